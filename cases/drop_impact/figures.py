@@ -1,0 +1,211 @@
+#!/usr/bin/python3
+"""Pictures of a drop impact: figure 1 (six moments, three views) and figure 2 (H, D, phi against time) of Kuri et al.
+
+    figures.py RUN_FOLDER [MORE_RUN_FOLDERS] [--times MS ...] [--quarter] [--only 1|2]
+
+Reads series.csv, options.opts and snapshot_*.h5 of the run; writes RUN_FOLDER/figures/figure_1.png and figure_2.png.
+The other runs appear in figure 2 only. Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a
+display, xvfb and xauth.
+"""
+import argparse
+import glob
+import os
+import shutil
+import sys
+
+import rundata
+
+TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
+PANEL = (1000, 700)  # pixels of a rendered view
+HALF_SECTION = 0.5e-3  # m: the section is 1 mm thick
+SECTION = (-20e-3, 20e-3, -10e-3, 18e-3)  # m: x and z limits of the section's picture
+EYE = dict(position=(34e-3, -92e-3, 84e-3), focus=(1e-3, 0, -4.7e-3), up=(0, 0, 1), angle=20.2)
+ABOVE = dict(position=(0, 0, 0.1), focus=(0, 0, 0), up=(0, 1, 0), height=26e-3)
+PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
+
+
+def with_display():
+    """Starts this program again under xvfb-run if there is no display: VTK of Debian draws in a window only."""
+    if os.environ.get("DISPLAY"):
+        return
+    if not shutil.which("xvfb-run") or not shutil.which("xauth"):
+        raise rundata.RunError(f"without a display the pictures need xvfb: apt-get install {PACKAGES}")
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", sys.executable, os.path.abspath(__file__)]
+    sys.stdout.flush()
+    os.execvp(command[0], command + sys.argv[1:])
+
+
+def first(values):
+    """The first number of an attribute, whether it is a scalar or an array."""
+    return float(np.ravel(values)[0])
+
+
+def snapshots(folder):
+    """[(time, path)] of the snapshots that can be read, in order of time (s)."""
+    found = []
+    for path in sorted(glob.glob(os.path.join(folder, "snapshot_*.h5"))):
+        try:
+            with h5py.File(path, "r") as file:
+                found.append((first(file.attrs["time"]), path))
+        except (OSError, KeyError):
+            print(f"figures.py: {path} is not a whole snapshot; left out.", file=sys.stderr)
+    return sorted(found)
+
+
+def choose(found, times):
+    """The snapshots nearest to the times (s), each once; spread over a run that is shorter than the default times."""
+    last = found[-1][0]
+    if times is None:
+        times = TIMES if last > TIMES[-2] else [last * (i + 1) / len(TIMES) for i in range(len(TIMES))]
+    nearest = [min(found, key=lambda item, t=t: abs(item[0] - t)) for t in times]
+    return sorted(set(nearest))
+
+
+def read_snapshot(path, options, quarter):
+    """The liquid of a snapshot over the whole box: surface.Liquid."""
+    with h5py.File(path, "r") as file:
+        points = np.array(file["position"], float)
+        body = np.array(file["body" if "body" in file else "color"]).ravel()
+        spacing = first(file.attrs["spacing"]) if "spacing" in file.attrs else float(options["spacing"])
+        level = np.nan_to_num(first(file.attrs["level"])) if "level" in file.attrs else 0.0
+        corners = [np.ravel(file.attrs[name]) if name in file.attrs else rundata.vector(options, name)
+                   for name in ("box_lower", "box_upper")]
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise rundata.RunError(f"{path} is not of a run in three dimensions.")
+    liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
+    points, is_drop = points[liquid], body[liquid] == 1
+    lower, upper = (np.array(c, float) if len(c) == 3 else None for c in corners)
+    if lower is None or upper is None:
+        lower, upper = (spacing * np.round(end / spacing) for end in (points.min(axis=0), points.max(axis=0)))
+    for axis, side in enumerate(("box_xmin", "box_ymin")):
+        if quarter or options.get(side) == "symmetry":
+            mirror = np.ones(3)
+            mirror[axis] = -1
+            shift = np.zeros(3)
+            shift[axis] = 2 * lower[axis]
+            points, is_drop = np.concatenate([points, points * mirror + shift]), np.concatenate([is_drop, is_drop])
+            lower[axis] = 2 * lower[axis] - upper[axis]
+    down = np.array([0, 0, level])
+    return surface.Liquid(points - down, is_drop, spacing, lower - down, upper - down)
+
+
+def draw_section(axes, liquid):
+    """The section through the axis, drop and film filled, its particles as dots."""
+    half = max(HALF_SECTION, 0.6 * liquid.spacing)
+    x0, x1, z0, z1 = (1e3 * x for x in SECTION)
+    image = surface.section(liquid, half, SECTION, 0.25 * liquid.spacing)
+    axes.imshow(image, origin="lower", extent=(x0, x1, z0, z1), interpolation="bilinear", aspect="equal")
+    axes.axhline(0, color="0.45", lw=0.6, ls=(0, (4, 4)))
+    axes.set(xlim=(x0, x1), ylim=(z0, z1))
+
+
+def figure_1(folder, times, quarter, path):
+    found = snapshots(folder)
+    if not found:
+        raise rundata.RunError(f"{folder} holds no readable snapshot_*.h5.")
+    options, chosen = rundata.read_options(folder), choose(found, times)
+    rows = len(chosen)
+    figure, axes = plt.subplots(rows, 3, figsize=(12.6, 0.35 + 2.9 * rows), squeeze=False,
+                                gridspec_kw=dict(wspace=0.03, hspace=0.04))
+    for row, (time, file) in zip(axes, chosen):
+        liquid = read_snapshot(file, options, quarter)
+        row[0].imshow(surface.picture(liquid, EYE, PANEL), interpolation="antialiased")
+        above = ABOVE["height"] * 1e3 / 2
+        wide = above * PANEL[0] / PANEL[1]
+        row[1].imshow(surface.picture(liquid, ABOVE, PANEL, drop_alone=True), extent=(-wide, wide, -above, above),
+                      interpolation="antialiased")
+        draw_section(row[2], liquid)
+        for panel in row:
+            panel.set(xticks=[], yticks=[])
+            for spine in panel.spines.values():
+                spine.set(color="0.8", lw=0.8)
+        row[0].text(0.025, 0.955, f"{time * 1e3:.3g} ms", transform=row[0].transAxes, va="top", size=13, weight="bold")
+    titles = ("drop and film", "the drop's liquid from above", "section through the axis, 1 mm thick")
+    for panel, title in zip(axes[0], titles):
+        panel.set_title(title, size=11)
+    axes[-1][1].plot([7, 17], [-11.6, -11.6], color="black", lw=2)
+    axes[-1][1].text(12, -11.2, "10 mm", ha="center", va="bottom", size=10)
+    axes[-1][2].plot([8.5, 18.5], [15.6, 15.6], color="black", lw=2)
+    axes[-1][2].text(13.5, 15.1, "10 mm", ha="center", va="top", size=10)
+    figure.savefig(path, dpi=140, bbox_inches="tight", pad_inches=0.06)
+    plt.close(figure)
+
+
+def figure_2(folders, path):
+    figure, axes = plt.subplots(3, 1, figsize=(7.2, 8.6), sharex=True, gridspec_kw=dict(hspace=0.08))
+    names = ("crown_height", "crater_depth", "crater_diameter")
+    labels = ("crown height H (mm)", "crater depth D (mm)", "crater diameter $\\phi$ (mm)")
+    curves = []
+    if any(rundata.reference_applies(folder) for folder in folders):
+        curves.append((rundata.read_reference(), dict(color="black", lw=1.6, label="reference (axisymmetric VOF)")))
+        curves.append((rundata.read_reference(box=True),
+                       dict(color="0.45", lw=1.2, ls=(0, (5, 2)), label="reference, pool of the box's area")))
+    for i, folder in enumerate(folders):
+        label = os.path.basename(os.path.abspath(folder))
+        curves.append((rundata.read_series(folder), dict(color=f"C{i}", lw=1.8, label=label)))
+    end = max(max(table["time"]) for table, _ in curves[-len(folders):])
+    for panel, name, label in zip(axes, names, labels):
+        for table, style in curves:
+            time = 1e3 * np.array(table["time"])
+            values = 1e3 * np.array(table.get(name, np.full(len(time), np.nan)))
+            keep = (time >= 0) & (time <= max(1e3 * end, 1))
+            panel.plot(time[keep], values[keep], **style)
+            if name == "crown_height" and "jet_height" in table:
+                jet = 1e3 * np.array(table["jet_height"])
+                keep &= (time > 40) & (jet > 0)
+                panel.plot(time[keep], jet[keep], **{**style, "ls": ":", "label": None})
+        panel.set_ylabel(label)
+        panel.set_ylim(bottom=0)
+        panel.grid(color="0.9", lw=0.8)
+        panel.set_axisbelow(True)
+        panel.spines[["top", "right"]].set_visible(False)
+    if end > 45e-3:
+        axes[0].plot([], [], color="0.3", ls=":", lw=1.6, label="height of the jet")
+    axes[0].legend(frameon=False, fontsize=9, loc="upper left")
+    axes[-1].set_xlabel("time after contact (ms)")
+    axes[-1].set_xlim(0, max(1e3 * end, 1))
+    figure.savefig(path, dpi=150, bbox_inches="tight", pad_inches=0.06)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folders", metavar="RUN_FOLDER", nargs="+", help="runs; the first one gets the pictures")
+    parser.add_argument("--times", type=float, nargs="+", metavar="MS", help="moments of figure 1, ms after contact")
+    parser.add_argument("--quarter", action="store_true", help="the run is a quarter, cut at x = 0 and y = 0 (found "
+                        "by itself if options.opts says so)")
+    parser.add_argument("--only", choices=("1", "2"), help="make this figure only")
+    arguments = parser.parse_args()
+    for folder in arguments.folders:
+        if not os.path.isdir(folder):
+            raise rundata.RunError(f"{folder} is not a folder.")
+    output = os.path.join(arguments.folders[0], "figures")
+    os.makedirs(output, exist_ok=True)
+    times = [1e-3 * t for t in arguments.times] if arguments.times else None
+    if arguments.only != "1":
+        path = os.path.join(output, "figure_2.png")
+        figure_2(arguments.folders, path)
+        print(path)
+    if arguments.only != "2":
+        path = os.path.join(output, "figure_1.png")
+        figure_1(arguments.folders[0], times, arguments.quarter, path)
+        print(path)
+
+
+if __name__ == "__main__":
+    try:
+        try:
+            import h5py
+            import matplotlib
+            import numpy as np
+            matplotlib.use("Agg")
+            import matplotlib.pyplot as plt
+            with_display()
+            import surface
+        except ImportError as error:
+            raise rundata.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, "
+                                   "then use /usr/bin/python3.") from error
+        main()
+    except rundata.RunError as error:
+        sys.exit(f"figures.py: {error}")

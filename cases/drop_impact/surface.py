@@ -1,0 +1,301 @@
+"""The liquid's surface out of particles, and its picture: numpy makes field and light, VTK the mesh and the image.
+
+Lengths in m. The volume fraction is the particles' volume, spread by a Gaussian of FILTER spacings onto a grid; the
+surface is where it passes LEVEL. Particles too lonely to reach LEVEL are drawn as spheres of their own volume.
+"""
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
+                                         vtkWindowToImageFilter)
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
+
+FILTER = 0.6  # standard deviation of the Gaussian, spacings
+LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
+DROP_LEVEL = 0.2  # of the drop's volume fraction, when it is drawn alone: it is often thinner than a spacing
+CELL = 0.5  # largest cell of the grid, spacings
+MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
+SMOOTHING = 25  # iterations of the mesh filter
+PASS_BAND = 0.06  # of the mesh filter
+WIDE = 1.5e-3  # m: reach of the shade in hollows
+
+FILM_COLOR = np.array([0.07, 0.35, 0.63])
+DROP_COLOR = np.array([0.93, 0.36, 0.09])
+ZENITH, HORIZON, GROUND = np.array([0.52, 0.70, 0.90]), np.array([0.95, 0.97, 1.0]), np.array([0.30, 0.36, 0.42])
+
+
+def blur(field, width):
+    """Gaussian filter of an array with standard deviation width (nodes), zero outside."""
+    reach = max(1, int(np.ceil(3 * width)))
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    weights /= weights.sum()
+    for axis in range(field.ndim):
+        source, field = np.moveaxis(field, axis, 0), np.zeros_like(field)
+        target = np.moveaxis(field, axis, 0)
+        n = source.shape[0]
+        for shift, weight in zip(range(-reach, reach + 1), weights.astype(source.dtype)):
+            if abs(shift) < n:
+                target[max(0, shift):n + min(0, shift)] += weight * source[max(0, -shift):n - max(0, shift)]
+    return field
+
+
+def deposit(places, shape, weight):
+    """Spreads a weight a point onto the 2^d nodes around it, linearly. places [n][d] in nodes; points outside: none."""
+    dim = len(shape)
+    base = np.floor(places).astype(np.int64)
+    inside = np.all((base >= 0) & (base < np.array(shape) - 1), axis=1)
+    base, rest = base[inside], (places - np.floor(places))[inside]
+    total = np.zeros(int(np.prod(shape)))
+    for corner in np.ndindex(*(2,) * dim):
+        share = np.prod(np.where(np.array(corner) == 1, rest, 1 - rest), axis=1)
+        index = np.ravel_multi_index(tuple((base + corner).T), shape)
+        total += np.bincount(index, share * weight, minlength=total.size)
+    return total.reshape(shape).astype(np.float32)
+
+
+def sample(field, places):
+    """Linear interpolation of a field at places [n][3] (nodes), clamped to the grid."""
+    top = np.array(field.shape) - 1.001
+    places = np.clip(places, 0, top)
+    base = places.astype(np.int64)
+    rest = places - base
+    value = np.zeros(len(places))
+    for corner in np.ndindex(2, 2, 2):
+        share = np.prod(np.where(np.array(corner) == 1, rest, 1 - rest), axis=1)
+        value += share * field[tuple((base + corner).T)]
+    return value
+
+
+def with_images(points, flags, lower, upper, margin):
+    """Adds the periodic images of the points within a margin (m) beyond the four sides of the box."""
+    for axis in (0, 1):
+        length = upper[axis] - lower[axis]
+        low = points[:, axis] < lower[axis] + margin
+        high = points[:, axis] > upper[axis] - margin
+        shift = np.zeros(3)
+        shift[axis] = length
+        points = np.concatenate([points, points[low] + shift, points[high] - shift])
+        flags = np.concatenate([flags, flags[low], flags[high]])
+    return points, flags
+
+
+class Liquid:
+    """The volume fractions of all liquid and of the drop on a grid over the box.
+
+    points [n][3] (m); is_drop [n]; spacing, lower, upper (m): of the particles, and the corners of the whole box.
+    """
+
+    def __init__(self, points, is_drop, spacing, lower, upper):
+        inside = np.all((points >= lower) & (points <= upper), axis=1)
+        self.points, self.is_drop, self.spacing = points[inside], is_drop[inside], spacing
+        top = min(upper[2], self.points[:, 2].max() + 3 * spacing)
+        extent = np.array([upper[0] - lower[0], upper[1] - lower[1], top - lower[2]])
+        cell = max(CELL * spacing, (np.prod(extent) / MOST_NODES) ** (1 / 3))
+        self.cell = extent[0] / np.ceil(extent[0] / cell)
+        margin = int(np.ceil(4 * FILTER * spacing / self.cell))
+        self.origin = np.asarray(lower, float) - margin * self.cell
+        shape = tuple(np.ceil(extent / self.cell).astype(int) + 2 * margin + 1)
+        near, flags = with_images(self.points, self.is_drop, lower, upper, margin * self.cell)
+        places, weight = self.places(near), (spacing / self.cell) ** 3
+        width = FILTER * spacing / self.cell
+        self.drop = blur(deposit(places[flags], shape, weight), width)
+        self.all = self.drop + blur(deposit(places[~flags], shape, weight), width)
+        self.hollow = blur(np.minimum(self.all[::4, ::4, ::4], 1), WIDE / (4 * self.cell))
+        # The block of liquid ends at the sides and the bottom of the box with flat faces.
+        layer = int(np.ceil(spacing / self.cell))
+        self.block = np.minimum(self.all, 1)
+        self.block[:, :, :margin + layer] = self.block[:, :, margin + layer, None]
+        for axis in range(2):
+            beyond = np.ones(shape[axis], bool)
+            beyond[margin:margin + int(round(extent[axis] / self.cell)) + 1] = False
+            np.moveaxis(self.block, axis, 0)[beyond] = 0
+        self.block[:, :, :margin] = 0
+
+    def places(self, points):
+        """Points (m) in nodes of the grid."""
+        return (points - self.origin) / self.cell
+
+    def lonely(self, field, level, flags):
+        """Flags of those of the flagged particles that the surface of a field at a level does not hold."""
+        flags = flags.copy()
+        flags[flags] = sample(field, self.places(self.points[flags])) < level
+        return flags
+
+    def drop_share(self, points):
+        """The drop's part of the liquid at points (m), sharpened for the eye: 0 film, 1 drop."""
+        places = self.places(points)
+        share = sample(self.drop, places) / np.maximum(sample(self.all, places), 1e-6)
+        share = np.clip((share - 0.3) / 0.4, 0, 1)
+        return share * share * (3 - 2 * share)
+
+    def shade(self, points, normals):
+        """Dimming of the light at points (m) in hollows: 1 open, towards 0 enclosed."""
+        places = self.places(points + normals * WIDE) / 4
+        return np.clip(1.15 - 0.8 * sample(self.hollow, places), 0.4, 1)
+
+
+def triangles(field, level, origin, cell):
+    """The smoothed surface of a field at a level: points [n][3], normals [n][3] (outward), triangles [m][3]."""
+    image = vtkImageData()
+    image.SetDimensions(*field.shape)
+    image.SetSpacing(cell, cell, cell)
+    image.SetOrigin(*origin)
+    values = numpy_to_vtk(field.ravel(order="F"), deep=True)
+    image.GetPointData().SetScalars(values)
+    contour = vtkFlyingEdges3D()
+    contour.SetInputData(image)
+    contour.SetValue(0, level)
+    contour.ComputeNormalsOff()
+    contour.ComputeScalarsOff()
+    smooth = vtkWindowedSincPolyDataFilter()
+    smooth.SetInputConnection(contour.GetOutputPort())
+    smooth.SetNumberOfIterations(SMOOTHING)
+    smooth.SetPassBand(PASS_BAND)
+    smooth.FeatureEdgeSmoothingOff()
+    smooth.NormalizeCoordinatesOn()
+    normals = vtkPolyDataNormals()
+    normals.SetInputConnection(smooth.GetOutputPort())
+    normals.SetFeatureAngle(70)
+    normals.ConsistencyOff()
+    normals.Update()
+    mesh = normals.GetOutput()
+    if mesh.GetNumberOfPoints() == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
+    points = vtk_to_numpy(mesh.GetPoints().GetData()).astype(float)
+    vectors = vtk_to_numpy(mesh.GetPointData().GetNormals()).astype(float)
+    cells = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return points, vectors, cells
+
+
+def spheres(centers, radius):
+    """Spheres about centers [n][3] (m): points, normals, triangles."""
+    source = vtkSphereSource()
+    source.SetThetaResolution(12)
+    source.SetPhiResolution(8)
+    source.SetRadius(1)
+    source.Update()
+    unit = vtk_to_numpy(source.GetOutput().GetPoints().GetData()).astype(float)
+    cells = vtk_to_numpy(source.GetOutput().GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    points = (centers[:, None, :] + radius * unit).reshape(-1, 3)
+    offsets = np.arange(len(centers))[:, None, None] * len(unit)
+    return points, np.tile(unit, (len(centers), 1)), (cells + offsets).reshape(-1, 3)
+
+
+def surface(liquid, drop_alone):
+    """Points, normals, triangles and drop shares of the liquid's surface, or of the drop's alone."""
+    if drop_alone:
+        field, level, flags = liquid.drop, DROP_LEVEL, liquid.is_drop
+    else:
+        field, level, flags = liquid.block, LEVEL, np.ones(len(liquid.points), bool)
+    mesh = triangles(field, level, liquid.origin, liquid.cell)
+    loose = liquid.lonely(field, level, flags)
+    balls = spheres(liquid.points[loose], liquid.spacing * (3 / (4 * np.pi)) ** (1 / 3))
+    if drop_alone:
+        share = np.ones(len(mesh[0]) + len(balls[0]))
+    else:
+        own = np.repeat(liquid.is_drop[loose].astype(float), len(balls[0]) // max(1, loose.sum()))
+        share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1]), own])
+    return (np.concatenate([mesh[0], balls[0]]), np.concatenate([mesh[1], balls[1]]),
+            np.concatenate([mesh[2], balls[2] + len(mesh[0])]), share)
+
+
+def sky(directions):
+    """Light from directions [n][3] (unit): ground, horizon, zenith and a bright window."""
+    up = directions[:, 2:3]
+    light = np.where(up > 0, HORIZON + (ZENITH - HORIZON) * np.sqrt(np.clip(up, 0, 1)),
+                     HORIZON + (GROUND - HORIZON) * np.clip(-4 * up, 0, 1))
+    lamp = np.array([-0.45, -0.25, 0.86])
+    glow = np.clip((directions @ (lamp / np.linalg.norm(lamp)) - 0.9) / 0.06, 0, 1)[:, None]
+    return light + 3.5 * glow
+
+
+def colors(points, normals, base, shade, toward_eye):
+    """Colours [n][3] (bytes) of a wet surface: its own, scattered, and the sky's mirror image (Schlick)."""
+    facing = np.sum(normals * toward_eye, axis=1, keepdims=True)
+    normals = np.where(facing < 0, -normals, normals)
+    facing = np.abs(facing)
+    lamp = np.array([-0.35, -0.55, 0.76])
+    direct = np.clip(normals @ (lamp / np.linalg.norm(lamp)), 0, 1)[:, None]
+    ambient = (0.55 + 0.45 * normals[:, 2:3]) * shade[:, None]
+    mirror = 2 * facing * normals - toward_eye
+    fresnel = 0.08 + 0.92 * (1 - facing) ** 4
+    image = sky(mirror) * (0.35 + 0.65 * shade[:, None])
+    scattered = base * (0.63 * ambient + 0.75 * direct * (0.4 + 0.6 * shade[:, None]))
+    color = scattered + np.minimum(fresnel, 0.6) * image
+    return (255 * np.clip(color, 0, 1) ** (1 / 1.25)).astype(np.uint8)
+
+
+def picture(liquid, camera, size, drop_alone=False):
+    """Renders the surface: an array [height][width][3] of bytes.
+
+    camera: position, focus, up (m), and either 'angle' (degrees, perspective) or 'height' (m, parallel projection).
+    """
+    points, normals, cells, share = surface(liquid, drop_alone)
+    eye, focus = np.array(camera["position"], float), np.array(camera["focus"], float)
+    toward = eye - points if "angle" in camera else np.broadcast_to(eye - focus, points.shape)
+    toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
+    base = FILM_COLOR + share[:, None] * (DROP_COLOR - FILM_COLOR)
+    shade = np.ones(len(points)) if drop_alone else liquid.shade(points, normals)
+    rgb = colors(points, normals, base, shade, toward)
+
+    mesh = vtkPolyData()
+    corners = vtkPoints()
+    corners.SetData(numpy_to_vtk(points.astype(np.float32), deep=True))
+    polygons = vtkCellArray()
+    polygons.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells.ravel(), np.int64), deep=True))
+    mesh.SetPoints(corners)
+    mesh.SetPolys(polygons)
+    mesh.GetPointData().SetScalars(numpy_to_vtk(rgb, deep=True))
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(mesh)
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().LightingOff()
+    renderer = vtkRenderer()
+    renderer.SetBackground(1, 1, 1)
+    renderer.AddActor(actor)
+    view = renderer.GetActiveCamera()
+    view.SetPosition(*eye)
+    view.SetFocalPoint(*focus)
+    view.SetViewUp(*camera["up"])
+    if "angle" in camera:
+        view.SetViewAngle(camera["angle"])
+    else:
+        view.ParallelProjectionOn()
+        view.SetParallelScale(camera["height"] / 2)
+    renderer.ResetCameraClippingRange()
+    window = vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(0)
+    window.SetSize(*size)
+    window.AddRenderer(renderer)
+    window.Render()
+    grab = vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.ReadFrontBufferOff()
+    grab.Update()
+    image = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(size[1], size[0], -1)
+    window.Finalize()
+    return image[::-1, :, :3].copy()
+
+
+def section(liquid, half_thickness, window, pixels):
+    """A section through the axis, |y| <= half_thickness (m), seen along y: image [rows][columns][4], from 0 to 1.
+
+    window: x and z limits (x0, x1, z0, z1), m; pixels: the size of a pixel, m.
+    """
+    slab = np.abs(liquid.points[:, 1]) <= half_thickness
+    points, is_drop = liquid.points[slab][:, [0, 2]], liquid.is_drop[slab]
+    shape = (int(round((window[1] - window[0]) / pixels)), int(round((window[3] - window[2]) / pixels)))
+    places = (points - [window[0], window[2]]) / pixels - 0.5
+    weight = liquid.spacing ** 3 / (2 * half_thickness * pixels ** 2)
+    width = FILTER * liquid.spacing / pixels
+    drop = blur(deposit(places[is_drop], shape, weight), width)
+    both = drop + blur(deposit(places[~is_drop], shape, weight), width)
+    share = np.clip((drop / np.maximum(both, 1e-6) - 0.4) / 0.2, 0, 1)[..., None]
+    cover = np.clip((both - LEVEL) * 4 + 0.5, 0, 1)[..., None]
+    image = np.concatenate([FILM_COLOR + share * (DROP_COLOR - FILM_COLOR), cover], axis=2)
+    return image.transpose(1, 0, 2)

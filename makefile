@@ -1,0 +1,72 @@
+# isph: incompressible SPH on PETSc.   make | make run | make test | make test-long | make lint | make clean
+#   PORTABLE=1   code for any processor of the architecture instead of this one
+#   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
+#   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
+CC        = mpicc
+PYTHON    = /usr/bin/python3
+BUILD     = output/build
+PKG_PATH  = $(if $(PETSC_DIR),$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)$(if $(SLEPC_DIR),$(SLEPC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)
+PKG       = PKG_CONFIG_PATH=$(PKG_PATH)$$PKG_CONFIG_PATH pkg-config
+PACKAGES  = SLEPc PETSc hdf5-openmpi
+ARCH      = $(if $(PORTABLE),,-march=native)
+CFLAGS    = -O3 $(ARCH) -g
+WARNINGS  = -Wall -Wextra -Werror -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-pass-failed
+ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) -fno-math-errno -fno-trapping-math -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
+LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
+
+SOURCES   = $(filter-out src/main.c,$(wildcard src/*/*.c))
+OBJECTS   = $(SOURCES:src/%.c=$(BUILD)/%.o)
+
+all: isph
+
+isph: $(BUILD)/main.o $(OBJECTS)
+	@echo LD $@; $(CC) -o $@ $^ $(LIBS)
+
+$(BUILD)/%.o: src/%.c $(BUILD)/flags
+	@mkdir -p $(dir $@)
+	@echo CC $<; $(CC) $(ALL_FLAGS) -c -o $@ $<
+
+# The names of all options, for "did you mean".
+$(BUILD)/names.h: $(SOURCES)
+	@mkdir -p $(BUILD); grep -oh '"-[a-z][a-z0-9_]*"' $(SOURCES) | sort -u | sed 's/"-/"/; s/$$/,/' > $@
+
+$(BUILD)/sim/unused.o: $(BUILD)/names.h
+$(BUILD)/sim/unused.o: ALL_FLAGS += -I$(BUILD)
+
+# Objects depend on the compiler and its flags, so that a switch of either rebuilds.
+$(BUILD)/flags: force
+	@mkdir -p $(BUILD); echo '$(CC) $(OMPI_CC) $(ALL_FLAGS)' | cmp -s - $@ || echo '$(CC) $(OMPI_CC) $(ALL_FLAGS)' > $@
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+
+UNIT = $(patsubst tests/unit/%.c,$(BUILD)/tests/unit/%,$(wildcard tests/unit/*.c))
+MPI  = OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
+RUN  = output/drop_impact
+
+$(BUILD)/tests/unit/%: tests/unit/%.c $(OBJECTS) $(BUILD)/flags
+	@mkdir -p $(dir $@); echo LD $@; $(CC) $(ALL_FLAGS) -Isrc -o $@ $< $(OBJECTS) $(LIBS)
+
+packages:
+	@tests/packages.sh build pictures
+
+# The main case at quick resolution, a quarter of the box: about five minutes on two cores, then its figures.
+run: packages
+	$(MAKE) isph
+	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
+	  -options_file options/quick.opts -output_dir $(RUN) -output_overwrite
+	$(PYTHON) cases/drop_impact/figures.py $(RUN)
+	$(PYTHON) cases/drop_impact/compare.py $(RUN)
+
+test: isph $(UNIT)
+	@PYTHON=$(PYTHON) tests/run.sh
+
+test-long: isph $(UNIT)
+	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
+
+lint:
+	@tests/run.sh tests/lint
+
+clean:
+	rm -rf $(BUILD) isph
+
+.PHONY: all packages run test test-long lint clean force

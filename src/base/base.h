@@ -1,0 +1,87 @@
+/* Floor 0: what every file includes. PETSc, the version shim, log events and small vector helpers. */
+#ifndef ISPH_BASE_H
+#define ISPH_BASE_H
+
+#include <petsc.h>
+
+#if PETSC_VERSION_LT(3, 19, 0)
+  #define PETSC_SUCCESS 0
+#endif
+
+#define ISPH_VERSION "0.1.0"
+
+/* Vectors are stored with three components in two dimensions too; the third is then zero. */
+#define DIM 3
+
+/* The loops the compiler must vectorise carry this mark; it allows the reordering of the sums named in it. */
+#define SIMD_LOOP(clauses) _Pragma_(omp simd clauses)
+#define _Pragma_(text)     _Pragma(#text)
+
+/* One log event a line of the step, one stage a phase of the run: -log_view shows them. */
+typedef enum {
+  EVENT_HALO,
+  EVENT_MIGRATE,
+  EVENT_NEIGHBORS,
+  EVENT_MOMENTS,
+  EVENT_SURFACE,
+  EVENT_VISCOSITY,
+  EVENT_TENSION,
+  EVENT_SOURCE,
+  EVENT_ASSEMBLE,
+  EVENT_SOLVE,
+  EVENT_GRADIENT,
+  EVENT_SHIFT,
+  EVENT_GUARD,
+  EVENT_PACKING,
+  EVENT_OUTPUT,
+  EVENT_GAUGES,
+  EVENT_COUNT
+} EventId;
+
+typedef enum {STAGE_PACKING, STAGE_STEPS, STAGE_OUTPUT, STAGE_COUNT} StageId;
+
+/* LogRegister - registers events and stages. Collective; call once after PetscInitialize. */
+PetscErrorCode LogRegister(void);
+/* LogEvent, LogStage - the PETSc handles of an event or a stage. Not collective. */
+PetscLogEvent LogEvent(EventId event);
+PetscLogStage LogStage(StageId stage);
+
+static inline PetscReal Dot(const PetscReal a[DIM], const PetscReal b[DIM])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline PetscReal Norm(const PetscReal a[DIM])
+{
+  return PetscSqrtReal(Dot(a, a));
+}
+
+/* UserError - the one way to refuse bad input: one sentence (what, where, what is allowed) on standard error and a non-zero exit
+   of all ranks through main's return. Collective in effect: every rank must reach it with the same message (options are the same
+   on every rank). Use as  PetscCheckUser(condition, comm, "format", ...). */
+PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
+#define PetscCheckUser(condition, comm, ...) \
+  do { \
+    if (PetscUnlikely(!(condition))) return UserError(comm, __VA_ARGS__); \
+  } while (0)
+/* The code UserError returns: it travels up through PetscCallUser/PetscCall without a stack trace being printed. */
+#define ISPH_USER_ERROR PETSC_ERR_USER_INPUT
+
+/* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler) that stays silent while the
+   code of a UserError travels up through PetscCall, and hands every other error to PETSc's traceback. PETSc aborts
+   when a PetscCall in main itself fails: let main call one function, test its code without PetscCall, finalize and
+   return it. Not collective; call once after PetscInitialize. */
+PetscErrorCode UserErrorHandlerPush(void);
+
+/* RandomUnit - a uniform number in [0,1) from a seed and a counter (SplitMix64): the same on any number of ranks. */
+static inline PetscReal RandomUnit(unsigned long long seed, unsigned long long counter)
+{
+  unsigned long long z = seed * 0x9E3779B97F4A7C15ULL + (counter + 1) * 0xD1B54A32D192ED03ULL;
+
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+  z = z ^ (z >> 31);
+  return (PetscReal)(z >> 11) * (1.0 / 9007199254740992.0);
+}
+
+#endif

@@ -1,0 +1,289 @@
+/* The box: options, the cells of the partition, and where a point belongs. */
+#include "domain.h"
+
+#define NAME_LENGTH 64
+#define CELLS_MAX \
+  200000 /* of the partition: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all */
+#define CELL_GROWTH     1.05  /* step of the search for a cell size that keeps to CELLS_MAX */
+#define LENGTH_ROUNDING 1e-12 /* relative; a box exactly one reach wide is allowed */
+
+const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
+static const char *const AxisNames[DIM]    = {"x", "y", "z"};
+static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
+
+PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(domain)); /* all faces open, all numbers zero */
+  (*domain)->comm = comm;
+  (*domain)->dim  = DIM;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DomainOptionsVector(Domain domain, PetscOptionItems *PetscOptionsObject, VectorKind kind,
+                                   const char option[], const char help[], const char manual[], PetscReal value[DIM],
+                                   PetscBool *set)
+{
+  const char *prefix          = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  PetscReal   number[DIM + 1] = {value[0], value[1], value[2], 0}; /* one more than allowed, to notice too many */
+  PetscInt    count           = DIM + 1;
+  PetscBool   found;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsRealArray(option, help, manual, number, &count, &found));
+  if (set) *set = found;
+  if (found) {
+    PetscCheckUser(count == domain->dim || count == DIM, domain->comm,
+                   "-%s%s must have %s numbers, separated by commas without blanks", prefix, option + 1,
+                   domain->dim == 2 ? "two or three" : "three");
+    for (PetscInt d = 0; d < count; d++) {
+      PetscCheckUser(!PetscIsInfOrNanReal(number[d]), domain->comm, "-%s%s must have finite numbers", prefix,
+                     option + 1);
+    }
+    PetscCheckUser(kind == VECTOR_POINT || domain->dim == DIM || count < DIM || number[2] == 0, domain->comm,
+                   "-%s%s must have no third component in two dimensions, not %g", prefix, option + 1,
+                   (double)number[2]);
+    for (PetscInt d = 0; d < count; d++) value[d] = number[d];
+  }
+  if (domain->dim == 2) value[2] = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One option of a face type, for the faces first .. last of direction d. */
+static PetscErrorCode ReadFaceType(Domain domain, PetscOptionItems *PetscOptionsObject, const char name[],
+                                   const char what[], PetscInt d, PetscInt first, PetscInt last)
+{
+  char      option[NAME_LENGTH], help[2 * NAME_LENGTH], value[NAME_LENGTH];
+  PetscBool found, same = PETSC_FALSE;
+  PetscInt  type;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s", name));
+  PetscCall(PetscSNPrintf(help, sizeof(help), "Type of %s: open, periodic, wall or symmetry", what));
+  PetscCall(PetscOptionsString(option, help, "DomainSetFromOptions", FaceTypes[domain->face[d][first]], value,
+                               sizeof(value), &found));
+  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  for (type = FACE_OPEN; type <= FACE_SYMMETRY; type++) {
+    PetscCall(PetscStrcasecmp(value, FaceTypes[type], &same));
+    if (same) break;
+  }
+  PetscCheckUser(same, domain->comm, "%s %s is not a face type; there are open, periodic, wall and symmetry", option,
+                 value);
+  for (PetscInt side = first; side <= last; side++) domain->face[d][side] = (FaceType)type;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadFaceVelocity(Domain domain, PetscOptionItems *PetscOptionsObject, PetscInt d, PetscInt side)
+{
+  char       option[NAME_LENGTH];
+  PetscReal *velocity = domain->wall_velocity[d][side];
+  PetscBool  found;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_velocity", FaceNames[d][side]));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, option,
+                                "Velocity of a wall face, tangential (m/s)", "DomainSetFromOptions", velocity, &found));
+  PetscCheckUser(!found || domain->face[d][side] == FACE_WALL, domain->comm,
+                 "%s: the face is %s; only a wall has a velocity", option, FaceTypes[domain->face[d][side]]);
+  PetscCheckUser(velocity[d] == 0, domain->comm, "%s must be tangential: its %s component must be 0, not %g m/s",
+                 option, AxisNames[d], (double)velocity[d]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadFaces(Domain domain, PetscOptionItems *PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "both faces of a direction", d, 0, 1));
+    for (PetscInt side = 0; side < 2; side++)
+      PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], "one face", d, side, side));
+    for (PetscInt side = 0; side < 2; side++) PetscCall(ReadFaceVelocity(domain, PetscOptionsObject, d, side));
+    PetscCheckUser((domain->face[d][0] == FACE_PERIODIC) == (domain->face[d][1] == FACE_PERIODIC), domain->comm,
+                   "-box_%s is %s but -box_%s is %s: a periodic face needs a periodic face opposite", FaceNames[d][0],
+                   FaceTypes[domain->face[d][0]], FaceNames[d][1], FaceTypes[domain->face[d][1]]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What follows from dimension, spacing and corners. */
+static PetscErrorCode CheckBox(Domain domain)
+{
+  PetscFunctionBegin;
+  domain->volume = PetscPowRealInt(domain->spacing, (int)domain->dim);
+  if (domain->dim == 2) {
+    domain->lower[2] = -0.5 * domain->spacing;
+    domain->upper[2] = 0.5 * domain->spacing;
+  }
+  for (PetscInt d = 0; d < DIM; d++) {
+    /* A box thinner than one spacing holds no particle; rounding of decimal input is forgiven. */
+    PetscCheckUser(domain->upper[d] - domain->lower[d] >= (1 - 1e-6) * domain->spacing, domain->comm,
+                   "the box must be at least one -spacing (%g m) wide in %s: -box_upper %g m is not that far above "
+                   "-box_lower %g m",
+                   (double)domain->spacing, AxisNames[d], (double)domain->upper[d], (double)domain->lower[d]);
+    for (PetscInt side = 0; side < 2; side++)
+      domain->wall_position[d][side] = side ? domain->upper[d] : domain->lower[d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DomainSetFromOptions(Domain domain)
+{
+  MPI_Comm  comm = domain->comm;
+  PetscBool has_spacing, has_lower, has_upper;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, "Box", "Domain")
+    ;
+    PetscCall(PetscOptionsInt("-dimension", "Number of dimensions, 2 or 3", "DomainSetFromOptions", domain->dim,
+                              &domain->dim, NULL));
+    PetscCheckUser(domain->dim == 2 || domain->dim == 3, comm, "-dimension must be 2 or 3, not %" PetscInt_FMT,
+                   domain->dim);
+    PetscCall(PetscOptionsReal("-spacing", "Particle spacing d0 (m), required", "DomainSetFromOptions", domain->spacing,
+                               &domain->spacing, &has_spacing));
+    PetscCheckUser(has_spacing || domain->spacing > 0, comm,
+                   "-spacing is missing: the distance of the particles (m) must be given and positive");
+    PetscCheckUser(domain->spacing > 0 && !PetscIsInfOrNanReal(domain->spacing), comm,
+                   "-spacing must be positive and finite, not %g m", (double)domain->spacing);
+    PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
+                                  "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
+                                  &has_lower));
+    PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_upper",
+                                  "Upper corner of the box (m), required", "DomainSetFromOptions", domain->upper,
+                                  &has_upper));
+    PetscCheckUser(has_lower && has_upper, comm,
+                   "%s is missing: the corners of the box, -box_lower and -box_upper (m), must be given",
+                   has_lower ? "-box_upper" : "-box_lower");
+    PetscCall(CheckBox(domain));
+    PetscCall(ReadFaces(domain, PetscOptionsObject));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckReach(Domain domain, PetscReal reach)
+{
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal width = domain->upper[d] - domain->lower[d];
+
+    for (PetscInt side = 0; side < 2; side++) {
+      const FaceType type = domain->face[d][side];
+
+      PetscCheckUser(
+          (type != FACE_PERIODIC && type != FACE_SYMMETRY) || width >= (1 - LENGTH_ROUNDING) * reach, domain->comm,
+          "a box too small for the kernel: it is %g m wide in %s, where -box_%s is %s and the kernel reaches %g m",
+          (double)width, AxisNames[d], FaceNames[d][side], FaceTypes[type], (double)reach);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Numbers of cells of at least the given size (m); their product as a real, for it may not fit an integer. */
+static PetscReal CountCells(Domain domain, PetscReal size, PetscReal cells[DIM])
+{
+  PetscReal product = 1;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    cells[d] = d < domain->dim
+                   ? PetscMax(1, PetscFloorReal((1 + LENGTH_ROUNDING) * (domain->upper[d] - domain->lower[d]) / size))
+                   : 1;
+    product *= cells[d];
+  }
+  return product;
+}
+
+PetscErrorCode DomainSetUp(Domain domain, PetscReal reach)
+{
+  PetscReal   cells[DIM], size = reach;
+  PetscInt    count = 1;
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCheck(domain->spacing > 0, domain->comm, PETSC_ERR_ORDER,
+             "DomainSetFromOptions must be called before DomainSetUp");
+  PetscCheck(reach > 0 && !PetscIsInfOrNanReal(reach), domain->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "reach must be positive, not %g m", (double)reach);
+  PetscCall(CheckReach(domain, reach));
+  while (CountCells(domain, size, cells) > CELLS_MAX) size *= CELL_GROWTH;
+  for (PetscInt d = 0; d < DIM; d++) {
+    domain->cells[d]     = (PetscInt)cells[d];
+    domain->cell_size[d] = (domain->upper[d] - domain->lower[d]) / cells[d];
+    count *= domain->cells[d];
+  }
+  PetscCall(PetscFree(domain->cell_rank));
+  PetscCall(PetscMalloc1(count, &domain->cell_rank));
+  PetscCallMPI(MPI_Comm_size(domain->comm, &ranks));
+  for (PetscInt c = 0; c < count; c++) domain->cell_rank[c] = (PetscMPIInt)((PetscInt64)c * ranks / count);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
+{
+  PetscBool ascii;
+
+  PetscFunctionBegin;
+  if (!viewer) PetscCall(PetscViewerASCIIGetStdout(domain->comm, &viewer));
+  PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
+  if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Domain: %" PetscInt_FMT " dimensions, spacing %g m\n", domain->dim,
+                                   (double)domain->spacing));
+  PetscCall(PetscViewerASCIIPushTab(viewer));
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %g to %g m, %s to %s, %" PetscInt_FMT " cells of %g m\n",
+                                     AxisNames[d], (double)domain->lower[d], (double)domain->upper[d],
+                                     FaceTypes[domain->face[d][0]], FaceTypes[domain->face[d][1]], domain->cells[d],
+                                     (double)domain->cell_size[d]));
+    for (PetscInt side = 0; side < 2; side++) {
+      const PetscReal *v = domain->wall_velocity[d][side];
+
+      if (Dot(v, v) > 0) {
+        PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s moves at %g, %g, %g m/s\n", FaceNames[d][side], (double)v[0],
+                                         (double)v[1], (double)v[2]));
+      }
+    }
+  }
+  PetscCall(PetscViewerASCIIPopTab(viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DomainDestroy(Domain *domain)
+{
+  PetscFunctionBegin;
+  if (!*domain) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*domain)->cell_rank));
+  PetscCall(PetscFree(*domain));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt DomainCell(Domain domain, const PetscReal x[DIM])
+{
+  PetscInt at[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    PetscReal t = (x[d] - domain->lower[d]) / domain->cell_size[d];
+
+    if (!(t > 0)) t = 0; /* also NaN */
+    if (t > (PetscReal)(domain->cells[d] - 1)) t = (PetscReal)(domain->cells[d] - 1);
+    at[d] = (PetscInt)t;
+  }
+  return at[0] + domain->cells[0] * (at[1] + domain->cells[1] * at[2]);
+}
+
+void DomainWrap(Domain domain, PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal lower = domain->lower[d], upper = domain->upper[d];
+
+    if (domain->face[d][0] != FACE_PERIODIC || (x[d] >= lower && x[d] < upper)) continue;
+    x[d] -= (upper - lower) * PetscFloorReal((x[d] - lower) / (upper - lower));
+    if (x[d] < lower || x[d] >= upper) x[d] = lower; /* rounding at a face */
+  }
+}
+
+PetscBool DomainOutside(Domain domain, const PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (domain->face[d][0] == FACE_OPEN && x[d] < domain->lower[d]) return PETSC_TRUE;
+    if (domain->face[d][1] == FACE_OPEN && x[d] > domain->upper[d]) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}

@@ -1,0 +1,178 @@
+#include "types.h"
+
+struct _p_Kernel {
+  MPI_Comm         comm;
+  PetscInt         dim;
+  char             type[64];
+  const KernelOps *ops;
+  PetscReal        h, scale_w, scale_f, inverse_h2;
+};
+
+static PetscFunctionList KernelList = NULL;
+
+/* PetscFunctionList holds functions: each type is wrapped in one that returns its table. */
+typedef const KernelOps *(*KernelTableFunction)(void);
+#define KERNEL_TABLE(type) \
+  static const KernelOps *Table##type(void) \
+  { \
+    return &Kernel##type; \
+  }
+KERNEL_TABLE(CubicSpline)
+KERNEL_TABLE(WendlandC2)
+KERNEL_TABLE(QuinticSpline)
+
+static PetscErrorCode KernelRegisterAll(void)
+{
+  PetscFunctionBegin;
+  if (KernelList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_CUBIC_SPLINE, TableCubicSpline));
+  PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_WENDLAND_C2, TableWendlandC2));
+  PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_QUINTIC_SPLINE, TableQuinticSpline));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void KernelScale(Kernel kernel)
+{
+  const PetscReal norm = kernel->dim == 2 ? kernel->ops->norm2 : kernel->ops->norm3;
+
+  if (kernel->h <= 0) return;
+  kernel->scale_w    = norm / PetscPowRealInt(kernel->h, (int)kernel->dim);
+  kernel->inverse_h2 = 1.0 / (kernel->h * kernel->h);
+  kernel->scale_f    = kernel->scale_w * kernel->inverse_h2;
+}
+
+PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
+{
+  PetscFunctionBegin;
+  PetscCall(KernelRegisterAll());
+  PetscCall(PetscNew(kernel));
+  (*kernel)->comm = comm;
+  (*kernel)->dim  = dim;
+  PetscCall(KernelSetType(*kernel, KERNEL_CUBIC_SPLINE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode KernelSetType(Kernel kernel, const char name[])
+{
+  KernelTableFunction table;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListFind(KernelList, name, &table));
+  PetscCheckUser(table, kernel->comm, "-kernel_type %s is not a kernel; there are " KERNEL_CUBIC_SPLINE ", " KERNEL_WENDLAND_C2 " and " KERNEL_QUINTIC_SPLINE, name);
+  kernel->ops = table();
+  PetscCall(PetscStrncpy(kernel->type, name, sizeof(kernel->type)));
+  KernelScale(kernel);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode KernelSetSmoothingLength(Kernel kernel, PetscReal h)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(h > 0, kernel->comm, "the smoothing length must be positive, not %g m", (double)h);
+  kernel->h = h;
+  KernelScale(kernel);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
+{
+  char      type[64];
+  PetscReal ratio = 1.3;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(kernel->comm, NULL, "Kernel", "Kernel");
+  PetscCall(PetscOptionsFList("-kernel_type", "smoothing kernel", "KernelSetType", KernelList, kernel->type, type, sizeof(type), &set));
+  PetscCall(PetscOptionsReal("-kernel_ratio", "smoothing length h over particle spacing d0 (1)", "KernelSetSmoothingLength", ratio, &ratio, NULL));
+  PetscOptionsEnd();
+  if (set) PetscCall(KernelSetType(kernel, type));
+  PetscCheckUser(ratio >= 1.0 && ratio <= 3.0, kernel->comm, "-kernel_ratio is %g; smoothing length over spacing must lie between 1 and 3", (double)ratio);
+  PetscCall(KernelSetSmoothingLength(kernel, ratio * spacing));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode KernelView(Kernel kernel, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Kernel: %s, %" PetscInt_FMT "-d, h = %g m, support %g m\n", kernel->type, kernel->dim, (double)kernel->h, (double)KernelSupport(kernel)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode KernelDestroy(Kernel *kernel)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*kernel));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal KernelSmoothingLength(Kernel kernel)
+{
+  return kernel->h;
+}
+
+PetscReal KernelSupport(Kernel kernel)
+{
+  return kernel->h * kernel->ops->support;
+}
+
+PetscReal KernelSelf(Kernel kernel)
+{
+  const PetscReal zero = 0;
+  PetscReal       w;
+
+  KernelEvaluate(kernel, 1, &zero, &w, NULL);
+  return w;
+}
+
+#define KERNEL_CHUNK 256
+
+void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal *restrict r2, PetscReal *restrict W, PetscReal *restrict F)
+{
+  PetscReal s[KERNEL_CHUNK];
+
+  for (PetscInt start = 0; start < n; start += KERNEL_CHUNK) {
+    const PetscInt m = PetscMin(n - start, KERNEL_CHUNK);
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++) s[k] = r2[start + k] * kernel->inverse_h2;
+    kernel->ops->evaluate(m, s, W ? W + start : NULL, F ? F + start : NULL);
+    if (W) {
+      SIMD_LOOP()
+      for (PetscInt k = 0; k < m; k++) W[start + k] *= kernel->scale_w;
+    }
+    if (F) {
+      SIMD_LOOP()
+      for (PetscInt k = 0; k < m; k++) F[start + k] *= kernel->scale_f;
+    }
+  }
+}
+
+#define HALF_SPACE_POINTS 400
+
+/* w1(s), by the midpoint rule over the chord (2-d) or by r dr (3-d), where the weight of the integrand is smooth. */
+static PetscReal PlaneIntegral(Kernel kernel, PetscReal s)
+{
+  const PetscReal support = KernelSupport(kernel), s2 = s * s;
+  const PetscReal chord = s2 < support * support ? PetscSqrtReal(support * support - s2) : 0;
+  const PetscReal dt    = chord / HALF_SPACE_POINTS;
+  PetscReal       r2[HALF_SPACE_POINTS], W[HALF_SPACE_POINTS], sum = 0;
+
+  for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++) r2[k] = s2 + PetscSqr((k + 0.5) * dt);
+  KernelEvaluate(kernel, HALF_SPACE_POINTS, r2, W, NULL);
+  for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++) sum += W[k] * (kernel->dim == 3 ? 2.0 * PETSC_PI * (k + 0.5) * dt : 2.0) * dt;
+  return sum;
+}
+
+void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fraction)
+{
+  const PetscReal end = PetscMin(PetscAbsReal(s), KernelSupport(kernel));
+
+  if (plane) *plane = PlaneIntegral(kernel, s);
+  if (fraction) {
+    const PetscInt points = 200;
+    PetscReal      sum    = 0;
+
+    for (PetscInt k = 0; k < points; k++) sum += PlaneIntegral(kernel, (k + 0.5) * end / points) * end / points;
+    *fraction = s >= 0 ? PetscMin(0.5 + sum, 1.0) : PetscMax(0.5 - sum, 0.0);
+  }
+}

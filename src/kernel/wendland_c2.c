@@ -1,0 +1,24 @@
+/* Wendland C2, support 2h: never pairs (its Fourier transform is not negative anywhere). */
+#include "types.h"
+
+static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restrict w, PetscReal *restrict f)
+{
+  if (w) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const PetscReal q = PetscSqrtReal(s[k]), u = PetscMax(1.0 - 0.5 * q, 0.0);
+
+      w[k] = u * u * u * u * (1.0 + 2.0 * q);
+    }
+  }
+  if (f) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const PetscReal u = PetscMax(1.0 - 0.5 * PetscSqrtReal(s[k]), 0.0);
+
+      f[k] = -5.0 * u * u * u;
+    }
+  }
+}
+
+const KernelOps KernelWendlandC2 = {.support = 2.0, .norm2 = 7.0 / (4.0 * PETSC_PI), .norm3 = 21.0 / (16.0 * PETSC_PI), .evaluate = Evaluate};

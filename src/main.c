@@ -1,0 +1,34 @@
+static char help[] = "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
+                     "  ./isph -options_file cases/drop_impact/case.opts [-options_file options/quick.opts ...] [-name value ...]\n"
+                     "Later options win over earlier ones.\n\n";
+
+#include "sim/sim.h"
+
+static PetscErrorCode Run(void)
+{
+  Sim       sim;
+  PetscBool stop;
+
+  PetscFunctionBegin;
+  PetscCall(UserErrorHandlerPush());
+  PetscCall(LogRegister());
+  PetscCall(SimCreate(PETSC_COMM_WORLD, &sim));
+  PetscCall(SimSetFromOptions(sim, &stop));
+  if (!stop) {
+    PetscCall(SimSetUp(sim));
+    PetscCall(SimView(sim, PETSC_VIEWER_STDOUT_WORLD));
+    PetscCall(SimRun(sim));
+  }
+  PetscCall(SimDestroy(&sim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  int code;
+
+  if (PetscInitialize(&argc, &argv, NULL, help)) return 2;
+  code = (int)Run();
+  (void)PetscFinalize();
+  return code ? 1 : 0;
+}

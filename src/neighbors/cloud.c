@@ -1,0 +1,316 @@
+#include "halo.h"
+#include "search.h"
+
+/* Cell of the canonical order of ParticlesSort, in kernel supports. */
+#define SORT_CELL 1.0
+/* Particles may stray outside their rank's cells by this share of the slack before they migrate. */
+#define STRAY_SHARE 0.6
+
+PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach, Cloud *cloud)
+{
+  Cloud c;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&c));
+  c->comm          = domain->comm;
+  c->domain        = domain;
+  c->scene         = scene;
+  c->kernel        = kernel;
+  c->particles     = particles;
+  c->reach         = reach;
+  c->slack         = domain->spacing;
+  c->rebalance     = 1.2;
+  c->sort_interval = 100;
+  PetscCall(HaloCreate(domain, &c->halo));
+  *cloud = c;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudSetFromOptions(Cloud cloud)
+{
+  PetscReal slack = cloud->slack / cloud->domain->spacing;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
+  PetscCall(PetscOptionsReal("-halo_slack", "how far particles may move before the ghosts are chosen again (spacings)", "CloudSetFromOptions", slack, &slack, NULL));
+  PetscCall(PetscOptionsReal("-rebalance", "largest over mean number of particles a rank that triggers a new partition (1)", "CloudSetFromOptions", cloud->rebalance, &cloud->rebalance, NULL));
+  PetscCall(PetscOptionsInt("-sort_interval", "steps between two sorts of the particles along the cells", "CloudSetFromOptions", cloud->sort_interval, &cloud->sort_interval, NULL));
+  PetscOptionsEnd();
+  PetscCheckUser(slack >= 0.1 && slack <= 20, cloud->comm, "-halo_slack is %g; it must lie between 0.1 and 20 spacings", (double)slack);
+  PetscCheckUser(cloud->rebalance > 1, cloud->comm, "-rebalance is %g; the imbalance that triggers a new partition must be larger than 1", (double)cloud->rebalance);
+  PetscCheckUser(cloud->sort_interval > 0, cloud->comm, "-sort_interval is %" PetscInt_FMT "; it must be at least 1", cloud->sort_interval);
+  cloud->slack = slack * cloud->domain->spacing;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudDestroy(Cloud *cloud)
+{
+  Cloud c = *cloud;
+
+  PetscFunctionBegin;
+  if (!c) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(HaloDestroy(&c->halo));
+  for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
+  PetscCall(PetscFree(c->row));
+  PetscCall(PetscFree(c->volume));
+  PetscCall(PetscFree(c->rest_density));
+  PetscCall(PetscFree(c->reference));
+  PetscCall(PetscFree(c->first));
+  PetscCall(PetscFree(c->list));
+  PetscCall(CellGridReset(&c->grid));
+  PetscCall(PetscFree(*cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Room for n particles in every array; what they hold is kept. */
+static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
+{
+  PetscFunctionBegin;
+  if (n <= cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  cloud->capacity = n + n / 8 + 64;
+  for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->row));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->volume));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
+  PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
+  PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt), &cloud->first));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the stored fields from the swarm. */
+static PetscErrorCode Load(Cloud cloud)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  cloud->n_owned = arrays.n;
+  PetscCall(Reserve(cloud, PetscMax(arrays.n, cloud->n_total)));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscArraycpy(cloud->field[f], arrays.real[f], arrays.n * Fields[f].width));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(cloud->integer[f], arrays.integer[f], arrays.n));
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Counts the kinds, numbers the pressure rows; deeper wall particles get the row of their parent, which lives on the same rank. */
+static PetscErrorCode NumberRows(Cloud cloud)
+{
+  const PetscInt *layer = cloud->integer[INT_LAYER], *id = cloud->integer[INT_ID], *parent = cloud->integer[INT_PARENT];
+  PetscInt       *top_id, *top_index, tops;
+
+  PetscFunctionBegin;
+  cloud->n_fluid = cloud->n_rows = 0;
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    cloud->n_fluid += layer[a] == 0;
+    cloud->n_rows += layer[a] <= 1;
+  }
+  cloud->row_start = 0;
+  PetscCallMPI(MPI_Exscan(&cloud->n_rows, &cloud->row_start, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(&cloud->n_rows, &cloud->rows_global, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  tops = cloud->n_rows - cloud->n_fluid;
+  PetscCall(PetscMalloc2(tops, &top_id, tops, &top_index));
+  for (PetscInt k = 0; k < tops; k++) {
+    top_id[k]    = id[cloud->n_fluid + k];
+    top_index[k] = cloud->n_fluid + k;
+  }
+  PetscCall(PetscSortIntWithArray(tops, top_id, top_index));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    cloud->row[a] = cloud->row_start + a;
+    if (a >= cloud->n_rows) {
+      PetscInt place;
+
+      PetscCall(PetscFindInt(parent[a], tops, top_id, &place));
+      PetscCheck(place >= 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "wall particle %" PetscInt_FMT " is on another rank than its parent %" PetscInt_FMT, id[a], parent[a]);
+      cloud->row[a] = cloud->row_start + top_index[place];
+    }
+  }
+  PetscCall(PetscFree2(top_id, top_index));
+  cloud->layout++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the ghosts from the positions of the moment and gives them all that does not change until the next choice. */
+static PetscErrorCode BuildHalo(Cloud cloud)
+{
+  PetscInt ghosts;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
+  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION], cloud->reach + cloud->slack, &ghosts));
+  cloud->n_total = cloud->n_owned + ghosts;
+  PetscCall(Reserve(cloud, cloud->n_total));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[f]));
+  PetscCall(HaloUpdateInt(cloud->halo, cloud->row));
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    const PetscInt body = cloud->integer[INT_BODY][a];
+
+    cloud->volume[a]       = cloud->domain->volume;
+    cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
+  }
+  PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  cloud->halo_builds++;
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_HALO), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The ghosts' values of the fields a step starts from. */
+static PetscErrorCode UpdateGhosts(Cloud cloud)
+{
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WrapSwarm(Cloud cloud)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.integer[INT_LAYER][a] == 0) DomainWrap(cloud->domain, arrays.real[FIELD_POSITION] + DIM * a);
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sends the particles home (after a new partition if the load demands it), sorts them and loads them. */
+static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
+{
+  PetscFunctionBegin;
+  PetscCall(WrapSwarm(cloud));
+  if (partition) {
+    PetscCall(ParticlesRepartition(cloud->particles));
+    cloud->repartitions++;
+  } else PetscCall(ParticlesMigrate(cloud->particles));
+  cloud->migrations++;
+  PetscCall(ParticlesSort(cloud->particles, SORT_CELL * KernelSupport(cloud->kernel)));
+  PetscCall(Load(cloud));
+  PetscCall(NumberRows(cloud));
+  cloud->stray      = 0;
+  cloud->since_sort = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudResync(Cloud cloud)
+{
+  PetscFunctionBegin;
+  PetscCall(Rehome(cloud, PETSC_TRUE));
+  PetscCall(BuildHalo(cloud));
+  PetscCall(UpdateGhosts(cloud));
+  PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest displacement of an owned particle since the ghosts were chosen, over all ranks, m. Ghosts remain complete while twice it and the stray
+   fit into the slack. */
+static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *r = cloud->reference;
+  PetscReal        largest2 = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_owned; a++) largest2 = PetscMax(largest2, PetscSqr(x[3 * a] - r[3 * a]) + PetscSqr(x[3 * a + 1] - r[3 * a + 1]) + PetscSqr(x[3 * a + 2] - r[3 * a + 2]));
+  PetscCallMPI(MPI_Allreduce(&largest2, moved, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  *moved = PetscSqrtReal(*moved);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sends particles home if one strayed too far or a sort is due, then chooses the ghosts. */
+static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
+{
+  PetscMPIInt rank, size;
+  PetscReal   local[2] = {0, (PetscReal)cloud->n_owned}, largest[2], total;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
+  if (size > 1) local[0] = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], 2 * cloud->slack);
+  PetscCallMPI(MPI_Allreduce(local, largest, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(&local[1], &total, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  cloud->stray = largest[0];
+  if (sort || cloud->stray > STRAY_SHARE * cloud->slack) PetscCall(Rehome(cloud, (PetscBool)(size > 1 && largest[1] * size > cloud->rebalance * total)));
+  else if (size == 1) {
+    PetscCall(WrapSwarm(cloud));
+    PetscCall(Load(cloud));
+  }
+  PetscCall(BuildHalo(cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudBegin(Cloud cloud)
+{
+  const PetscBool sort = (PetscBool)(cloud->removed || ++cloud->since_sort >= cloud->sort_interval);
+
+  PetscFunctionBegin;
+  PetscCall(Load(cloud));
+  if (sort) PetscCall(Renew(cloud, PETSC_TRUE));
+  else {
+    PetscReal moved;
+
+    PetscCall(Displacement(cloud, &moved));
+    if (2 * moved + cloud->stray > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
+  }
+  cloud->removed = PETSC_FALSE;
+  PetscCall(UpdateGhosts(cloud));
+  PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
+{
+  PetscReal moved;
+
+  PetscFunctionBegin;
+  PetscCall(Displacement(cloud, &moved));
+  if (2 * moved + cloud->stray > cloud->slack) {
+    PetscCall(BuildHalo(cloud));
+    PetscCall(UpdateGhosts(cloud));
+    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  } else PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  if (search) PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudUpdate(Cloud cloud, FieldId field)
+{
+  PetscFunctionBegin;
+  PetscCall(HaloUpdate(cloud->halo, Fields[field].width, Fields[field].parity, cloud->field[field]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field)
+{
+  PetscFunctionBegin;
+  PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[field]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
+{
+  ParticleArrays arrays;
+  PetscBool     *keep;
+  PetscInt       local = 0, global;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cloud->n_owned, &keep));
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(arrays.integer[f], cloud->integer[f], arrays.n));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] > 0 || !DomainOutside(cloud->domain, arrays.real[FIELD_POSITION] + DIM * a));
+    local += !keep[a];
+  }
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(&local, &global, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  if (global) {
+    PetscCall(ParticlesRemove(cloud->particles, keep));
+    cloud->removed = PETSC_TRUE;
+  }
+  PetscCall(PetscFree(keep));
+  *lost += global;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

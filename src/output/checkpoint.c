@@ -1,0 +1,343 @@
+/* Checkpoints: all stored fields in the swarm's order, the state of the stepper and of this class; sealed by a checksum. */
+#include "output_impl.h"
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define CHECKPOINT_FORMAT  "isph checkpoint"
+#define CHECKPOINT_VERSION 1
+
+/* The head of the file: real and whole numbers, by name. */
+#define HEAD_REALS(X) \
+  X(TIME, "time") \
+  X(TIME_STEP, "time_step") \
+  X(PREVIOUS_TIME_STEP, "previous_time_step") \
+  X(DENSITY_ERROR, "density_error") \
+  X(DIVERGENCE, "divergence") \
+  X(SPACING, "spacing") \
+  X(LEVEL, "level") \
+  X(WALL_TIME, "wall_time") \
+  X(SERIES_INTERVAL, "series_interval") \
+  X(SNAPSHOT_INTERVAL, "snapshot_interval") \
+  X(CHECKPOINT_INTERVAL, "checkpoint_interval")
+#define HEAD_INTS(X) \
+  X(DIMENSION, "dimension") \
+  X(BODIES, "bodies") \
+  X(PARTICLES, "particles") \
+  X(RANKS, "ranks") \
+  X(STEP, "step") \
+  X(ITERATIONS, "iterations") \
+  X(REJECTED, "rejected") \
+  X(LOST, "lost") \
+  X(SERIES_NEXT, "series_next") \
+  X(SNAPSHOT_NEXT, "snapshot_next") \
+  X(CHECKPOINT_NEXT, "checkpoint_next")
+#define HEAD_REAL_ID(id, name) HEAD_##id,
+#define HEAD_NAME(id, name)    name,
+enum {HEAD_REALS(HEAD_REAL_ID) HEAD_REAL_COUNT};
+enum {HEAD_INTS(HEAD_REAL_ID) HEAD_INT_COUNT};
+
+static const char *const real_names[] = {HEAD_REALS(HEAD_NAME)};
+static const char *const int_names[]  = {HEAD_INTS(HEAD_NAME)};
+
+typedef struct {
+  PetscReal  real[HEAD_REAL_COUNT];
+  PetscInt64 integer[HEAD_INT_COUNT];
+} Head;
+
+static void HeadFill(Output output, const StepState *state, PetscInt particles, Head *head)
+{
+  const Domain domain = output->cloud->domain;
+
+  head->real[HEAD_TIME]                = state->time;
+  head->real[HEAD_TIME_STEP]           = state->time_step;
+  head->real[HEAD_PREVIOUS_TIME_STEP]  = state->previous_time_step;
+  head->real[HEAD_DENSITY_ERROR]       = state->density_error;
+  head->real[HEAD_DIVERGENCE]          = state->divergence;
+  head->real[HEAD_SPACING]             = domain->spacing;
+  head->real[HEAD_LEVEL]               = output->gauge.level;
+  head->real[HEAD_WALL_TIME]           = OutputWallTime(output);
+  head->real[HEAD_SERIES_INTERVAL]     = output->series.interval;
+  head->real[HEAD_SNAPSHOT_INTERVAL]   = output->snapshot.interval;
+  head->real[HEAD_CHECKPOINT_INTERVAL] = output->checkpoint.interval;
+  head->integer[HEAD_DIMENSION]        = domain->dim;
+  head->integer[HEAD_BODIES]           = SceneCount(output->cloud->scene);
+  head->integer[HEAD_PARTICLES]        = particles;
+  head->integer[HEAD_RANKS]            = output->size;
+  head->integer[HEAD_STEP]             = state->step;
+  head->integer[HEAD_ITERATIONS]       = state->iterations;
+  head->integer[HEAD_REJECTED]         = state->rejected;
+  head->integer[HEAD_LOST]             = state->lost;
+  head->integer[HEAD_SERIES_NEXT]      = output->series.next;
+  head->integer[HEAD_SNAPSHOT_NEXT]    = output->snapshot.next;
+  head->integer[HEAD_CHECKPOINT_NEXT]  = output->checkpoint.next;
+}
+
+/* --- writing --- */
+
+static PetscErrorCode HeadPut(Storage *storage, const Head *head)
+{
+  PetscFunctionBegin;
+  PetscCall(StoragePutText(storage, "format", CHECKPOINT_FORMAT));
+  PetscCall(StoragePutInt(storage, "format_version", CHECKPOINT_VERSION));
+  PetscCall(StoragePutText(storage, "version", ISPH_VERSION));
+  for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) PetscCall(StoragePutReal(storage, real_names[k], 1, &head->real[k]));
+  for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) PetscCall(StoragePutInt(storage, int_names[k], head->integer[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FieldsPut(Output output, Storage *storage, ParticleArrays *arrays, Rows rows)
+{
+  PetscInt counts = arrays->n;
+  Rows     ranks  = {.n = 1, .start = output->rank, .total = output->size, .width = 1};
+
+  PetscFunctionBegin;
+  PetscCall(StorageWrite(storage, "counts", STORAGE_INT, &ranks, &counts, "1", "particles of each rank"));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    rows.width = Fields[f].width;
+    PetscCall(StorageWrite(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit, Fields[f].meaning));
+  }
+  rows.width = 1;
+  for (PetscInt f = 0; f < INT_COUNT; f++) {
+    PetscCall(StorageWrite(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays->integer[f], "1", IntFieldMeanings[f]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Removes all checkpoints but that of this step and the newest before it; later ones are of a run that was given up by a restart. */
+static PetscErrorCode Prune(Output output, PetscInt step)
+{
+  PetscInt count, *numbers, before = -1;
+  char     name[64], path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (output->rank) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FolderNumbers(output, "checkpoint_", &count, &numbers));
+  for (PetscInt k = 0; k < count; k++)
+    if (numbers[k] < step) before = numbers[k];
+  for (PetscInt k = 0; k < count; k++) {
+    if (numbers[k] == step || numbers[k] == before) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "checkpoint_%06d.h5", (int)numbers[k]));
+    PetscCall(OutputPath(output, name, path));
+    (void)unlink(path);
+  }
+  PetscCall(PetscFree(numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
+{
+  ParticleArrays arrays;
+  Storage        storage;
+  Rows           rows = {.n = 0, .start = 0, .total = 0, .width = 1};
+  Head           head;
+  PetscBool      failed;
+  char           name[64], path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
+  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  rows.n = arrays.n;
+  PetscCallMPI(MPI_Exscan(&rows.n, &rows.start, 1, MPIU_INT, MPI_SUM, output->comm));
+  if (!output->rank) rows.start = 0;
+  PetscCallMPI(MPI_Allreduce(&rows.n, &rows.total, 1, MPIU_INT, MPI_SUM, output->comm));
+  HeadFill(output, state, rows.total, &head);
+  /* Attributes must be the same on every rank; the clocks differ. */
+  PetscCallMPI(MPI_Bcast(&head.real[HEAD_WALL_TIME], 1, MPIU_REAL, 0, output->comm));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "checkpoint_%06d.h5", (int)state->step));
+  PetscCall(OutputPath(output, name, path));
+  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
+  PetscCall(StorageCreate(output->comm, path, &storage));
+  PetscCall(HeadPut(&storage, &head));
+  PetscCall(FieldsPut(output, &storage, &arrays, rows));
+  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  if (!failed) PetscCall(StorageSeal(output->comm, path, &failed));
+  if (failed) PetscCall(FolderDiscard(output, name));
+  PetscCheckUser(!failed, output->comm, "Cannot write the checkpoint %s/%s: is the disk full, or the folder gone?", output->folder, name);
+  PetscCall(FolderCommit(output, name, PETSC_TRUE));
+  PetscCall(Prune(output, state->step));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- reading --- */
+
+/* What rank 0 finds wrong with a file. */
+typedef enum {FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION} FileVerdict;
+
+/* Reads the head, if it is one of a checkpoint. Rank 0. */
+static PetscErrorCode HeadGet(const char file[], PetscBool sealed, Head *head, FileVerdict *verdict)
+{
+  Storage     storage;
+  PetscBool   found, failed, whole = PETSC_TRUE;
+  PetscInt64  version = CHECKPOINT_VERSION;
+  struct stat info;
+  char        format[64];
+
+  PetscFunctionBegin;
+  *verdict = FILE_MISSING;
+  if (stat(file, &info) || S_ISDIR(info.st_mode) || access(file, R_OK)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StorageOpen(PETSC_COMM_SELF, file, &storage));
+  *verdict = FILE_BROKEN;
+  if (storage.failed) {
+    if (H5Fis_hdf5(file) <= 0 && !sealed) *verdict = FILE_FOREIGN;
+  } else {
+    PetscCall(StorageGetText(&storage, "format", format, sizeof(format), &found));
+    PetscCall(StorageGetInt(&storage, "format_version", &version, &whole));
+    if (!found || strcmp(format, CHECKPOINT_FORMAT)) *verdict = FILE_FOREIGN;
+    else if (version != CHECKPOINT_VERSION) *verdict = FILE_OTHER_VERSION;
+    else {
+      for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) {
+        PetscCall(StorageGetReal(&storage, real_names[k], &head->real[k], &found));
+        whole = (PetscBool)(whole && found);
+      }
+      for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) {
+        PetscCall(StorageGetInt(&storage, int_names[k], &head->integer[k], &found));
+        whole = (PetscBool)(whole && found);
+      }
+      if (whole && sealed) *verdict = FILE_GOOD;
+    }
+  }
+  PetscCall(StorageClose(&storage, &failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode HeadCheck(Output output, const char file[], const Head *head, FileVerdict verdict)
+{
+  const Domain    domain  = output->cloud->domain;
+  const PetscReal spacing = head->real[HEAD_SPACING];
+  const PetscInt  bodies  = SceneCount(output->cloud->scene);
+  MPI_Comm        comm    = output->comm;
+
+  PetscFunctionBegin;
+  PetscCheckUser(verdict != FILE_MISSING, comm, "There is no readable file %s to restart from.", file);
+  PetscCheckUser(verdict != FILE_FOREIGN, comm, "%s is not a checkpoint of this program; restart from a file named checkpoint_<step>.h5.", file);
+  PetscCheckUser(verdict != FILE_OTHER_VERSION, comm, "The checkpoint %s has another format than version %d, which this program reads.", file, CHECKPOINT_VERSION);
+  PetscCheckUser(verdict != FILE_BROKEN, comm, "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
+  PetscCheckUser(head->integer[HEAD_DIMENSION] == domain->dim, comm, "The checkpoint %s has %d dimensions, the scene has %d.", file, (int)head->integer[HEAD_DIMENSION], (int)domain->dim);
+  PetscCheckUser(PetscAbsReal(spacing - domain->spacing) <= 1e-12 * domain->spacing, comm, "The checkpoint %s has particles of spacing %g m, the scene of %g m.", file, (double)spacing, (double)domain->spacing);
+  PetscCheckUser(head->integer[HEAD_BODIES] == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file, (int)head->integer[HEAD_BODIES], (int)bodies);
+  PetscCheckUser(head->integer[HEAD_PARTICLES] >= 0 && head->integer[HEAD_PARTICLES] <= PETSC_MAX_INT, comm, "The checkpoint %s has more particles than this build of PETSc can number.", file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The rows of this rank: those it had when as many ranks wrote the file, else an equal share. Collective. */
+static PetscErrorCode Share(Output output, Storage *storage, const Head *head, Rows *rows, PetscBool *good)
+{
+  const PetscInt total = (PetscInt)head->integer[HEAD_PARTICLES], size = output->size, rank = output->rank;
+  Rows           ranks = {.n = 0, .start = 0, .total = (PetscInt)head->integer[HEAD_RANKS], .width = 1};
+  PetscInt      *counts;
+  PetscInt64     sum = 0;
+
+  PetscFunctionBegin;
+  ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
+  PetscCall(PetscCalloc1(ranks.total + 1, &counts));
+  PetscCall(StorageRead(storage, "counts", STORAGE_INT, &ranks, counts));
+  PetscCallMPI(MPI_Bcast(counts, (PetscMPIInt)ranks.total, MPIU_INT, 0, output->comm));
+  for (PetscInt k = 0; k < ranks.total; k++) sum += counts[k];
+  *good = (PetscBool)(sum == total);
+  rows->total = total;
+  rows->width = 1;
+  rows->n     = total / size + (rank < total % size);
+  rows->start = rank * (total / size) + PetscMin(rank, total % size);
+  if (*good && ranks.total == size) {
+    rows->n     = counts[rank];
+    rows->start = 0;
+    for (PetscInt k = 0; k < rank; k++) rows->start += counts[k];
+  }
+  PetscCall(PetscFree(counts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FieldsGet(Output output, Storage *storage, const Head *head, PetscBool *good)
+{
+  ParticleArrays arrays;
+  Rows           rows;
+
+  PetscFunctionBegin;
+  PetscCall(Share(output, storage, head, &rows, good));
+  PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
+  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    rows.width = Fields[f].width;
+    PetscCall(StorageRead(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
+  }
+  rows.width = 1;
+  for (PetscInt f = 0; f < INT_COUNT; f++) {
+    PetscCall(StorageRead(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays.integer[f]));
+  }
+  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void ScheduleContinue(Schedule *schedule, PetscReal interval, PetscInt64 next, PetscReal time)
+{
+  schedule->next = interval == schedule->interval ? next : ScheduleAfter(schedule, time);
+}
+
+static void HeadUse(Output output, const Head *head, StepState *state)
+{
+  const PetscReal time = head->real[HEAD_TIME];
+
+  state->time               = time;
+  state->time_step          = head->real[HEAD_TIME_STEP];
+  state->previous_time_step = head->real[HEAD_PREVIOUS_TIME_STEP];
+  state->density_error      = head->real[HEAD_DENSITY_ERROR];
+  state->divergence         = head->real[HEAD_DIVERGENCE];
+  state->step               = (PetscInt)head->integer[HEAD_STEP];
+  state->iterations         = (PetscInt)head->integer[HEAD_ITERATIONS];
+  state->rejected           = (PetscInt)head->integer[HEAD_REJECTED];
+  state->lost               = (PetscInt)head->integer[HEAD_LOST];
+  output->wall_before       = head->real[HEAD_WALL_TIME];
+  if (PetscIsInfOrNanReal(output->gauge.level)) output->gauge.level = head->real[HEAD_LEVEL]; /* unless -gauge_level is given */
+  ScheduleContinue(&output->series, head->real[HEAD_SERIES_INTERVAL], head->integer[HEAD_SERIES_NEXT], time);
+  ScheduleContinue(&output->snapshot, head->real[HEAD_SNAPSHOT_INTERVAL], head->integer[HEAD_SNAPSHOT_NEXT], time);
+  ScheduleContinue(&output->checkpoint, head->real[HEAD_CHECKPOINT_INTERVAL], head->integer[HEAD_CHECKPOINT_NEXT], time);
+}
+
+/* Whether the file lies in the run folder. Collective. */
+static PetscErrorCode InFolder(Output output, const char file[], PetscBool *same)
+{
+  char        path[PETSC_MAX_PATH_LEN], *slash;
+  struct stat here, there;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(path, file, sizeof(path)));
+  slash = strrchr(path, '/');
+  if (slash) slash[slash == path] = '\0';
+  *same = (PetscBool)(!stat(slash ? path : ".", &there) && !stat(output->folder, &here) && here.st_dev == there.st_dev && here.st_ino == there.st_ino);
+  PetscCallMPI(MPI_Bcast(same, 1, MPIU_BOOL, 0, output->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
+{
+  Head        head;
+  FileVerdict verdict = FILE_MISSING;
+  Storage     storage;
+  PetscBool   failed, same, sealed, good;
+  PetscInt    present;
+
+  PetscFunctionBegin;
+  PetscCheck(output->ready && output->restarting, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp for a restart first");
+  PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
+  PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
+  PetscCall(PetscMemzero(&head, sizeof(head)));
+  PetscCall(StorageCheckSeal(output->comm, file, &sealed));
+  if (!output->rank) PetscCall(HeadGet(file, sealed, &head, &verdict));
+  PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
+  PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
+  PetscCall(HeadCheck(output, file, &head, verdict));
+  PetscCall(StorageOpen(output->comm, file, &storage));
+  PetscCall(FieldsGet(output, &storage, &head, &good));
+  PetscCall(StorageClose(&storage, &failed));
+  PetscCheckUser(good && !failed, output->comm, "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
+  HeadUse(output, &head, state);
+  PetscCall(InFolder(output, file, &same));
+  PetscCall(FolderClaim(output, same));
+  PetscCall(SeriesStart(output, same, state->step));
+  if (same) PetscCall(SnapshotScan(output, state->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,167 @@
+/* Private to the folder output. */
+#ifndef ISPH_OUTPUT_IMPL_H
+#define ISPH_OUTPUT_IMPL_H
+
+#include "output.h"
+#include <hdf5.h>
+
+/* What is due at multiples of an interval (s). next is the number of the multiple that is due next. */
+typedef struct {
+  PetscReal  interval;
+  PetscInt64 next;
+} Schedule;
+
+#define SCHEDULE_UNSET PETSC_MIN_INT
+
+/* A snapshot that is on disk, as the XDMF file needs it. */
+typedef struct {
+  PetscInt    index, step, n; /* n: number of particles */
+  PetscReal   time;           /* s */
+  PetscInt    precision;      /* bytes of a real number */
+  PetscBool   walls;          /* whether wall particles are in it */
+} SnapshotEntry;
+
+/* How the gauges measure. */
+typedef struct {
+  char      pool_name[256];
+  PetscInt  pool;           /* index of the body that is the pool */
+  PetscInt  axis_numbers;   /* how many numbers the user gave for the axis */
+  PetscReal level;          /* m; NAN: measured at the first call */
+  PetscReal axis[DIM];      /* m, horizontal */
+  PetscReal jet_radius;     /* m */
+  PetscReal crater_radius;  /* m, the crater is looked for inside */
+  PetscReal cell;           /* in spacings, of the grid that decides what is connected */
+  PetscReal multiplicity;   /* 1 */
+} GaugeSetup;
+
+struct _p_Output {
+  MPI_Comm       comm;
+  PetscMPIInt    rank, size;
+  Cloud          cloud; /* borrowed */
+  char           folder[PETSC_MAX_PATH_LEN];
+  PetscBool      overwrite, walls, precise, ready, restarting;
+  Schedule       series, snapshot, checkpoint;
+  PetscInt       series_step, snapshot_step; /* of the last line and the last snapshot; -1: none */
+  FILE          *series_file;                /* rank 0 */
+  SnapshotEntry *entry;                      /* [entries], the same on every rank */
+  PetscInt       entries, entry_capacity;
+  PetscReal      wall_start, wall_before;    /* s: MPI_Wtime at the start; spent before the restart */
+  GaugeSetup     gauge;
+};
+
+/* --- output.c --- */
+/* OutputPath - <folder>/<name>. Not collective. */
+PetscErrorCode OutputPath(Output output, const char name[], char path[PETSC_MAX_PATH_LEN]);
+PetscReal      OutputWallTime(Output output);
+PetscInt64     ScheduleAfter(const Schedule *schedule, PetscReal time);
+PetscBool      ScheduleReached(const Schedule *schedule, PetscReal time);
+
+/* --- folder.c --- */
+/* FolderStatus - rank 0's errno decides for all: a UserError "Cannot <doing> <path>: <reason>" unless it is zero. Collective. */
+PetscErrorCode FolderStatus(Output output, int error, const char doing[], const char path[]);
+/* FolderMake - the run folder and its parents. FolderClaim - refuses or clears one that holds a run; writes options.opts and version.txt; 'same': the
+   run in it is continued. Collective. */
+PetscErrorCode FolderMake(Output output);
+PetscErrorCode FolderClaim(Output output, PetscBool same);
+/* FolderNumbers - the numbers in the names <prefix><digits>.h5 present, ascending, in an array to be freed. Rank 0 only. */
+PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count, PetscInt **numbers);
+/* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk. Collective. */
+PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);
+/* FolderDiscard - removes <name>.tmp. Collective. */
+PetscErrorCode FolderDiscard(Output output, const char name[]);
+/* FolderOptions - the options of the run as text, one a line; to be freed. Not collective. */
+PetscErrorCode FolderOptions(char **text);
+
+/* --- series.c --- */
+PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step);
+PetscErrorCode SeriesWrite(Output output, const StepState *state);
+
+/* --- snapshot.c --- */
+/* SnapshotScan - finds the snapshots of the folder up to a step and removes later ones. Collective. */
+PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
+PetscErrorCode SnapshotWrite(Output output, const StepState *state);
+
+/* --- gauges.c --- */
+PetscErrorCode GaugesDefaults(Output output);
+/* GaugesSetFromOptions - inside an options block; GaugesCheck - refuses bad values, after it. */
+PetscErrorCode GaugesSetFromOptions(Output output, PetscOptionItems *PetscOptionsObject);
+PetscErrorCode GaugesCheck(Output output);
+
+/* --- storage.c: HDF5 files of rows spread over the ranks; errors are collected and agreed upon when the file is closed --- */
+typedef struct {
+  MPI_Comm    comm;
+  PetscMPIInt size;
+  hid_t       file;    /* negative: could not be made or opened */
+  PetscBool   failed;  /* on this rank */
+  H5E_auto2_t handler; /* the error printer to put back */
+  void       *client;
+} Storage;
+
+/* How the rows of a data set lie on the ranks: n here, from row start of total. */
+typedef struct {
+  PetscInt n, start, total, width;
+} Rows;
+
+/* StorageCreate, StorageOpen - a file for writing, for reading. With comm of one rank no MPI-IO is used. Collective on comm. */
+PetscErrorCode StorageCreate(MPI_Comm comm, const char path[], Storage *storage);
+PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage);
+/* StorageClose - *failed: whether anything went wrong on any rank since the start. Collective. */
+PetscErrorCode StorageClose(Storage *storage, PetscBool *failed);
+/* StorageWrite - a data set of rows with unit and meaning; type: H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT or STORAGE_INT; values [n][width].
+   StorageRead - the same back; fails when the data set has another shape than rows says. Collective. */
+PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values, const char unit[], const char meaning[]);
+PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, const Rows *rows, void *values);
+/* Attributes of the file; the same values on every rank. Collective. */
+PetscErrorCode StoragePutReal(Storage *storage, const char name[], PetscInt n, const PetscReal values[]);
+PetscErrorCode StoragePutInt(Storage *storage, const char name[], PetscInt64 value);
+PetscErrorCode StoragePutText(Storage *storage, const char name[], const char text[]);
+/* *found is false, and the value untouched, when there is no such attribute of this kind. Not collective. */
+PetscErrorCode StorageGetReal(Storage *storage, const char name[], PetscReal *value, PetscBool *found);
+PetscErrorCode StorageGetInt(Storage *storage, const char name[], PetscInt64 *value, PetscBool *found);
+PetscErrorCode StorageGetText(Storage *storage, const char name[], char text[], size_t size, PetscBool *found);
+/* StorageSeal - appends a checksum of the whole file, which HDF5 ignores. StorageCheckSeal - whether it is there and right: HDF5 1.10 is not to be
+   trusted with a damaged file. Collective on comm, whose ranks all read a share of the file. */
+PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed);
+PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], PetscBool *good);
+
+#define STORAGE_INT (sizeof(PetscInt) == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG)
+
+/* --- gauge_grid.c: what is connected with the pool, and the surface seen from the sky --- */
+#define CELL_LIQUID  1  /* holds fluid */
+#define CELL_BODY    2  /* holds fluid of the pool's body */
+#define CELL_VISITED 4
+#define CELL_POOL    8  /* connected with the pool */
+#define CELL_AIR     16 /* connected with the sky through gaps two cells wide */
+#define CELL_TESTED  32
+
+/* Cells over the fluid, with a rim of one empty cell around and layers of air on top. Axes 0 and 1 are horizontal, 2 is upwards. */
+typedef struct {
+  PetscInt       n[DIM], count, columns; /* rim included; columns = n[0] n[1] */
+  PetscInt       component[DIM];         /* of the position; component[1] is the unused third in two dimensions */
+  PetscReal      lower[DIM], size;       /* m: of the cell 1,1,1 */
+  unsigned char *cell;                   /* [count] */
+  PetscInt      *queue;                  /* [count] */
+} GaugeGrid;
+
+/* GaugeGridCreate - occupancy of the fluid of all ranks. Collective. */
+PetscErrorCode GaugeGridCreate(Output output, const ParticleArrays *arrays, GaugeGrid *grid);
+/* GaugeGridPool - marks CELL_POOL: the component (26 neighbours) with the most cells of the pool's body. Not collective. */
+void GaugeGridPool(GaugeGrid *grid);
+/* GaugeGridSky - lowest[c] = layer of the lowest cell of column c that is open to the sky; columns whose inside[c] is false are walls of the sky and get
+   the layer above the top. Not collective. */
+void GaugeGridSky(GaugeGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);
+PetscErrorCode GaugeGridDestroy(GaugeGrid *grid);
+
+/* GaugeGridCell - indices and number of the cell of a point x (m), -1 when it is outside the grid. */
+static inline PetscInt GaugeGridCell(const GaugeGrid *grid, const PetscReal x[DIM], PetscInt index[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal s = (x[grid->component[d]] - grid->lower[d]) / grid->size;
+
+    if (!(s > -0.5 && s < (PetscReal)(grid->n[d] - 2))) return -1; /* also for a position that is not a number */
+    index[d] = PetscMax((PetscInt)PetscFloorReal(s), 0) + 1;
+  }
+  return (index[2] * grid->n[1] + index[1]) * grid->n[0] + index[0];
+}
+
+#endif

@@ -1,0 +1,145 @@
+/* The time series: plain CSV with a head line, one line a due step, SI units; written by rank 0 and flushed line by line. */
+#include "output_impl.h"
+#include <errno.h>
+#include <unistd.h>
+
+#define SERIES_FILE "series.csv"
+#define LINE_LENGTH 1024
+
+/* The columns: name and value, from state (StepState), gauges (GaugeValues) and wall (s). The places of the first three are fixed. */
+#define SERIES_COLUMNS(X) \
+  X("time", state->time) /* s */ \
+  X("step", state->step) \
+  X("time_step", state->time_step) /* s */ \
+  X("crown_height", gauges->crown_height) /* m */ \
+  X("crater_depth", gauges->crater_depth) /* m */ \
+  X("crater_diameter", gauges->crater_diameter) /* m */ \
+  X("kinetic_energy", gauges->kinetic_energy) /* J */ \
+  X("iterations", state->iterations) \
+  X("jet_height", gauges->jet_height) /* m */ \
+  X("highest", gauges->highest) /* m */ \
+  X("potential_energy", gauges->potential_energy) /* J */ \
+  X("volume", gauges->volume) /* m3 */ \
+  X("density_error", state->density_error) \
+  X("divergence", state->divergence) \
+  X("particles", gauges->particles) \
+  X("lost", state->lost) \
+  X("rejected", state->rejected) \
+  X("wall_time", wall) /* s */
+
+/* Head line. */
+static const char *const names[] = {
+#define COLUMN_NAME(name, value) name,
+  SERIES_COLUMNS(COLUMN_NAME)
+#undef COLUMN_NAME
+};
+
+#define COLUMNS ((PetscInt)(sizeof(names) / sizeof(names[0])))
+
+static void HeadLine(char line[LINE_LENGTH])
+{
+  size_t used = 0;
+
+  for (PetscInt c = 0; c < COLUMNS; c++) used += (size_t)snprintf(line + used, LINE_LENGTH - used, "%s%s", c ? "," : "", names[c]);
+  (void)snprintf(line + used, LINE_LENGTH - used, "\n");
+}
+
+/* Copies the head and the whole lines up to a step to a temporary file that then takes the name. Rank 0; returns an errno, EILSEQ when the file has
+   other columns. */
+static int Cut(const char path[], const char temporary[], PetscInt restart_step, PetscInt *last_step)
+{
+  FILE *from = fopen(path, "r"), *to;
+  char  line[LINE_LENGTH], head[LINE_LENGTH];
+  int   error = 0;
+
+  *last_step = -1;
+  if (!from) return errno == ENOENT ? 0 : errno;
+  HeadLine(head);
+  to = fopen(temporary, "w");
+  if (!to) error = errno;
+  if (!error && (!fgets(line, sizeof(line), from) || strcmp(line, head))) error = EILSEQ;
+  if (!error && fputs(head, to) < 0) error = errno;
+  while (!error && fgets(line, sizeof(line), from)) {
+    double time;
+    long   step;
+
+    if (!strchr(line, '\n') || sscanf(line, "%lf,%ld,", &time, &step) != 2) break; /* cut off in writing */
+    if (step > restart_step) break;
+    if (fputs(line, to) < 0) error = errno;
+    *last_step = (PetscInt)step;
+  }
+  fclose(from);
+  if (!to) return error;
+  if (fflush(to) && !error) error = errno;
+  if (fsync(fileno(to)) && !error && errno != EINVAL) error = errno;
+  if (fclose(to) && !error) error = errno;
+  if (!error && rename(temporary, path)) error = errno;
+  if (error) (void)unlink(temporary);
+  return error;
+}
+
+/* Opens the file to append, with the head when it is new. Rank 0; returns an errno. */
+static int Open(Output output, const char path[])
+{
+  char head[LINE_LENGTH];
+
+  output->series_file = fopen(path, "a");
+  if (!output->series_file) return errno;
+  HeadLine(head);
+  (void)fseek(output->series_file, 0, SEEK_END);
+  if (ftell(output->series_file) == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file))) return errno;
+  return 0;
+}
+
+PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
+{
+  char     path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN];
+  PetscInt last = -1;
+  int      error = 0, other;
+
+  PetscFunctionBegin;
+  PetscCall(OutputPath(output, SERIES_FILE, path));
+  PetscCall(OutputPath(output, SERIES_FILE ".tmp", temporary));
+  if (!output->rank && same) error = Cut(path, temporary, restart_step, &last);
+  other = error == EILSEQ;
+  PetscCallMPI(MPI_Bcast(&other, 1, MPI_INT, 0, output->comm));
+  PetscCheckUser(!other, output->comm, "%s has other columns than this version of the program writes; move it away to continue the run.", path);
+  if (!output->rank && !error) error = Open(output, path);
+  PetscCall(FolderStatus(output, error, "write", path));
+  PetscCallMPI(MPI_Bcast(&last, 1, MPIU_INT, 0, output->comm));
+  output->series_step = last;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One line of values; whole numbers come out as such up to 12 digits. Returns an errno. */
+static int Line(FILE *file, const StepState *state, const GaugeValues *gauges, PetscReal wall)
+{
+  const double values[] = {
+#define COLUMN_VALUE(name, value) (double)(value),
+    SERIES_COLUMNS(COLUMN_VALUE)
+#undef COLUMN_VALUE
+  };
+
+  for (PetscInt c = 0; c < COLUMNS; c++) {
+    if (c && fputs(",", file) < 0) return errno;
+    if (values[c] != values[c]) { /* no "-nan" */
+      if (fputs("nan", file) < 0) return errno;
+    } else if (fprintf(file, "%.12g", values[c]) < 0) return errno;
+  }
+  if (fputs("\n", file) < 0 || fflush(file)) return errno;
+  return 0;
+}
+
+PetscErrorCode SeriesWrite(Output output, const StepState *state)
+{
+  char        path[PETSC_MAX_PATH_LEN];
+  GaugeValues gauges;
+  int         error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(OutputGauges(output, &gauges));
+  PetscCall(OutputPath(output, SERIES_FILE, path));
+  if (!output->rank) error = Line(output->series_file, state, &gauges, OutputWallTime(output));
+  PetscCall(FolderStatus(output, error, "write", path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,268 @@
+/* Snapshots: one HDF5 file each, and one XDMF file that tells ParaView about all of them. */
+#include "output_impl.h"
+#include <errno.h>
+#include <unistd.h>
+
+#define XDMF_FILE "snapshots.xdmf"
+
+/* Integer fields of a snapshot; the layer only where there are walls. */
+static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};
+#define INT_FIELDS(walls) ((PetscInt)(sizeof(int_fields) / sizeof(int_fields[0])) - ((walls) ? 0 : 1))
+
+static void SnapshotName(PetscInt index, char name[64])
+{
+  (void)snprintf(name, 64, "snapshot_%06d.h5", (int)index);
+}
+
+static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
+{
+  PetscFunctionBegin;
+  if (output->entries == output->entry_capacity) {
+    output->entry_capacity = 2 * output->entry_capacity + 64;
+    PetscCall(PetscRealloc(sizeof(*output->entry) * output->entry_capacity, &output->entry));
+  }
+  output->entry[output->entries++] = *entry;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- XDMF --- */
+
+static void XdmfItem(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[], PetscInt precision)
+{
+  char source[64];
+
+  SnapshotName(entry->index, source);
+  fprintf(file, "        <DataItem Dimensions=\"%d%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">%s:/%s</DataItem>\n", (int)entry->n, width > 1 ? " 3" : "", number, (int)precision, source, name);
+}
+
+static void XdmfAttribute(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[], PetscInt precision)
+{
+  fprintf(file, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", name, width > 1 ? "Vector" : "Scalar");
+  XdmfItem(file, entry, name, width, number, precision);
+  fprintf(file, "      </Attribute>\n");
+}
+
+static void XdmfSnapshot(FILE *file, const SnapshotEntry *entry)
+{
+  fprintf(file, "    <Grid Name=\"step %d\" GridType=\"Uniform\">\n", (int)entry->step);
+  fprintf(file, "      <Time Value=\"%.12g\"/>\n", (double)entry->time);
+  fprintf(file, "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" NodesPerElement=\"1\"/>\n", (int)entry->n);
+  fprintf(file, "      <Geometry GeometryType=\"XYZ\">\n");
+  XdmfItem(file, entry, Fields[FIELD_POSITION].name, 3, "Float", entry->precision);
+  fprintf(file, "      </Geometry>\n");
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (f != FIELD_POSITION) XdmfAttribute(file, entry, Fields[f].name, Fields[f].width, "Float", entry->precision);
+  for (PetscInt f = 0; f < INT_FIELDS(entry->walls); f++) XdmfAttribute(file, entry, IntFieldNames[int_fields[f]], 1, "Int", sizeof(PetscInt));
+  XdmfAttribute(file, entry, "color", 1, "Int", sizeof(PetscInt));
+  fprintf(file, "    </Grid>\n");
+}
+
+/* All snapshots, in a file that replaces the old one at once. */
+static PetscErrorCode XdmfWrite(Output output)
+{
+  char  path[PETSC_MAX_PATH_LEN];
+  FILE *file;
+  int   error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(OutputPath(output, XDMF_FILE ".tmp", path));
+  if (!output->rank) {
+    file = fopen(path, "w");
+    if (!file) error = errno;
+    else {
+      fprintf(file, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n  <Grid Name=\"snapshots\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+      for (PetscInt e = 0; e < output->entries; e++) XdmfSnapshot(file, &output->entry[e]);
+      fprintf(file, "  </Grid>\n</Domain>\n</Xdmf>\n");
+      if (fflush(file) || ferror(file)) error = errno ? errno : EIO;
+      if (fclose(file) && !error) error = errno;
+    }
+  }
+  PetscCall(FolderStatus(output, error, "write", path));
+  PetscCall(FolderCommit(output, XDMF_FILE, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- finding those of an earlier start of the run --- */
+
+/* Reads what the XDMF file needs from a snapshot. Rank 0. */
+static PetscErrorCode EntryRead(Output output, PetscInt index, SnapshotEntry *entry, PetscBool *good)
+{
+  char       name[64], path[PETSC_MAX_PATH_LEN];
+  Storage    storage;
+  PetscInt64 step = 0, n = 0, precision = 0, walls = 0;
+  PetscBool  found[5], failed = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  SnapshotName(index, name);
+  PetscCall(OutputPath(output, name, path));
+  PetscCall(PetscMemzero(entry, sizeof(*entry)));
+  PetscCall(StorageOpen(PETSC_COMM_SELF, path, &storage));
+  PetscCall(StorageGetReal(&storage, "time", &entry->time, &found[0]));
+  PetscCall(StorageGetInt(&storage, "step", &step, &found[1]));
+  PetscCall(StorageGetInt(&storage, "particles", &n, &found[2]));
+  PetscCall(StorageGetInt(&storage, "precision", &precision, &found[3]));
+  PetscCall(StorageGetInt(&storage, "walls", &walls, &found[4]));
+  PetscCall(StorageClose(&storage, &failed));
+  entry->index     = index;
+  entry->step      = (PetscInt)step;
+  entry->n         = (PetscInt)n;
+  entry->precision = (PetscInt)precision;
+  entry->walls     = walls ? PETSC_TRUE : PETSC_FALSE;
+  *good            = (PetscBool)(!failed && found[0] && found[1] && found[2] && found[3] && found[4]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
+{
+  PetscInt  count = 0, *numbers = NULL;
+  PetscBool changed = PETSC_FALSE;
+  char      name[64], path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  output->entries = 0;
+  if (!output->rank) PetscCall(FolderNumbers(output, "snapshot_", &count, &numbers));
+  for (PetscInt k = 0; k < count; k++) { /* rank 0 */
+    SnapshotEntry entry;
+    PetscBool     good = PETSC_FALSE;
+
+    PetscCall(EntryRead(output, numbers[k], &entry, &good));
+    if (good && entry.step <= restart_step) PetscCall(EntryAdd(output, &entry));
+    else {
+      SnapshotName(numbers[k], name);
+      PetscCall(OutputPath(output, name, path));
+      (void)unlink(path);
+      changed = PETSC_TRUE;
+    }
+  }
+  PetscCall(PetscFree(numbers));
+  PetscCallMPI(MPI_Bcast(&output->entries, 1, MPIU_INT, 0, output->comm));
+  PetscCallMPI(MPI_Bcast(&changed, 1, MPIU_BOOL, 0, output->comm));
+  if (output->rank && output->entries) PetscCall(PetscMalloc1(output->entries, &output->entry));
+  if (output->rank) output->entry_capacity = output->entries;
+  if (output->entries) PetscCallMPI(MPI_Bcast(output->entry, (PetscMPIInt)(sizeof(*output->entry) * output->entries), MPI_BYTE, 0, output->comm));
+  output->snapshot_step = output->entries ? output->entry[output->entries - 1].step : -1;
+  if (changed) PetscCall(XdmfWrite(output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- writing one --- */
+
+/* Where the rows of the snapshot come from: particle[k] is the local index of row k. */
+static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscInt particle[], Rows *rows)
+{
+  PetscFunctionBegin;
+  rows->n     = 0;
+  rows->start = 0;
+  for (PetscInt a = 0; a < arrays->n; a++)
+    if (output->walls || !arrays->integer[INT_LAYER][a]) particle[rows->n++] = a;
+  PetscCallMPI(MPI_Exscan(&rows->n, &rows->start, 1, MPIU_INT, MPI_SUM, output->comm));
+  if (!output->rank) rows->start = 0;
+  PetscCallMPI(MPI_Allreduce(&rows->n, &rows->total, 1, MPIU_INT, MPI_SUM, output->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteHead(Output output, const StepState *state, const SnapshotEntry *entry, Storage *storage)
+{
+  const Domain    domain = output->cloud->domain;
+  const PetscReal h      = KernelSmoothingLength(output->cloud->kernel);
+  char           *options;
+
+  PetscFunctionBegin;
+  PetscCall(StoragePutText(storage, "format", "isph snapshot"));
+  PetscCall(StoragePutText(storage, "version", ISPH_VERSION));
+  PetscCall(StoragePutReal(storage, "time", 1, &state->time));
+  PetscCall(StoragePutReal(storage, "time_step", 1, &state->time_step));
+  PetscCall(StoragePutInt(storage, "step", state->step));
+  PetscCall(StoragePutInt(storage, "particles", entry->n));
+  PetscCall(StoragePutInt(storage, "precision", entry->precision));
+  PetscCall(StoragePutInt(storage, "walls", entry->walls));
+  PetscCall(StoragePutInt(storage, "dimension", domain->dim));
+  PetscCall(StoragePutReal(storage, "spacing", 1, &domain->spacing));
+  PetscCall(StoragePutReal(storage, "smoothing_length", 1, &h));
+  PetscCall(StoragePutReal(storage, "box_lower", DIM, domain->lower));
+  PetscCall(StoragePutReal(storage, "box_upper", DIM, domain->upper));
+  PetscCall(StoragePutReal(storage, "level", 1, &output->gauge.level));
+  PetscCall(FolderOptions(&options));
+  PetscCall(StoragePutText(storage, "options", options));
+  PetscCall(PetscFree(options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, const PetscInt particle[], Rows *rows, Storage *storage)
+{
+  const Scene scene = output->cloud->scene;
+  double     *real;
+  float      *single;
+  PetscInt   *integer;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(3 * rows->n + 1, &real));
+  single  = (float *)real; /* packed in place of the doubles */
+  integer = (PetscInt *)real;
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    const PetscInt width = rows->width = Fields[f].width;
+
+    PetscCheck(width <= 3, output->comm, PETSC_ERR_PLIB, "Snapshots know fields of up to three numbers");
+    for (PetscInt k = 0; k < rows->n; k++) {
+      for (PetscInt c = 0; c < width; c++) {
+        const PetscReal value = arrays->real[f][width * particle[k] + c];
+
+        if (output->precise) real[width * k + c] = value;
+        else single[width * k + c] = (float)value;
+      }
+    }
+    PetscCall(StorageWrite(storage, Fields[f].name, output->precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, rows, real, Fields[f].unit, Fields[f].meaning));
+  }
+  rows->width = 1;
+  for (PetscInt f = 0; f < INT_FIELDS(output->walls); f++) {
+    for (PetscInt k = 0; k < rows->n; k++) integer[k] = arrays->integer[int_fields[f]][particle[k]];
+    PetscCall(StorageWrite(storage, IntFieldNames[int_fields[f]], STORAGE_INT, rows, integer, "1", IntFieldMeanings[int_fields[f]]));
+  }
+  for (PetscInt k = 0; k < rows->n; k++) {
+    const PetscInt body = arrays->integer[INT_BODY][particle[k]];
+
+    integer[k] = body < 0 ? -1 : BodyColor(SceneBody(scene, body));
+  }
+  PetscCall(StorageWrite(storage, "color", STORAGE_INT, rows, integer, "1", "colour of the body; -1 for a wall"));
+  PetscCall(PetscFree(real));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotWrite(Output output, const StepState *state)
+{
+  ParticleArrays arrays;
+  SnapshotEntry  entry;
+  Storage        storage;
+  Rows           rows;
+  PetscInt      *particle;
+  PetscBool      failed;
+  char           name[64], path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  PetscCall(PetscMalloc1(arrays.n + 1, &particle));
+  PetscCall(Choose(output, &arrays, particle, &rows));
+  entry.index     = output->entries ? output->entry[output->entries - 1].index + 1 : 0;
+  entry.step      = state->step;
+  entry.time      = state->time;
+  entry.n         = rows.total;
+  entry.precision = output->precise ? (PetscInt)sizeof(double) : (PetscInt)sizeof(float);
+  entry.walls     = output->walls;
+  SnapshotName(entry.index, name);
+  PetscCall(OutputPath(output, name, path));
+  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
+  PetscCall(StorageCreate(output->comm, path, &storage));
+  PetscCall(WriteHead(output, state, &entry, &storage));
+  PetscCall(WriteFields(output, &arrays, particle, &rows, &storage));
+  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(PetscFree(particle));
+  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  if (failed) PetscCall(FolderDiscard(output, name));
+  PetscCheckUser(!failed, output->comm, "Cannot write the snapshot %s/%s: is the disk full, or the folder gone?", output->folder, name);
+  PetscCall(FolderCommit(output, name, PETSC_FALSE));
+  PetscCall(EntryAdd(output, &entry));
+  PetscCall(XdmfWrite(output));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

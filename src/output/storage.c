@@ -1,0 +1,351 @@
+/* HDF5 files of rows spread over the ranks. Every call is made by all ranks whatever went wrong before, so that none waits for another. */
+#include "output_impl.h"
+#include <sys/stat.h>
+
+/* The longest text attribute; HDF5 keeps attributes below 64 KB. */
+#define TEXT_MAX 60000
+
+/* Whether all ranks say yes. */
+static PetscErrorCode Agree(Storage *storage, PetscBool here, PetscBool *everywhere)
+{
+  PetscMPIInt ok = here ? 1 : 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &ok, 1, MPI_INT, MPI_MIN, storage->comm));
+  *everywhere = ok ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Start(MPI_Comm comm, const char path[], PetscBool writing, Storage *storage)
+{
+  hid_t     access;
+  PetscBool all;
+
+  PetscFunctionBegin;
+  storage->comm   = comm;
+  storage->failed = PETSC_FALSE;
+  PetscCallMPI(MPI_Comm_size(comm, &storage->size));
+  (void)H5Eget_auto2(H5E_DEFAULT, &storage->handler, &storage->client);
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* the caller says it in a sentence */
+  access = H5Pcreate(H5P_FILE_ACCESS);
+  (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* metadata with checksums */
+  if (storage->size > 1) {
+    (void)H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+    (void)H5Pset_all_coll_metadata_ops(access, 1);
+    (void)H5Pset_coll_metadata_write(access, 1);
+  }
+  storage->file = writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
+  (void)H5Pclose(access);
+  PetscCall(Agree(storage, (PetscBool)(storage->file >= 0), &all));
+  if (!all) {
+    if (storage->file >= 0 && storage->size == 1) (void)H5Fclose(storage->file);
+    storage->file   = -1;
+    storage->failed = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageCreate(MPI_Comm comm, const char path[], Storage *storage)
+{
+  PetscFunctionBegin;
+  PetscCall(Start(comm, path, PETSC_TRUE, storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage)
+{
+  PetscFunctionBegin;
+  PetscCall(Start(comm, path, PETSC_FALSE, storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageClose(Storage *storage, PetscBool *failed)
+{
+  PetscBool all;
+
+  PetscFunctionBegin;
+  if (storage->file >= 0 && H5Fclose(storage->file) < 0) storage->failed = PETSC_TRUE;
+  storage->file = -1;
+  (void)H5Eset_auto2(H5E_DEFAULT, storage->handler, storage->client);
+  PetscCall(Agree(storage, (PetscBool)!storage->failed, &all));
+  *failed = (PetscBool)!all;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The type in the file: little-endian, of the size of the type in memory, so that collective transfers stay collective. */
+static hid_t FileType(hid_t type)
+{
+  if (H5Tget_class(type) == H5T_FLOAT) return H5Tget_size(type) == sizeof(float) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  return H5Tget_size(type) == 4 ? H5T_STD_I32LE : H5T_STD_I64LE;
+}
+
+static void Keep(Storage *storage, herr_t status)
+{
+  if (status < 0) storage->failed = PETSC_TRUE;
+}
+
+static void AttributePut(Storage *storage, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n, const void *values)
+{
+  const hid_t space     = n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
+  const hid_t attribute = object < 0 ? -1 : H5Acreate2(object, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
+
+  if (attribute < 0) storage->failed = PETSC_TRUE;
+  else {
+    Keep(storage, H5Awrite(attribute, type, values));
+    Keep(storage, H5Aclose(attribute));
+  }
+  (void)H5Sclose(space);
+}
+
+static void AttributePutText(Storage *storage, hid_t object, const char name[], const char text[])
+{
+  const size_t length = PetscMin(strlen(text), (size_t)TEXT_MAX);
+  const hid_t  type   = H5Tcopy(H5T_C_S1);
+
+  (void)H5Tset_size(type, PetscMax(length, 1));
+  (void)H5Tset_strpad(type, H5T_STR_NULLPAD);
+  AttributePut(storage, object, name, type, type, 1, length ? text : "\0");
+  (void)H5Tclose(type);
+}
+
+/* The file space with this rank's rows selected, the space in memory, and how to transfer. */
+static void Spaces(Storage *storage, const Rows *rows, hid_t *file, hid_t *memory, hid_t *transfer)
+{
+  const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width}, count[2] = {(hsize_t)rows->n, (hsize_t)rows->width};
+  const hsize_t start[2] = {(hsize_t)rows->start, 0};
+  const int     rank     = rows->width > 1 ? 2 : 1;
+
+  *file   = H5Screate_simple(rank, total, NULL);
+  *memory = H5Screate_simple(rank, count, NULL);
+  if (rows->n) (void)H5Sselect_hyperslab(*file, H5S_SELECT_SET, start, NULL, count, NULL);
+  else {
+    (void)H5Sselect_none(*file);
+    (void)H5Sselect_none(*memory);
+  }
+  *transfer = H5Pcreate(H5P_DATASET_XFER);
+  if (storage->size > 1) (void)H5Pset_dxpl_mpio(*transfer, H5FD_MPIO_COLLECTIVE);
+}
+
+PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values, const char unit[], const char meaning[])
+{
+  hid_t     file, memory, transfer, create, set = -1;
+  PetscBool all;
+
+  PetscFunctionBegin;
+  Spaces(storage, rows, &file, &memory, &transfer);
+  create = H5Pcreate(H5P_DATASET_CREATE);
+  (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+  if (storage->file >= 0) set = H5Dcreate2(storage->file, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
+  PetscCall(Agree(storage, (PetscBool)(set >= 0), &all));
+  if (all) {
+    AttributePutText(storage, set, "unit", unit);
+    AttributePutText(storage, set, "meaning", meaning);
+    if (rows->total) Keep(storage, H5Dwrite(set, type, memory, file, transfer, values));
+  } else storage->failed = PETSC_TRUE;
+  if (set >= 0) Keep(storage, H5Dclose(set));
+  (void)H5Pclose(create);
+  (void)H5Pclose(transfer);
+  (void)H5Sclose(memory);
+  (void)H5Sclose(file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a data set has the shape of rows and numbers of the class of type. */
+static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
+{
+  const hid_t     space = H5Dget_space(set), stored = H5Dget_type(set);
+  const int       rank   = H5Sget_simple_extent_ndims(space);
+  const H5T_class_t kind = H5Tget_class(stored);
+  hsize_t         size[2] = {0, 1};
+  PetscBool       same;
+
+  if (rank == 1 || rank == 2) (void)H5Sget_simple_extent_dims(space, size, NULL);
+  same = (PetscBool)(rank == (rows->width > 1 ? 2 : 1) && size[0] == (hsize_t)rows->total && size[1] == (hsize_t)rows->width && kind == H5Tget_class(type));
+  (void)H5Tclose(stored);
+  (void)H5Sclose(space);
+  return same;
+}
+
+PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, const Rows *rows, void *values)
+{
+  hid_t     file, memory, transfer, set = -1;
+  PetscBool all;
+
+  PetscFunctionBegin;
+  Spaces(storage, rows, &file, &memory, &transfer);
+  if (storage->file >= 0) set = H5Dopen2(storage->file, name, H5P_DEFAULT);
+  PetscCall(Agree(storage, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
+  if (all) {
+    if (rows->total) Keep(storage, H5Dread(set, type, memory, file, transfer, values));
+  } else storage->failed = PETSC_TRUE;
+  if (set >= 0) (void)H5Dclose(set);
+  (void)H5Pclose(transfer);
+  (void)H5Sclose(memory);
+  (void)H5Sclose(file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StoragePutReal(Storage *storage, const char name[], PetscInt n, const PetscReal values[])
+{
+  PetscFunctionBegin;
+  AttributePut(storage, storage->file, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)n, values);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StoragePutInt(Storage *storage, const char name[], PetscInt64 value)
+{
+  PetscFunctionBegin;
+  AttributePut(storage, storage->file, name, H5T_STD_I64LE, H5T_NATIVE_LLONG, 1, &value);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StoragePutText(Storage *storage, const char name[], const char text[])
+{
+  PetscFunctionBegin;
+  AttributePutText(storage, storage->file, name, text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads a scalar attribute of a class; for texts, size is the room. */
+static PetscBool AttributeGet(Storage *storage, const char name[], H5T_class_t kind, hid_t type, void *value, size_t size)
+{
+  hid_t     attribute, stored, space;
+  PetscBool found = PETSC_FALSE;
+
+  if (storage->file < 0 || H5Aexists(storage->file, name) <= 0) return PETSC_FALSE;
+  attribute = H5Aopen(storage->file, name, H5P_DEFAULT);
+  if (attribute < 0) return PETSC_FALSE;
+  stored = H5Aget_type(attribute);
+  space  = H5Aget_space(attribute);
+  if (H5Tget_class(stored) == kind && H5Sget_simple_extent_npoints(space) == 1) {
+    if (kind != H5T_STRING) found = (PetscBool)(H5Aread(attribute, type, value) >= 0);
+    else if (H5Tis_variable_str(stored) == 0 && H5Tget_size(stored) < size) found = (PetscBool)(H5Aread(attribute, stored, value) >= 0);
+  }
+  (void)H5Sclose(space);
+  (void)H5Tclose(stored);
+  (void)H5Aclose(attribute);
+  return found;
+}
+
+PetscErrorCode StorageGetReal(Storage *storage, const char name[], PetscReal *value, PetscBool *found)
+{
+  PetscFunctionBegin;
+  *found = AttributeGet(storage, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, value, 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageGetInt(Storage *storage, const char name[], PetscInt64 *value, PetscBool *found)
+{
+  PetscFunctionBegin;
+  *found = AttributeGet(storage, name, H5T_INTEGER, H5T_NATIVE_LLONG, value, 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageGetText(Storage *storage, const char name[], char text[], size_t size, PetscBool *found)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(text, size));
+  *found = AttributeGet(storage, name, H5T_STRING, -1, text, size);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- the seal: magic, length and checksum of all bytes before it, appended to a finished file --- */
+
+#define SEAL_MAGIC  0x31304C4145534853ULL /* "SHSEAL01" in a little-endian file */
+#define SEAL_WORDS  3
+#define CHUNK_WORDS (1 << 16)
+
+/* SplitMix64's output function (Steele, Lea, Flood 2014). */
+static inline unsigned long long Mix(unsigned long long z)
+{
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+  return z ^ (z >> 31);
+}
+
+/* Sum over the words first .. last-1 of a file of a hash of the word and its place: any share of the words may be summed by any rank. Words beyond
+   'length' bytes are zero. Returns false when the file cannot be read. */
+static PetscBool SumWords(const char path[], unsigned long long length, unsigned long long first, unsigned long long last, unsigned long long *sum)
+{
+  FILE               *file  = fopen(path, "rb");
+  unsigned long long *chunk = malloc(CHUNK_WORDS * sizeof(*chunk));
+  PetscBool           good  = (PetscBool)(file && chunk && !fseeko(file, (off_t)(first * sizeof(*chunk)), SEEK_SET));
+
+  *sum = 0;
+  for (unsigned long long word = first; good && word < last; word += CHUNK_WORDS) {
+    const unsigned long long words = PetscMin(last - word, CHUNK_WORDS), bytes = PetscMin(length - word * sizeof(*chunk), words * sizeof(*chunk));
+
+    memset(chunk, 0, CHUNK_WORDS * sizeof(*chunk));
+    good = (PetscBool)(fread(chunk, 1, bytes, file) == bytes);
+    for (unsigned long long k = 0; good && k < words; k++) *sum += Mix(chunk[k] ^ Mix((word + k + 1) * 0x9E3779B97F4A7C15ULL));
+  }
+  if (file) fclose(file);
+  free(chunk);
+  return good;
+}
+
+static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long long length, unsigned long long *sum, PetscBool *good)
+{
+  const unsigned long long words = (length + 7) / 8;
+  PetscMPIInt              rank, size, ok;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  ok = SumWords(path, length, words * (unsigned)rank / (unsigned)size, words * (unsigned)(rank + 1) / (unsigned)size, sum);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &ok, 1, MPI_INT, MPI_MIN, comm));
+  *good = ok ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed)
+{
+  unsigned long long seal[SEAL_WORDS] = {SEAL_MAGIC, 0, 0}, length = 0;
+  PetscMPIInt        rank, ok = 1;
+  PetscBool          good;
+  struct stat        info;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (!rank) {
+    ok     = !stat(path, &info);
+    length = ok ? (unsigned long long)info.st_size : 0;
+  }
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_UNSIGNED_LONG_LONG, 0, comm));
+  seal[1] = length;
+  PetscCall(Checksum(comm, path, length, &seal[2], &good));
+  if (!rank) {
+    FILE *file = ok ? fopen(path, "ab") : NULL;
+
+    ok = file && fwrite(seal, sizeof(seal), 1, file) == 1;
+    if (file && fclose(file)) ok = 0;
+  }
+  PetscCallMPI(MPI_Bcast(&ok, 1, MPI_INT, 0, comm));
+  *failed = (PetscBool)!(ok && good);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], PetscBool *good)
+{
+  unsigned long long seal[SEAL_WORDS] = {0, 0, 0}, sum;
+  PetscMPIInt        rank, ok = 0;
+  struct stat        info;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (!rank) {
+    FILE *file = fopen(path, "rb");
+
+    ok = file && !fseeko(file, -(off_t)sizeof(seal), SEEK_END) && fread(seal, sizeof(seal), 1, file) == 1 && !fstat(fileno(file), &info);
+    ok = ok && seal[0] == SEAL_MAGIC && seal[1] + sizeof(seal) == (unsigned long long)info.st_size;
+    if (file) fclose(file);
+  }
+  PetscCallMPI(MPI_Bcast(&ok, 1, MPI_INT, 0, comm));
+  PetscCallMPI(MPI_Bcast(seal, SEAL_WORDS, MPI_UNSIGNED_LONG_LONG, 0, comm));
+  *good = PETSC_FALSE;
+  if (!ok) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Checksum(comm, path, seal[1], &sum, good));
+  *good = (PetscBool)(*good && sum == seal[2]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,221 @@
+/* Positions of the fluid particles that bring the summed density to rho_0 everywhere (Kuri et al.: standard deviation 1e-4 of rho_0), by TAO.
+
+   Minimised over y, the displacement in spacings:
+     f = 1/2 sum_a e_a^2 + k/2 sum_pairs max(0, 1 - r_ab/c)^2,     e_a = V_0 (W(0) + sum_b W_ab) - 1.
+   The second sum runs over pairs with a fluid particle; without it particles pair up, for the density alone does not notice. It vanishes
+   once all are c apart, so it does not keep the density from its goal. Walls and images behind periodic and symmetry faces count in both. */
+#include "types.h"
+#include <petsctao.h>
+
+#define REPULSION_STRENGTH 1.0  /* k: at the goal the density pushes with about 1e-4, so that r falls short of c by as much */
+#define REPULSION_MARGIN   1.02 /* c over the distance wanted */
+#define SLACK              3.0  /* of the halo while packing, spacings: particles move further than in a step of the run */
+#define SEARCH_AFTER       0.02 /* spacings that a particle may move before neighbours are searched: W is below 1e-6 W(0) so near the rim */
+#define TRAVEL_LIMIT       1.5  /* spacings that a particle may move before all are sent home */
+
+typedef struct {
+  Cloud     cloud;
+  PairRow  *row;
+  PetscReal tolerance, distance;  /* wanted: relative; m */
+  PetscReal deviation, closest;   /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
+  PetscReal travelled;            /* largest displacement of a round, m */
+  PetscReal particles;            /* fluid particles of all ranks */
+  PetscReal *start, *searched;    /* [n_fluid][3] positions at the start of the round and at the last search, m */
+} Optimiser;
+
+/* Largest displacement of the fluid from 'before' ([n_fluid][3], m). */
+static PetscErrorCode Displacement(Cloud cloud, const PetscReal before[], PetscReal *largest)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+
+  PetscFunctionBegin;
+  *largest = 0;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal r2 = 0;
+
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) r2 += PetscSqr(x[k] - before[k]);
+    *largest = PetscMax(*largest, r2);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  *largest = PetscSqrtReal(*largest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves the fluid to start + d0 y. The lists of neighbours are kept while nobody has moved far: they miss pairs at the rim of the support only. */
+static PetscErrorCode Place(Optimiser *o, Vec y)
+{
+  const Cloud      cloud = o->cloud;
+  const PetscInt   dim   = cloud->domain->dim;
+  PetscReal       *x     = cloud->field[FIELD_POSITION], moved;
+  const PetscReal *shift;
+  PetscBool        search;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(y, &shift));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    for (PetscInt d = 0; d < dim; d++) x[DIM * a + d] = o->start[DIM * a + d] + cloud->domain->spacing * shift[dim * a + d];
+  }
+  PetscCall(VecRestoreArrayRead(y, &shift));
+  PetscCall(Displacement(cloud, o->start, &o->travelled));
+  PetscCall(Displacement(cloud, o->searched, &moved));
+  search       = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
+  cloud->stray = o->travelled;
+  PetscCall(CloudMoved(cloud, search));
+  if (search) PetscCall(PetscArraycpy(o->searched, cloud->field[FIELD_POSITION], DIM * cloud->n_fluid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* e_a into WORK1 (zero for walls, which do not move and are not asked for their density); returns f. */
+static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
+{
+  const Cloud     cloud = o->cloud;
+  const PetscReal reach = REPULSION_MARGIN * o->distance;
+  PetscReal      *error = cloud->field[FIELD_WORK1], sums[2] = {0, 0}, closest2 = PETSC_MAX_REAL; /* of e^2, of the repulsion */
+  PairRow        *row   = o->row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    error[a] = 0;
+    if (a >= cloud->n_fluid) continue;
+    error[a] = PackingRow(cloud, a, row) - 1;
+    sums[0] += PetscSqr(error[a]);
+    for (PetscInt k = 0; k < row->n; k++) {
+      const PetscBool fluid = (PetscBool)(cloud->integer[INT_LAYER][row->index[k]] == 0);
+
+      if (row->r2[k] >= reach * reach) continue;
+      if (fluid) closest2 = PetscMin(closest2, row->r2[k]);
+      sums[1] += (fluid ? 0.5 : 1) * PetscSqr(1 - PetscSqrtReal(row->r2[k]) / reach); /* the other particle adds its half */
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
+  o->closest   = closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) : PETSC_INFINITY;
+  o->deviation = PetscSqrtReal(sums[0] / o->particles);
+  *f           = 0.5 * (sums[0] + REPULSION_STRENGTH * sums[1]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - k/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move alike. */
+static PetscErrorCode Gradient(Optimiser *o, Vec gradient)
+{
+  const Cloud      cloud = o->cloud;
+  const PetscInt   dim   = cloud->domain->dim;
+  const PetscReal *error = cloud->field[FIELD_WORK1], reach = REPULSION_MARGIN * o->distance, volume = cloud->domain->volume;
+  PairRow         *row   = o->row;
+  PetscReal       *g;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayWrite(gradient, &g));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal sum[DIM] = {0, 0, 0};
+
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, row);
+    KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
+    for (PetscInt k = 0; k < row->n; k++) {
+      PetscReal slope = volume * (error[a] + error[row->index[k]]) * row->F[k];
+
+      if (row->r2[k] < reach * reach) {
+        const PetscReal r = PetscMax(PetscSqrtReal(row->r2[k]), ROUNDING * reach);
+
+        slope -= REPULSION_STRENGTH * (1 - r / reach) / (reach * r);
+      }
+      sum[0] += slope * row->dx[k];
+      sum[1] += slope * row->dy[k];
+      sum[2] += slope * row->dz[k];
+    }
+    for (PetscInt d = 0; d < dim; d++) g[dim * a + d] = cloud->domain->spacing * sum[d];
+  }
+  PetscCall(VecRestoreArrayWrite(gradient, &g));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void *context)
+{
+  Optimiser *o = (Optimiser *)context;
+
+  PetscFunctionBegin;
+  PetscCall(Place(o, y));
+  PetscCall(Errors(o, f));
+  PetscCall(CloudUpdate(o->cloud, FIELD_WORK1));
+  PetscCall(Gradient(o, gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Stops when the goal is met, and when particles have moved so far that they must be sent home first. */
+static PetscErrorCode Converged(Tao tao, void *context)
+{
+  Optimiser *o = (Optimiser *)context;
+
+  PetscFunctionBegin;
+  PetscCall(TaoDefaultConvergenceTest(tao, NULL));
+  if (o->travelled > TRAVEL_LIMIT * o->cloud->domain->spacing) PetscCall(TaoSetConvergedReason(tao, TAO_DIVERGED_USER));
+  else if (o->deviation <= o->tolerance && o->closest >= o->distance) PetscCall(TaoSetConvergedReason(tao, TAO_CONVERGED_USER));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One round: TAO from where the particles are, until it stops; the result goes to the swarm. The remaining iterations are counted down. */
+static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, TaoConvergedReason *reason)
+{
+  const Cloud    cloud = o->cloud;
+  const PetscInt size  = DIM * cloud->n_fluid;
+  PetscInt       lost  = 0, limit;
+  PetscReal      f;
+  Tao            tao;
+  Vec            y, gradient;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(size, &o->start, size, &o->searched));
+  PetscCall(PetscArraycpy(o->start, cloud->field[FIELD_POSITION], size));
+  PetscCall(PetscArraycpy(o->searched, o->start, size));
+  PetscCall(VecCreateMPI(cloud->comm, cloud->domain->dim * cloud->n_fluid, PETSC_DETERMINE, &y));
+  PetscCall(VecDuplicate(y, &gradient));
+  PetscCall(TaoCreate(cloud->comm, &tao));
+  PetscCall(TaoSetType(tao, TAOLMVM));
+  PetscCall(TaoSetOptionsPrefix(tao, "packing_"));
+  PetscCall(TaoSetSolution(tao, y));
+  PetscCall(TaoSetObjectiveAndGradient(tao, gradient, Evaluate, o));
+  PetscCall(TaoSetConvergenceTest(tao, Converged, o));
+  PetscCall(TaoSetFromOptions(tao));
+  PetscCall(TaoGetMaximumIterations(tao, &limit));
+  *remaining = *remaining < 0 ? limit : *remaining;
+  PetscCall(TaoSetMaximumIterations(tao, *remaining));
+  PetscCall(TaoSolve(tao));
+  PetscCall(TaoGetConvergedReason(tao, reason));
+  PetscCall(TaoGetIterationNumber(tao, done));
+  *remaining -= *done;
+  PetscCall(Evaluate(tao, y, &f, gradient, o)); /* the last point tried need not be the best */
+  PetscCall(PetscInfo(tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n", *done, TaoConvergedReasons[*reason],
+                      (double)o->deviation, (double)(o->closest / cloud->domain->spacing)));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) PackingConfine(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a);
+  PetscCall(CloudCommit(cloud, &lost));
+  PetscCall(CloudResync(cloud));
+  PetscCall(TaoDestroy(&tao));
+  PetscCall(VecDestroy(&y));
+  PetscCall(VecDestroy(&gradient));
+  PetscCall(PetscFree2(o->start, o->searched));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
+{
+  Optimiser          o = {.cloud = cloud, .tolerance = target->tolerance, .distance = target->distance * cloud->domain->spacing};
+  const PetscReal    slack = cloud->slack;
+  PetscInt           remaining = -1, done, particles;
+  TaoConvergedReason reason;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(&cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  o.particles = (PetscReal)particles;
+  PetscCall(PetscNew(&o.row));
+  target->iterations = 0;
+  cloud->slack       = PetscMax(slack, SLACK * cloud->domain->spacing);
+  PetscCall(CloudResync(cloud));
+  do { /* a line search that failed gets another chance without the memory of LMVM */
+    PetscCall(Round(&o, &remaining, &done, &reason));
+    target->iterations += done;
+  } while (done > 0 && remaining > 0 && (reason == TAO_DIVERGED_USER || reason == TAO_DIVERGED_LS_FAILURE));
+  cloud->slack = slack; /* the caller's CloudResync builds a halo for it */
+  PetscCall(PetscFree(o.row));
+  target->deviation = o.deviation;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,234 @@
+/* The class: types, options, and how samples become particles. */
+#include "types.h"
+
+static PetscFunctionList PackingList = NULL;
+
+static PetscErrorCode PackingFinalize(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListDestroy(&PackingList));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PackingRegisterAll(void)
+{
+  PetscFunctionBegin;
+  if (PackingList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFunctionListAdd(&PackingList, "lattice", PackingCreate_Lattice));
+  PetscCall(PetscFunctionListAdd(&PackingList, "poisson", PackingCreate_Poisson));
+  PetscCall(PetscRegisterFinalize(PackingFinalize));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PackingSetType(Packing packing, const char name[])
+{
+  PetscErrorCode (*create)(Packing);
+
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListFind(PackingList, name, &create));
+  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s is not a packing; there are lattice and poisson", name);
+  if (packing->ops.destroy) PetscCall(packing->ops.destroy(packing));
+  PetscCall(PetscMemzero(&packing->ops, sizeof(packing->ops)));
+  PetscCall(PetscStrncpy(packing->type, name, sizeof(packing->type)));
+  PetscCall(create(packing));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingCreate(Cloud cloud, Packing *packing)
+{
+  PetscFunctionBegin;
+  PetscCall(PackingRegisterAll());
+  PetscCall(PetscNew(packing));
+  (*packing)->cloud = cloud;
+  (*packing)->seed  = 1;
+  PetscCall(PackingSetType(*packing, "lattice"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingSetFromOptions(Packing packing)
+{
+  const MPI_Comm comm = packing->cloud->comm;
+  char           type[64];
+  PetscBool      set;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, "Packing", "Packing");
+  PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList, packing->type, type, sizeof(type), &set));
+  if (set) PetscCall(PackingSetType(packing, type));
+  PetscCall(PetscOptionsInt("-packing_seed", "seed of the random numbers, 0 or more (1)", "PackingSetFromOptions", packing->seed, &packing->seed, NULL));
+  if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
+  PetscOptionsEnd();
+  PetscCheckUser(packing->seed >= 0, comm, "-packing_seed is %" PetscInt_FMT "; it must be 0 or more", packing->seed);
+  if (packing->ops.check) PetscCall(packing->ops.check(packing));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingDestroy(Packing *packing)
+{
+  PetscFunctionBegin;
+  if (!*packing) PetscFunctionReturn(PETSC_SUCCESS);
+  if ((*packing)->ops.destroy) PetscCall((*packing)->ops.destroy(*packing));
+  PetscCall(PetscFree(*packing));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt PackingWallLayers(Cloud cloud)
+{
+  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - ROUNDING);
+}
+
+void PackingConfine(Domain domain, PetscReal x[DIM])
+{
+  const PetscReal margin = ROUNDING * domain->spacing;
+
+  DomainWrap(domain, x);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (domain->face[d][0] == FACE_PERIODIC) continue;
+    if (domain->face[d][0] == FACE_SYMMETRY && x[d] < domain->lower[d]) x[d] = 2 * domain->lower[d] - x[d];
+    if (domain->face[d][1] == FACE_SYMMETRY && x[d] > domain->upper[d]) x[d] = 2 * domain->upper[d] - x[d];
+    x[d] = PetscMax(domain->lower[d] + margin, PetscMin(domain->upper[d] - margin, x[d]));
+  }
+}
+
+/* --- from samples to particles --- */
+
+typedef struct {
+  Domain         domain;
+  PetscMPIInt    rank;
+  PetscInt       count;  /* samples seen */
+  PetscInt      *weight; /* [cells] samples of each */
+  ParticleArrays arrays;
+  PetscInt       next; /* place of the next particle of this rank */
+} Filling;
+
+static void Weigh(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM])
+{
+  Filling *filling = (Filling *)context;
+
+  filling->count++;
+  filling->weight[DomainCell(filling->domain, x)]++;
+}
+
+static void Fill(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM])
+{
+  Filling       *filling = (Filling *)context;
+  const PetscInt a       = filling->next;
+
+  if (filling->domain->cell_rank[DomainCell(filling->domain, x)] != filling->rank) return;
+  for (PetscInt d = 0; d < DIM; d++) filling->arrays.real[FIELD_POSITION][DIM * a + d] = x[d];
+  filling->arrays.integer[INT_ID][a]     = id;
+  filling->arrays.integer[INT_BODY][a]   = body;
+  filling->arrays.integer[INT_PARENT][a] = id;
+  filling->next++;
+}
+
+/* Every rank sees all samples and keeps those of its cells; the cells are dealt out first, with the weights that CloudResync will use, so
+   that nothing has to migrate. */
+static PetscErrorCode CreateParticles(Packing packing)
+{
+  const Cloud    cloud  = packing->cloud;
+  const Domain   domain = cloud->domain;
+  const PetscInt cells  = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
+  Filling        filling = {.domain = domain};
+  PetscInt      *weight, own = 0, walls;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(cloud->comm, &filling.rank));
+  PetscCall(PetscCalloc2(cells, &filling.weight, cells, &weight));
+  PetscCall(packing->ops.visit(packing, Weigh, &filling));
+  packing->count = filling.count;
+  PetscCheckUser(packing->count > 0, cloud->comm, "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
+                 (double)domain->spacing);
+  if (filling.rank == 0) { /* DomainPartition sums over the ranks */
+    PetscCall(PetscArraycpy(weight, filling.weight, cells));
+    WallWeigh(domain, layers, weight);
+  }
+  PetscCall(DomainPartition(domain, weight));
+  for (PetscInt c = 0; c < cells; c++)
+    if (domain->cell_rank[c] == filling.rank) own += filling.weight[c];
+  PetscCall(PetscFree2(filling.weight, weight));
+  PetscCall(ParticlesLocalSize(cloud->particles, &filling.next));
+  PetscCall(ParticlesAppend(cloud->particles, own));
+  PetscCall(ParticlesOpen(cloud->particles, &filling.arrays));
+  PetscCall(packing->ops.visit(packing, Fill, &filling));
+  PetscCall(ParticlesClose(cloud->particles, &filling.arrays));
+  PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
+  PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " fluid and %" PetscInt_FMT " wall particles\n", packing->type, packing->count, walls));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- what is known once the particles stand --- */
+
+PetscReal PackingRow(Cloud cloud, PetscInt a, PairRow *row)
+{
+  PetscReal sum = 0;
+
+  PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, row);
+  KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
+  SIMD_LOOP(reduction(+ : sum))
+  for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
+  return cloud->domain->volume * (sum + KernelSelf(cloud->kernel));
+}
+
+static PetscErrorCode SetVelocities(Packing packing)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(packing->cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt body = arrays.integer[INT_BODY][a];
+
+    if (body >= 0) BodyVelocity(SceneBody(packing->cloud->scene, body), arrays.real[FIELD_POSITION] + DIM * a, arrays.real[FIELD_VELOCITY] + DIM * a);
+  }
+  PetscCall(ParticlesClose(packing->cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Densities, Eq. (4) of Kuri et al. with the rest density of the particle itself, so that two liquids in touch are at rest; and the report. */
+static PetscErrorCode Measure(Packing packing, PackingReport *report)
+{
+  const Cloud cloud = packing->cloud;
+  PairRow    *row;
+  PetscReal   squares = 0, closest2 = PETSC_MAX_REAL;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&row));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal rest = cloud->rest_density[a], fraction = PackingRow(cloud, a, row);
+
+    cloud->field[FIELD_DENSITY][a] = rest * fraction;
+    if (a >= cloud->n_fluid) continue;
+    squares += PetscSqr(rest * (fraction - 1));
+    for (PetscInt k = 0; k < row->n; k++)
+      if (cloud->integer[INT_LAYER][row->index[k]] == 0) closest2 = PetscMin(closest2, row->r2[k]);
+  }
+  PetscCall(PetscFree(row));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
+  report->density_std       = PetscSqrtReal(squares / packing->count);
+  report->smallest_distance = closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingRun(Packing packing, PackingReport *report)
+{
+  const Cloud cloud = packing->cloud;
+  PetscInt    lost  = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
+  PetscCall(PetscMemzero(report, sizeof(*report)));
+  if (packing->ops.setup) PetscCall(packing->ops.setup(packing, report));
+  PetscCall(CreateParticles(packing));
+  PetscCall(CloudResync(cloud));
+  if (packing->ops.improve) PetscCall(packing->ops.improve(packing, report));
+  PetscCall(SetVelocities(packing));
+  PetscCall(CloudResync(cloud));
+  PetscCall(Measure(packing, report));
+  PetscCall(CloudCommit(cloud, &lost));
+  PetscCheck(lost == 0, cloud->comm, PETSC_ERR_PLIB, "%" PetscInt_FMT " particles of the packing are outside the box", lost);
+  PetscCall(CloudResync(cloud));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,241 @@
+#include "particles.h"
+
+#define INFO_REAL(id, name, width, parity, unit, meaning) {name, width, parity, unit, meaning},
+const FieldInfo Fields[FIELD_COUNT] = {STORED_REALS(INFO_REAL) WORK_REALS(INFO_REAL)};
+#define NAME_INT(id, name, meaning)    name,
+#define MEANING_INT(id, name, meaning) meaning,
+const char *const IntFieldNames[INT_COUNT]    = {STORED_INTS(NAME_INT)};
+const char *const IntFieldMeanings[INT_COUNT] = {STORED_INTS(MEANING_INT)};
+
+/* The swarm may grow by this many particles before it must allocate again. */
+#define SWARM_BUFFER 1024
+
+struct _p_Particles {
+  MPI_Comm comm;
+  Domain   domain; /* borrowed */
+  DM       swarm;
+  PetscInt global; /* expected global number, checked after each migration */
+};
+
+PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
+{
+  Particles p;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&p));
+  p->comm   = domain->comm;
+  p->domain = domain;
+  PetscCall(DMCreate(p->comm, &p->swarm));
+  PetscCall(DMSetType(p->swarm, DMSWARM));
+  PetscCall(PetscObjectSetName((PetscObject)p->swarm, "particles"));
+  PetscCall(DMSetDimension(p->swarm, domain->dim));
+  PetscCall(DMSwarmSetType(p->swarm, DMSWARM_BASIC));
+  PetscCall(DMSwarmInitializeFieldRegister(p->swarm));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, Fields[f].name, Fields[f].width, PETSC_REAL));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, IntFieldNames[f], 1, PETSC_INT));
+  PetscCall(DMSwarmFinalizeFieldRegister(p->swarm));
+  PetscCall(DMSwarmSetLocalSizes(p->swarm, 0, SWARM_BUFFER));
+  *particles = p;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesDestroy(Particles *particles)
+{
+  PetscFunctionBegin;
+  if (!*particles) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMDestroy(&(*particles)->swarm));
+  PetscCall(PetscFree(*particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer)
+{
+  PetscInt    global;
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(particles->comm, &size));
+  PetscCall(ParticlesGlobalSize(particles, &global));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Particles: %" PetscInt_FMT " in a DMSwarm on %d rank%s\n", global, size, size > 1 ? "s" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesAppend(Particles particles, PetscInt count)
+{
+  PetscInt       n;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &n));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, n + count, SWARM_BUFFER));
+  PetscCall(ParticlesOpen(particles, &arrays));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscArrayzero(arrays.real[f] + n * Fields[f].width, count * Fields[f].width));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArrayzero(arrays.integer[f] + n, count));
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCall(ParticlesGlobalSize(particles, &particles->global));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &arrays->n));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(DMSwarmGetField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(DMSwarmGetField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesClose(Particles particles, ParticleArrays *arrays)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(DMSwarmRestoreField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(DMSwarmRestoreField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesLocalSize(Particles particles, PetscInt *n)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesGlobalSize(Particles particles, PetscInt *n)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetSize(particles->swarm, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rearranges the fields: particle order[k] moves to place k, for k < n. */
+static PetscErrorCode Rearrange(ParticleArrays *arrays, PetscInt n, const PetscInt order[])
+{
+  PetscReal *real;
+  PetscInt  *integer;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n * DIM, &real, n, &integer));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    const PetscInt width = Fields[f].width;
+
+    for (PetscInt k = 0; k < n; k++)
+      for (PetscInt c = 0; c < width; c++) real[k * width + c] = arrays->real[f][order[k] * width + c];
+    PetscCall(PetscArraycpy(arrays->real[f], real, n * width));
+  }
+  for (PetscInt f = 0; f < INT_COUNT; f++) {
+    for (PetscInt k = 0; k < n; k++) integer[k] = arrays->integer[f][order[k]];
+    PetscCall(PetscArraycpy(arrays->integer[f], integer, n));
+  }
+  PetscCall(PetscFree2(real, integer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[])
+{
+  ParticleArrays arrays;
+  PetscInt      *order, kept = 0;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(particles, &arrays));
+  PetscCall(PetscMalloc1(arrays.n, &order));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (keep[a]) order[kept++] = a;
+  PetscCall(Rearrange(&arrays, kept, order));
+  PetscCall(PetscFree(order));
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, kept, SWARM_BUFFER));
+  PetscCall(ParticlesGlobalSize(particles, &particles->global));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesMigrate(Particles particles)
+{
+  ParticleArrays arrays;
+  PetscMPIInt    size, *rank;
+  PetscInt       global;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(particles->comm, &size));
+  if (size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_MIGRATE), 0, 0, 0, 0));
+  PetscCall(ParticlesOpen(particles, &arrays));
+  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    rank[a] = particles->domain->cell_rank[DomainCell(particles->domain, x)];
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+  PetscCall(ParticlesGlobalSize(particles, &global));
+  PetscCheck(global == particles->global, particles->comm, PETSC_ERR_PLIB, "migration changed the number of particles from %" PetscInt_FMT " to %" PetscInt_FMT, particles->global, global);
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_MIGRATE), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesRepartition(Particles particles)
+{
+  Domain         domain = particles->domain;
+  ParticleArrays arrays;
+  PetscMPIInt    size;
+  PetscInt      *weight;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(particles->comm, &size));
+  if (size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(domain->cells[0] * domain->cells[1] * domain->cells[2], &weight));
+  PetscCall(ParticlesOpen(particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) weight[DomainCell(domain, arrays.real[FIELD_POSITION] + DIM * a)]++;
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCall(DomainPartition(domain, weight));
+  PetscCall(PetscFree(weight));
+  PetscCall(ParticlesMigrate(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+typedef struct {
+  PetscInt kind, cell, id, place;
+} SortKey;
+
+static int CompareKeys(const void *left, const void *right)
+{
+  const SortKey *a = (const SortKey *)left, *b = (const SortKey *)right;
+
+  if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
+  if (a->cell != b->cell) return a->cell < b->cell ? -1 : 1;
+  return a->id < b->id ? -1 : a->id > b->id;
+}
+
+PetscErrorCode ParticlesSort(Particles particles, PetscReal cell_size)
+{
+  Domain         domain = particles->domain;
+  ParticleArrays arrays;
+  SortKey       *keys;
+  PetscInt      *order, n[DIM];
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(particles, &arrays));
+  for (PetscInt d = 0; d < DIM; d++) n[d] = PetscMax(1, (PetscInt)((domain->upper[d] - domain->lower[d]) / cell_size));
+  PetscCall(PetscMalloc2(arrays.n, &keys, arrays.n, &order));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt layer = arrays.integer[INT_LAYER][a];
+    PetscInt       cell[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal x = (arrays.real[FIELD_POSITION][DIM * a + d] - domain->lower[d]) / (domain->upper[d] - domain->lower[d]);
+
+      cell[d] = PetscMax(0, PetscMin(n[d] - 1, (PetscInt)PetscMin(x * n[d], (PetscReal)n[d])));
+    }
+    keys[a].kind  = PetscMin(layer, 2);
+    keys[a].cell  = (cell[2] * n[1] + cell[1]) * n[0] + cell[0];
+    keys[a].id    = arrays.integer[INT_ID][a];
+    keys[a].place = a;
+  }
+  qsort(keys, (size_t)arrays.n, sizeof(*keys), CompareKeys);
+  for (PetscInt a = 0; a < arrays.n; a++) order[a] = keys[a].place;
+  PetscCall(Rearrange(&arrays, arrays.n, order));
+  PetscCall(PetscFree2(keys, order));
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

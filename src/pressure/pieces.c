@@ -1,0 +1,188 @@
+/* The small types that combine into a projection: sources, closures at the free surface, gradients. */
+#include "types.h"
+
+/* --- sources: minus the right-hand side of div(grad p/rho) --- */
+
+/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). */
+PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
+{
+  Cloud            cloud = pressure->cloud;
+  const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_rows; a++) rhs[a] = (rho[a] / rest[a] - 1) / (dt * dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* F as a function of w1/w1(0): the filled fraction of the kernel from the length of sum V grad W, as if the surface were flat. */
+PetscErrorCode TabulateSurfaceFraction(Pressure pressure)
+{
+  Kernel          kernel  = pressure->cloud->kernel;
+  const PetscReal support = KernelSupport(kernel);
+  PetscReal       zero, depth = 0;
+
+  PetscFunctionBegin;
+  KernelHalfSpace(kernel, 0, &zero, NULL);
+  pressure->surface_plane                   = zero;
+  pressure->surface_fraction[0]             = 1;
+  pressure->surface_fraction[SURFACE_TABLE] = 0.5;
+  for (PetscInt k = SURFACE_TABLE - 1; k > 0; k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
+    PetscReal low = depth, high = support, plane;
+
+    for (PetscInt bisection = 0; bisection < 50; bisection++) {
+      const PetscReal middle = 0.5 * (low + high);
+
+      KernelHalfSpace(kernel, middle, &plane, NULL);
+      if (plane * SURFACE_TABLE > zero * k) low = middle;
+      else high = middle;
+    }
+    depth = 0.5 * (low + high);
+    KernelHalfSpace(kernel, depth, NULL, &pressure->surface_fraction[k]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define LAMBDA_FULL 0.95 /* above: a full neighbourhood, F = 1 */
+#define LAMBDA_THIN 0.3  /* below: too few neighbours for F; only compression counts */
+
+/* e_a = (rho_0 - rho_a)/rho_0 - (1 - F_a): the density defect that is not the free surface's. */
+static PetscReal DensityDefect(Pressure pressure, PetscInt a)
+{
+  Cloud            cloud    = pressure->cloud;
+  const PetscReal *gradient = cloud->field[FIELD_NORMAL] + DIM * a, lambda = cloud->field[FIELD_LAMBDA][a];
+  PetscReal        defect = 1 - cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a], fraction = 1;
+
+  if (lambda < LAMBDA_FULL) {
+    const PetscReal place = Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
+    const PetscInt  k     = (PetscInt)PetscMin(place, (PetscReal)(SURFACE_TABLE - 1));
+    const PetscReal t     = PetscMin(place - k, 1.0);
+
+    fraction = (1 - t) * pressure->surface_fraction[k] + t * pressure->surface_fraction[k + 1];
+  }
+  defect -= 1 - fraction;
+  return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
+}
+
+/* (1/dt) div v* with corrected kernel gradients, plus e/(dt T); wall rows: plain divergence, deeper layers folded in. */
+PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[])
+{
+  Cloud           cloud = pressure->cloud;
+  const PetscReal rate  = 1 / (dt * pressure->relaxation_time);
+
+  PetscFunctionBegin;
+  if (cloud->n_owned > pressure->div_capacity) {
+    pressure->div_capacity = cloud->capacity;
+    PetscCall(PetscFree(pressure->div));
+    PetscCall(PetscMalloc1(pressure->div_capacity, &pressure->div));
+  }
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, pressure->div));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -pressure->div[a] / dt - DensityDefect(pressure, a) * rate;
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -pressure->div[a] / dt;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) rhs[cloud->row[a] - cloud->row_start] -= pressure->div[a] / dt;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- closures --- */
+
+/* Eq. (11): (2 p_a - p_b) in place of (p_a - p_b). */
+PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
+{
+  return pressure->cloud->integer[INT_SURFACE][a] == 1 ? diagonal : 0;
+}
+
+#define LAMBDA_CLOSURE 0.9 /* fluid below this lambda has its diagonal filled up */
+
+PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
+{
+  Cloud cloud = pressure->cloud;
+
+  if (a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] >= LAMBDA_CLOSURE) return 0;
+  return PetscMax(0, pressure->lattice_diagonal / PressureDensity(pressure)[a] * cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale - diagonal);
+}
+
+PetscReal PressureLatticeDiagonal(Cloud cloud)
+{
+  const PetscInt  dim = cloud->domain->dim, reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1;
+  const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel);
+  PetscReal       sum = 0;
+
+  for (PetscInt k = dim == 3 ? -reach : 0; k <= (dim == 3 ? reach : 0); k++)
+    for (PetscInt j = -reach; j <= reach; j++)
+      for (PetscInt i = -reach; i <= reach; i++) {
+        const PetscReal r2 = d0 * d0 * (i * i + j * j + k * k);
+        PetscReal       F;
+
+        if (r2 == 0) continue;
+        KernelEvaluate(cloud->kernel, 1, &r2, NULL, &F);
+        sum -= 2 * cloud->domain->volume * F * r2 / (r2 + eta2);
+      }
+  return sum;
+}
+
+/* --- gradients: acceleration -grad p/rho --- */
+
+static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, PetscReal out[DIM])
+{
+  Cloud            cloud = pressure->cloud;
+  const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
+  const PetscReal  own = p[a] / (density[a] * density[a]);
+  PetscReal        ax = 0, ay = 0, az = 0;
+
+  KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
+  SIMD_LOOP(reduction(+ : ax, ay, az))
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b = row->index[k];
+    const PetscReal c = volume[b] * rest[b] * (own + p[b] / (density[b] * density[b])) * row->F[k];
+
+    ax -= c * row->dx[k];
+    ay -= c * row->dy[k];
+    az -= c * row->dz[k];
+  }
+  out[0] = ax;
+  out[1] = ay;
+  out[2] = az;
+}
+
+/* Eq. (9). */
+PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
+{
+  Cloud   cloud = pressure->cloud;
+  PairRow row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    SymmetricRow(pressure, a, &row, acceleration + DIM * a);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -B_a sum V (p_b - p_a) grad W/rho_a inside; near the surface Eq. (9), where pressure differences know nothing of the outside. */
+PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
+{
+  Cloud            cloud = pressure->cloud;
+  const PetscReal *density = PressureDensity(pressure), *p = cloud->field[FIELD_PRESSURE], *volume = cloud->volume;
+  PairRow          row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    if (cloud->integer[INT_SURFACE][a]) SymmetricRow(pressure, a, &row, acceleration + DIM * a);
+    else {
+      PetscReal ax = 0, ay = 0, az = 0;
+
+      KernelEvaluate(cloud->kernel, row.n, row.r2, NULL, row.F);
+      SIMD_LOOP(reduction(+ : ax, ay, az))
+      for (PetscInt k = 0; k < row.n; k++) {
+        const PetscReal c = volume[row.index[k]] * (p[row.index[k]] - p[a]) * row.F[k];
+
+        ax -= c * row.dx[k];
+        ay -= c * row.dy[k];
+        az -= c * row.dz[k];
+      }
+      TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, ax, ay, az, acceleration + DIM * a);
+      for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] /= density[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

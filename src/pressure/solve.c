@@ -1,0 +1,153 @@
+#include "types.h"
+
+#define DEFAULT_RTOL          1e-3
+#define DEFAULT_MAXITS        2000
+#define DEFAULT_GAMG_DROP     0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
+#define REBUILD_SLACK         3    /* iterations a kept preconditioner may always cost more */
+
+static PetscErrorCode DefaultOption(const char name[], const char value[])
+{
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, name, &set));
+  if (!set) PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The solver of this row layout: CG, algebraic multigrid with one smoothing, tolerance in the true residual; then the user's options. */
+static PetscErrorCode CreateSolver(Pressure pressure)
+{
+  Cloud     cloud = pressure->cloud;
+  PC        pc;
+  PetscBool gamg;
+
+  PetscFunctionBegin;
+  PetscCall(PressureForget(pressure));
+  pressure->solver_layout = cloud->layout;
+  PetscCall(VecCreate(cloud->comm, &pressure->b));
+  PetscCall(VecSetSizes(pressure->b, cloud->n_rows, cloud->rows_global));
+  PetscCall(VecSetFromOptions(pressure->b));
+  PetscCall(VecDuplicate(pressure->b, &pressure->x));
+  PetscCall(KSPCreate(cloud->comm, &pressure->ksp));
+  PetscCall(KSPSetType(pressure->ksp, KSPCG));
+  PetscCall(KSPSetNormType(pressure->ksp, KSP_NORM_UNPRECONDITIONED));
+  PetscCall(KSPSetTolerances(pressure->ksp, DEFAULT_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, DEFAULT_MAXITS));
+  PetscCall(KSPSetInitialGuessNonzero(pressure->ksp, PETSC_TRUE));
+  PetscCall(KSPGetPC(pressure->ksp, &pc));
+  PetscCall(PCSetType(pc, PCGAMG));
+  PetscCall(KSPSetFromOptions(pressure->ksp));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
+  if (gamg) {
+    PetscReal threshold = DEFAULT_GAMG_DROP;
+
+    PetscCall(PCGAMGSetThreshold(pc, &threshold, 1));
+    PetscCall(DefaultOption("-mg_levels_ksp_max_it", "1"));
+    PetscCall(PCSetFromOptions(pc)); /* the user's threshold wins */
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles into the store the preconditioner does not need; makes the solver if the layout changed. */
+static PetscErrorCode Prepare(Pressure pressure, PetscReal dt)
+{
+  PetscFunctionBegin;
+  if (!pressure->ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
+  pressure->current = pressure->kept == 0 ? 1 : 0;
+  PetscCall(SystemAssemble(pressure, &pressure->store[pressure->current], dt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
+{
+  PetscFunctionBegin;
+  PetscCall(Prepare(pressure, dt));
+  *A = pressure->store[pressure->current].A;
+  *b = pressure->b;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
+{
+  Mat A = NULL;
+  Vec b = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(PressureAssemble(pressure, dt, &A, &b));
+  PetscCall(KSPSetOperators(pressure->ksp, A, A));
+  PetscCall(KSPSetUp(pressure->ksp));
+  PetscCall(KSPSetUpOnBlocks(pressure->ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One attempt with the kept or a new preconditioner, from the pressure of the cloud. */
+static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
+{
+  Cloud        cloud = pressure->cloud;
+  Mat          A     = pressure->store[pressure->current].A;
+  PetscScalar *x;
+
+  PetscFunctionBegin;
+  if (pressure->rebuild || pressure->kept < 0 || pressure->age >= pressure->rebuild_interval) {
+    pressure->kept    = pressure->current;
+    pressure->age     = 0;
+    pressure->rebuild = PETSC_FALSE;
+  }
+  result->rebuilt = (PetscBool)(pressure->age == 0);
+  PetscCall(KSPSetOperators(pressure->ksp, A, pressure->store[pressure->kept].A));
+  PetscCall(VecGetArrayWrite(pressure->x, &x));
+  PetscCall(PetscArraycpy(x, cloud->field[FIELD_PRESSURE], cloud->n_rows));
+  PetscCall(VecRestoreArrayWrite(pressure->x, &x));
+  if (pressure->constant_null) {
+    MatNullSpace constant;
+
+    PetscCall(MatGetNullSpace(A, &constant));
+    PetscCall(MatNullSpaceRemove(constant, pressure->b));
+    PetscCall(MatNullSpaceRemove(constant, pressure->x));
+  }
+  PetscCall(KSPSolve(pressure->ksp, pressure->b, pressure->x));
+  PetscCall(KSPGetConvergedReason(pressure->ksp, &result->reason));
+  PetscCall(KSPGetIterationNumber(pressure->ksp, &result->iterations));
+  PetscCall(KSPGetResidualNorm(pressure->ksp, &result->residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result)
+{
+  Cloud              cloud = pressure->cloud;
+  const PetscScalar *x;
+
+  PetscFunctionBegin;
+  PetscCall(Prepare(pressure, dt));
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
+  PetscCall(Attempt(pressure, result));
+  if (result->reason < 0 && !result->rebuilt) { /* a stale preconditioner may be the reason */
+    const PetscInt tried = result->iterations;
+
+    pressure->rebuild = PETSC_TRUE;
+    PetscCall(Attempt(pressure, result));
+    result->iterations += tried;
+  }
+  if (result->rebuilt) pressure->first_iterations = result->iterations;
+  if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK) pressure->rebuild = PETSC_TRUE;
+  pressure->age++;
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
+  if (result->reason < 0) {
+    pressure->rebuild = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecGetArrayRead(pressure->x, &x));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_PRESSURE][a] = PetscRealPart(x[cloud->row[a] - cloud->row_start]);
+  PetscCall(VecRestoreArrayRead(pressure->x, &x));
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureAcceleration(Pressure pressure)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
+  PetscCall(pressure->gradient(pressure, pressure->cloud->field[FIELD_WORK3]));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,68 @@
+/* Private to pressure/. */
+#ifndef ISPH_PRESSURE_TYPES_H
+#define ISPH_PRESSURE_TYPES_H
+
+#include "../operators/operators.h"
+#include "pressure.h"
+
+#define SURFACE_TABLE 512
+
+/* rhs[n_rows], to be multiplied by the row's mass later: minus the source of div(grad p/rho). */
+typedef PetscErrorCode (*SourceFunction)(Pressure, PetscReal dt, PetscReal rhs[]);
+/* What to add to the diagonal of row a, whose pair sum is 'diagonal' (already scaled). */
+typedef PetscReal (*ClosureFunction)(Pressure, PetscInt a, PetscReal diagonal);
+typedef PetscErrorCode (*GradientFunction)(Pressure, PetscReal acceleration[]);
+
+/* One matrix with the arrays it wraps: local block i, j, a; columns of other ranks oi, oj, oa. */
+typedef struct {
+  Mat          A;
+  PetscInt     rows_capacity, capacity, o_capacity;
+  PetscInt    *i, *j, *oi, *oj;
+  PetscScalar *a, *oa;
+} MatrixStore;
+
+struct _p_Pressure {
+  Cloud            cloud; /* borrowed */
+  char             source_type[64], closure_type[64], gradient_type[64], mat_type[64];
+  SourceFunction   source;
+  ClosureFunction  closure;
+  GradientFunction gradient;
+  PetscBool        summed;
+  PetscReal        relaxation_time, relaxation_option;
+  PetscReal        lattice_diagonal;             /* Lambda_0 of a row with rest density 1 */
+  PetscReal        surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
+  PetscReal       *div;                          /* [owned capacity] 1/s */
+  PetscInt         div_capacity;
+  /* columns: column[b] < n_rows local, otherwise n_rows + place of the global row in off_row */
+  PetscInt         layout, halo_builds, column_capacity, *column, off_count, *off_row;
+  PetscInt        *child_first, *child; /* deeper wall particles of each row */
+  PetscInt        *mark, *slot;         /* [n_rows + off_count] */
+  PetscReal        row_scale;           /* 1/m_ref */
+  MatrixStore      store[2];
+  PetscInt         current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none */
+  KSP              ksp;
+  Vec              b, x;
+  PetscInt         solver_layout; /* the local order the solver was made for */
+  PetscBool        constant_null;
+  PetscInt         age, rebuild_interval, first_iterations;
+  PetscReal        rebuild_growth;
+  PetscBool        rebuild;
+};
+
+/* SystemColumns - brings the column numbering up to date with the cloud's ghosts and layout. Not collective. */
+PetscErrorCode SystemColumns(Pressure pressure);
+/* SystemAssemble - matrix into store s, right-hand side into pressure->b. Collective. */
+PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt);
+PetscErrorCode MatrixStoreReset(MatrixStore *s);
+/* PairCoefficients - K_ab of particle a's row (already loaded), Eq. (8), scaled with m_a/m_ref; 1/kg m3/m2. Not collective. */
+void PairCoefficients(Pressure pressure, PetscInt a, PairRow *row, PetscReal K[]);
+
+PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
+PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);
+PetscReal      ClosureDoubled(Pressure, PetscInt, PetscReal);
+PetscReal      ClosureFull(Pressure, PetscInt, PetscReal);
+PetscErrorCode GradientSymmetric(Pressure, PetscReal[]);
+PetscErrorCode GradientCorrected(Pressure, PetscReal[]);
+PetscErrorCode TabulateSurfaceFraction(Pressure);
+
+#endif

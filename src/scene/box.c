@@ -1,0 +1,60 @@
+/* Box with faces normal to the axes; a corner not given is that of the simulation box. */
+#include "sceneimpl.h"
+
+typedef struct {
+  PetscReal lower[DIM], upper[DIM]; /* m */
+} Box;
+
+static PetscErrorCode BoxSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+{
+  Domain domain = body->domain;
+  Box   *box;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&box));
+  body->shape_data = box;
+  PetscCall(PetscArraycpy(box->lower, domain->lower, DIM));
+  PetscCall(PetscArraycpy(box->upper, domain->upper, DIM));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower", "Lower corner of a box (m)",
+                                "ShapeBox", box->lower, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper", "Upper corner of a box (m)",
+                                "ShapeBox", box->upper, NULL));
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    PetscCheckUser(box->upper[d] > box->lower[d], domain->comm,
+                   "-%supper must be above -%slower in every direction: %g m is not above %g m", body->prefix,
+                   body->prefix, (double)box->upper[d], (double)box->lower[d]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal BoxDistance(Body body, const PetscReal x[DIM])
+{
+  const Box *box  = (const Box *)body->shape_data;
+  PetscReal  deep = PETSC_MIN_REAL, out = 0;
+
+  /* The distance of the corner region outside, the nearest face inside. */
+  for (PetscInt d = 0; d < body->domain->dim; d++) {
+    const PetscReal s = PetscMax(box->lower[d] - x[d], x[d] - box->upper[d]);
+
+    deep = PetscMax(deep, s);
+    if (s > 0) out += s * s;
+  }
+  return deep > 0 ? PetscSqrtReal(out) : deep;
+}
+
+static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Box *box = (const Box *)body->shape_data;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    lower[d] = box->lower[d];
+    upper[d] = box->upper[d];
+  }
+}
+
+const ShapeOps *ShapeBox(void)
+{
+  static const ShapeOps ops = {BoxSetFromOptions, BoxDistance, BoxBounds};
+
+  return &ops;
+}

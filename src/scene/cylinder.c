@@ -1,0 +1,72 @@
+/* Circular cylinder about any axis, infinite unless a height is given. In two dimensions: a circle about z, a strip
+   about another axis. */
+#include "sceneimpl.h"
+
+typedef struct {
+  PetscReal center[DIM]; /* half-way up, m */
+  PetscReal axis[DIM];   /* unit vector */
+  PetscReal radius;      /* m */
+  PetscReal half_height; /* m; PETSC_MAX_REAL: infinite */
+} Cylinder;
+
+static PetscErrorCode CylinderSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+{
+  Domain    domain = body->domain;
+  Cylinder *cylinder;
+  PetscReal height = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&cylinder));
+  body->shape_data = cylinder;
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a cylinder (m)",
+                                "ShapeCylinder", cylinder->center, NULL));
+  PetscCall(
+      BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a cylinder (m), required", &cylinder->radius));
+  cylinder->axis[2] = 1;
+  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
+                            cylinder->axis));
+  PetscCall(PetscOptionsReal("-height", "Height of a cylinder, centered (m); 0: infinite", "ShapeCylinder", height,
+                             &height, NULL));
+  PetscCheckUser(height >= 0 && !PetscIsInfOrNanReal(height), domain->comm,
+                 "-%sheight must be positive, or 0 for an infinite cylinder, not %g m", body->prefix, (double)height);
+  /* In two dimensions the plane cuts a cylinder about z half-way up, whatever its height. */
+  if (domain->dim == 2 && cylinder->axis[2] != 0) height = 0;
+  cylinder->half_height = height > 0 ? 0.5 * height : PETSC_MAX_REAL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal CylinderDistance(Body body, const PetscReal x[DIM])
+{
+  const Cylinder *cylinder = (const Cylinder *)body->shape_data;
+  PetscReal       r[DIM]   = {0, 0, 0}, along, side, end;
+
+  for (PetscInt d = 0; d < body->domain->dim; d++) r[d] = x[d] - cylinder->center[d];
+  along = Dot(r, cylinder->axis);
+  for (PetscInt d = 0; d < DIM; d++) r[d] -= along * cylinder->axis[d];
+  side = Norm(r) - cylinder->radius;
+  end  = PetscAbsReal(along) - cylinder->half_height;
+  if (side > 0 && end > 0) return PetscSqrtReal(side * side + end * end); /* nearest to the rim */
+  return PetscMax(side, end);
+}
+
+static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Cylinder *cylinder = (const Cylinder *)body->shape_data;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal a    = cylinder->axis[d];
+    PetscReal       half = cylinder->radius * PetscSqrtReal(PetscMax(0, 1 - a * a)); /* of the disc at either end */
+
+    if (a != 0)
+      half = cylinder->half_height == PETSC_MAX_REAL ? PETSC_MAX_REAL : half + PetscAbsReal(a) * cylinder->half_height;
+    lower[d] = cylinder->center[d] - half;
+    upper[d] = cylinder->center[d] + half;
+  }
+}
+
+const ShapeOps *ShapeCylinder(void)
+{
+  static const ShapeOps ops = {CylinderSetFromOptions, CylinderDistance, CylinderBounds};
+
+  return &ops;
+}

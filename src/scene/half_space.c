@@ -1,0 +1,50 @@
+/* Half-space of liquid behind a plane; the normal points out of the liquid. */
+#include "sceneimpl.h"
+
+typedef struct {
+  PetscReal point[DIM];  /* of the plane, m */
+  PetscReal normal[DIM]; /* unit vector */
+} HalfSpace;
+
+static PetscErrorCode HalfSpaceSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+{
+  HalfSpace *half;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&half));
+  body->shape_data = half;
+  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-point",
+                                "Point of the surface of a half-space (m)", "ShapeHalfSpace", half->point, NULL));
+  half->normal[body->domain->dim - 1] = 1;
+  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-normal",
+                            "Normal of a half-space, out of the liquid: x, y, z or a vector", PETSC_FALSE,
+                            half->normal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal HalfSpaceDistance(Body body, const PetscReal x[DIM])
+{
+  const HalfSpace *half     = (const HalfSpace *)body->shape_data;
+  PetscReal        distance = 0;
+
+  for (PetscInt d = 0; d < body->domain->dim; d++) distance += (x[d] - half->point[d]) * half->normal[d];
+  return distance;
+}
+
+static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const HalfSpace *half = (const HalfSpace *)body->shape_data;
+
+  /* Bounded in one direction when the normal is along it. */
+  for (PetscInt d = 0; d < DIM; d++) {
+    lower[d] = half->normal[d] == -1 ? half->point[d] : -PETSC_MAX_REAL;
+    upper[d] = half->normal[d] == 1 ? half->point[d] : PETSC_MAX_REAL;
+  }
+}
+
+const ShapeOps *ShapeHalfSpace(void)
+{
+  static const ShapeOps ops = {HalfSpaceSetFromOptions, HalfSpaceDistance, HalfSpaceBounds};
+
+  return &ops;
+}

@@ -1,0 +1,73 @@
+/* Floor 1: the scene as data. Named bodies of liquid, each a shape with a material and an initial velocity field; body
+   forces.
+
+   -bodies film,drop  and, for each body <b>:
+   -<b>_shape box|sphere|cylinder|ellipsoid|half_space, its sizes, -<b>_density, -<b>_viscosity, -<b>_tension,
+   -<b>_color,
+   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
+   the uniform part). Every shape is cut by the box.
+
+   Sizes (m): box _lower, _upper (default: the simulation box); sphere _center, _radius; cylinder _center, _radius,
+   _axis x|y|z or a vector, _height (0: infinite); ellipsoid _center, _radii; half_space _point, _normal (out of the
+   liquid). Velocities: rotation _rotation_rate (rad/s), _rotation_center; strain _strain_rate (1/s, diagonal or full
+   gradient), _strain_center; shear _shear_rate (1/s), _shear_direction, _shear_normal, _shear_center; taylor_green
+   _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the width of the box). In two dimensions a
+   sphere is a circle and so on; z is ignored. */
+#ifndef ISPH_SCENE_H
+#define ISPH_SCENE_H
+
+#include "../domain/domain.h"
+
+#define SCENE_MAX_BODIES 64
+
+typedef struct {
+  PetscReal density;   /* rho_0, kg/m3 */
+  PetscReal viscosity; /* mu, Pa s */
+  PetscReal tension;   /* sigma, N/m */
+} Material;
+
+typedef struct _p_Body  *Body;
+typedef struct _p_Scene *Scene;
+
+/* A shape: signed distance (m, negative inside; at least the right sign and a lower bound of the distance in size) and
+   the corners of a box that holds it. One file a shape, one registration line in scene.c. */
+typedef struct {
+  PetscErrorCode (*setfromoptions)(Body              body,
+                                   PetscOptionItems *PetscOptionsObject); /* reads its sizes inside an options block */
+  PetscReal (*distance)(Body body, const PetscReal x[DIM]);
+  void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
+} ShapeOps;
+
+/* SceneCreate - a scene in a domain (borrowed, must outlive the scene). Collective. */
+PetscErrorCode SceneCreate(Domain domain, Scene *scene);
+/* SceneSetFromOptions - reads the bodies, -gravity (m/s2), -central_force_rate (1/s; acceleration -rate^2 x about the
+   origin). Refuses unknown shapes and velocity types, names that are not identifiers or appear twice, no body at all,
+   non-positive sizes and densities, negative viscosity or tension, a body wholly outside the box, and bodies that
+   overlap (more than rounding; checked on the points of a lattice of the particle spacing). Collective. */
+PetscErrorCode SceneSetFromOptions(Scene scene);
+PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
+PetscErrorCode SceneDestroy(Scene *scene);
+
+/* Not collective from here on. */
+PetscInt        SceneCount(Scene scene);                /* number of bodies */
+Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCount */
+const char     *BodyName(Body body);
+const Material *BodyMaterial(Body body);
+PetscInt        BodyColor(Body body); /* integer label for pictures; default: the body's index */
+/* BodyDistance - signed distance of x (m) to the surface of the shape, negative inside; the box is not part of it. */
+PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
+/* BodyContains - whether x (m) is inside the shape and inside the box. */
+PetscBool BodyContains(Body body, const PetscReal x[DIM]);
+/* BodyBounds - a box (m) that holds shape and box's intersection. */
+void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
+/* BodyVelocity - the initial velocity v (m/s) at x (m). */
+void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
+/* SceneAcceleration - gravity and central force g (m/s2) at x (m). SceneForcePotential - its potential energy a unit
+   mass (J/kg). */
+void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
+PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
+/* SceneHasViscosity, SceneHasTension - whether any body has one: modules nobody needs are skipped. */
+PetscBool SceneHasViscosity(Scene scene);
+PetscBool SceneHasTension(Scene scene);
+
+#endif

@@ -1,0 +1,47 @@
+/* Sphere; a circle in two dimensions. */
+#include "sceneimpl.h"
+
+typedef struct {
+  PetscReal center[DIM]; /* m */
+  PetscReal radius;      /* m */
+} Sphere;
+
+static PetscErrorCode SphereSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+{
+  Sphere *sphere;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&sphere));
+  body->shape_data = sphere;
+  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a sphere (m)",
+                                "ShapeSphere", sphere->center, NULL));
+  PetscCall(
+      BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a sphere (m), required", &sphere->radius));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal SphereDistance(Body body, const PetscReal x[DIM])
+{
+  const Sphere *sphere = (const Sphere *)body->shape_data;
+  PetscReal     square = 0;
+
+  for (PetscInt d = 0; d < body->domain->dim; d++) square += PetscSqr(x[d] - sphere->center[d]);
+  return PetscSqrtReal(square) - sphere->radius;
+}
+
+static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Sphere *sphere = (const Sphere *)body->shape_data;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    lower[d] = sphere->center[d] - sphere->radius;
+    upper[d] = sphere->center[d] + sphere->radius;
+  }
+}
+
+const ShapeOps *ShapeSphere(void)
+{
+  static const ShapeOps ops = {SphereSetFromOptions, SphereDistance, SphereBounds};
+
+  return &ops;
+}

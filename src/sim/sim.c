@@ -1,0 +1,201 @@
+#include "types.h"
+
+#define FAREWELL_LENGTH 512
+
+PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(sim));
+  (*sim)->comm              = comm;
+  (*sim)->time_end          = -1;
+  (*sim)->progress_interval = 2;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadOwnOptions(Sim sim)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
+  PetscCall(PetscOptionsReal("-time_start", "time of the initial state (s)", "SimSetFromOptions", sim->state.time, &sim->state.time, NULL));
+  PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s)", "SimSetFromOptions", sim->time_end, &sim->time_end, &sim->has_end));
+  PetscCall(PetscOptionsInt("-steps_max", "number of steps after which the run ends; 0: no bound", "SimSetFromOptions", sim->steps_max, &sim->steps_max, NULL));
+  PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
+  PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
+  PetscCall(PetscOptionsReal("-relaxation_time", "relax the packing at rest, without body force, for this long before the run (s); 0: not", "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
+  PetscCall(PetscOptionsReal("-relaxation_damping", "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5, &sim->relaxation_damping, &sim->has_damping));
+  PetscOptionsEnd();
+  if (!sim->has_damping) sim->relaxation_damping = 0.5;
+  PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-relaxation_time is %g s; it must not be negative", (double)sim->relaxation_time);
+  PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm, "-relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
+  PetscCheckUser(sim->steps_max >= 0, sim->comm, "-steps_max is %" PetscInt_FMT "; it must not be negative", sim->steps_max);
+  PetscCheckUser(sim->progress_interval >= 0, sim->comm, "-progress_interval is %g s; it must not be negative", (double)sim->progress_interval);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
+{
+  MPI_Comm comm = sim->comm;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasHelp(NULL, stop));
+  PetscCall(ReadOwnOptions(sim));
+  PetscCall(DomainCreate(comm, &sim->domain));
+  PetscCall(DomainSetFromOptions(sim->domain));
+  PetscCall(KernelCreate(comm, sim->domain->dim, &sim->kernel));
+  PetscCall(KernelSetFromOptions(sim->kernel, sim->domain->spacing));
+  PetscCall(SceneCreate(sim->domain, &sim->scene));
+  PetscCall(SceneSetFromOptions(sim->scene));
+  PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
+  PetscCall(TensionSetFromOptions(sim->tension));
+  PetscCall(ParticlesCreate(sim->domain, &sim->particles));
+  PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles, PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));
+  PetscCall(CloudSetFromOptions(sim->cloud));
+  PetscCall(DomainSetUp(sim->domain, sim->cloud->reach + sim->cloud->slack));
+  PetscCall(PackingCreate(sim->cloud, &sim->packing));
+  PetscCall(PackingSetFromOptions(sim->packing));
+  PetscCall(PressureCreate(sim->cloud, &sim->pressure));
+  PetscCall(StepperCreate(sim->cloud, sim->tension, sim->pressure, &sim->stepper));
+  PetscCall(StepperSetFromOptions(sim->stepper));
+  PetscCall(OutputCreate(sim->cloud, &sim->output));
+  PetscCall(OutputSetFromOptions(sim->output));
+  PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm, "neither -time_end (s) nor -steps_max says when the run ends");
+  PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm, "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
+  if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Relaxation of the packing: no body force, damped, from rest; then the bodies get their initial velocities again. */
+static PetscErrorCode Relax(Sim sim)
+{
+  StepState      state = {0};
+  ParticleArrays arrays;
+  PetscReal     *initial;
+  PetscBool      failed;
+  char           why[FAREWELL_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(StepperSetDamping(sim->stepper, sim->relaxation_damping));
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (!arrays.integer[INT_LAYER][a]) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  while (state.time < sim->relaxation_time) {
+    PetscCall(StepperAdvance(sim->stepper, sim->relaxation_time, PETSC_FALSE, &state, &failed, why, sizeof(why)));
+    PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s", state.step, why);
+  }
+  PetscCall(StepperSetDamping(sim->stepper, 1));
+  PetscCall(StepperForget(sim->stepper));
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  initial = arrays.real[FIELD_VELOCITY];
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (!arrays.integer[INT_LAYER][a]) BodyVelocity(SceneBody(sim->scene, arrays.integer[INT_BODY][a]), arrays.real[FIELD_POSITION] + DIM * a, initial + DIM * a);
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCall(CloudResync(sim->cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimSetUp(Sim sim)
+{
+  const PetscBool restarting = (PetscBool)(sim->restart[0] != 0);
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
+  if (restarting) {
+    PetscCall(OutputSetUp(sim->output, PETSC_TRUE));
+    PetscCall(OutputRestart(sim->output, sim->restart, &sim->state));
+    PetscCheckUser(sim->time_end > sim->state.time, sim->comm, "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time, (double)sim->time_end);
+    PetscCall(CloudResync(sim->cloud));
+  } else PetscCall(PackingRun(sim->packing, &sim->report));
+  PetscCall(StepperPrepare(sim->stepper));
+  PetscCall(RefuseUnusedOptions(sim->comm));
+  if (!restarting) {
+    if (sim->relaxation_time > 0) PetscCall(Relax(sim));
+    PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
+  }
+  PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimView(Sim sim, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(DomainView(sim->domain, viewer));
+  PetscCall(KernelView(sim->kernel, viewer));
+  PetscCall(SceneView(sim->scene, viewer));
+  PetscCall(ParticlesView(sim->particles, viewer));
+  if (sim->restart[0]) PetscCall(PetscViewerASCIIPrintf(viewer, "Restart: %s at %g s, step %" PetscInt_FMT "\n", sim->restart, (double)sim->state.time, sim->state.step));
+  else
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Packing: density deviates by %.3g kg/m3 (standard deviation), closest particles %.3g spacings apart%s\n", (double)sim->report.density_std, (double)sim->report.smallest_distance, sim->report.cached ? ", from the cache" : ""));
+  PetscCall(StepperView(sim->stepper, viewer));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Brings swarm and cloud into the state a restart will start from, then writes it: from here on both runs do the same. */
+static PetscErrorCode Checkpoint(Sim sim)
+{
+  PetscFunctionBegin;
+  PetscCall(CloudResync(sim->cloud));
+  PetscCall(StepperForget(sim->stepper));
+  PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
+  PetscCall(OutputCheckpoint(sim->output, &sim->state));
+  PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteOutput(Sim sim, PetscBool last)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
+  PetscCall(OutputStep(sim->output, &sim->state, last));
+  PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimRun(Sim sim)
+{
+  Progress  progress = {0};
+  PetscBool last     = PETSC_FALSE;
+  PetscInt  steps    = 0;
+
+  PetscFunctionBegin;
+  PetscCall(ProgressStart(sim, &progress));
+  if (!sim->restart[0]) PetscCall(WriteOutput(sim, PETSC_FALSE));
+  PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
+  while (!last) {
+    PetscBool failed;
+    char      why[FAREWELL_LENGTH];
+
+    PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_TRUE, &sim->state, &failed, why, sizeof(why)));
+    if (failed) {
+      PetscCall(Checkpoint(sim));
+      PetscCheckUser(PETSC_FALSE, sim->comm, "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s", (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
+    }
+    last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max);
+    PetscCall(WriteOutput(sim, last));
+    if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
+    PetscCall(ProgressStep(sim, &progress, last));
+  }
+  PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimDestroy(Sim *sim)
+{
+  Sim s = *sim;
+
+  PetscFunctionBegin;
+  if (!s) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->output) PetscCall(OutputDestroy(&s->output));
+  if (s->stepper) PetscCall(StepperDestroy(&s->stepper));
+  if (s->pressure) PetscCall(PressureDestroy(&s->pressure));
+  if (s->packing) PetscCall(PackingDestroy(&s->packing));
+  if (s->cloud) PetscCall(CloudDestroy(&s->cloud));
+  if (s->particles) PetscCall(ParticlesDestroy(&s->particles));
+  if (s->tension) PetscCall(TensionDestroy(&s->tension));
+  if (s->scene) PetscCall(SceneDestroy(&s->scene));
+  if (s->kernel) PetscCall(KernelDestroy(&s->kernel));
+  if (s->domain) PetscCall(DomainDestroy(&s->domain));
+  PetscCall(PetscFree(*sim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,41 @@
+/* Private to sim/. */
+#ifndef ISPH_SIM_TYPES_H
+#define ISPH_SIM_TYPES_H
+
+#include "sim.h"
+
+struct _p_Sim {
+  MPI_Comm      comm;
+  Domain        domain;
+  Kernel        kernel;
+  Scene         scene;
+  Particles     particles;
+  Cloud         cloud;
+  Tension       tension;
+  Packing       packing;
+  Pressure      pressure;
+  Stepper       stepper;
+  Output        output;
+  StepState     state;
+  PackingReport report;
+  PetscReal     time_end, progress_interval, relaxation_time, relaxation_damping;
+  PetscInt      steps_max;
+  PetscBool     has_end, has_damping;
+  char          restart[PETSC_MAX_PATH_LEN];
+};
+
+/* The progress line. */
+typedef struct {
+  double         started, printed;
+  PetscReal      start_time;
+  PetscInt       start_step, iterations;
+  PetscBool      terminal;
+} Progress;
+
+PetscErrorCode ProgressStart(Sim sim, Progress *progress);
+/* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary. Collective. */
+PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
+/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective. */
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);
+
+#endif

@@ -1,0 +1,69 @@
+#include "types.h"
+
+/* Options that PETSc itself reads late or only reads at its end. */
+static const char *const late[] = {"log_", "malloc", "options_", "on_error", "start_in_", "stop_for", "fp_trap", "info", "memory_view", "objects_dump", "nox", "display", "python", "skip_petscrc", "help", "version", "checkstack", "mpi_linger", "debugger", "petsc_", "vec_", "sf_", "viewer_", "citations", "ksp_view", "ksp_converged", "ksp_monitor", "ksp_error", "mat_view", "spectrum_"};
+
+#define FAR 1000
+
+/* Levenshtein distance of two short words. */
+static PetscInt EditDistance(const char a[], const char b[])
+{
+  PetscInt row[128], n = 0;
+
+  while (b[n] && n < 126) n++;
+  for (PetscInt j = 0; j <= n; j++) row[j] = j;
+  for (PetscInt i = 0; a[i]; i++) {
+    PetscInt diagonal = row[0];
+
+    row[0] = i + 1;
+    for (PetscInt j = 0; j < n; j++) {
+      const PetscInt best = PetscMin(PetscMin(row[j], row[j + 1]) + 1, diagonal + (a[i] != b[j]));
+
+      diagonal   = row[j + 1];
+      row[j + 1] = best;
+    }
+  }
+  return row[n];
+}
+
+/* The option names that the classes of this program read are in the executable's help; here those of the table below serve for a suggestion. */
+static const char *const known[] = {
+#include "names.h"
+};
+
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
+{
+  PetscInt n;
+  char   **names, **values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt k = 0; k < n; k++) {
+    const char *nearest = NULL;
+    PetscInt    distance = FAR;
+    PetscBool   skip = PETSC_FALSE;
+
+    for (size_t l = 0; l < sizeof(late) / sizeof(*late) && !skip; l++) {
+      size_t length;
+
+      PetscCall(PetscStrlen(late[l], &length));
+      PetscCall(PetscStrncmp(names[k], late[l], length, &skip));
+    }
+    if (skip) continue;
+    for (size_t l = 0; l < sizeof(known) / sizeof(*known); l++) {
+      const PetscInt d = EditDistance(names[k], known[l]);
+
+      if (d < distance) {
+        distance = d;
+        nearest  = known[l];
+      }
+    }
+    PetscCheckUser(PETSC_FALSE, comm, "nothing reads the option -%s%s%s%s; -help lists all options", names[k], distance <= 4 ? " (did you mean -" : "", distance <= 4 ? nearest : "", distance <= 4 ? "?)" : "");
+  }
+  {
+    PetscInt count = n;
+
+    PetscCall(PetscOptionsLeftRestore(NULL, &count, &names, &values));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

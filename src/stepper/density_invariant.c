@@ -1,0 +1,53 @@
+/* The scheme of Kuri et al. as printed: Eqs. (1), (2), then Eqs. (8)-(11) at r^F. */
+#include "types.h"
+
+PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool diagnose, Attempted *attempted)
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *r, *v, *start, *predicted, *a;
+  PetscInt   touched;
+
+  PetscFunctionBegin;
+  /* Stage 1: everything but pressure, Eqs. (1), (2), (4)-(7), at r^n */
+  PetscCall(CloudBegin(cloud));
+  PetscCall(OperatorsMoments(cloud)); /* Eq. (4) */
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY]));
+  r         = cloud->field[FIELD_POSITION];
+  start     = cloud->field[FIELD_START];
+  predicted = cloud->field[FIELD_PREDICTED];
+  PetscCall(PetscArraycpy(start, r, DIM * cloud->n_owned));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += dt * predicted[k]; /* Eq. (2) */
+
+  /* Stage 2: pressure restores rho_0, Eqs. (8)-(11), at r^F */
+  PetscCall(CloudMoved(cloud, PETSC_TRUE));
+  PetscCall(OperatorsMoments(cloud));
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(Diagnose(stepper, diagnose, attempted));
+  PetscCall(PressureSolve(stepper->pressure, dt, &attempted->pressure));
+  if (attempted->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PressureAcceleration(stepper->pressure));
+  r         = cloud->field[FIELD_POSITION]; /* new ghosts may have moved the arrays */
+  v         = cloud->field[FIELD_VELOCITY];
+  start     = cloud->field[FIELD_START];
+  predicted = cloud->field[FIELD_PREDICTED];
+  a         = cloud->field[FIELD_WORK3];
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
+    const PetscReal velocity = predicted[k] + dt * a[k]; /* Eq. (9) */
+
+    r[k] = start[k] + 0.5 * dt * (v[k] + velocity); /* Eq. (10) */
+    v[k] = velocity;
+  }
+
+  /* Guard */
+  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r, v, &touched));
+  for (PetscInt k = 0; k < cloud->n_fluid; k++) {
+    const PetscReal moved[DIM] = {r[3 * k] - start[3 * k], r[3 * k + 1] - start[3 * k + 1], r[3 * k + 2] - start[3 * k + 2]};
+
+    attempted->displacement = PetscMax(attempted->displacement, Norm(moved));
+    if (!(Norm(moved) < PETSC_MAX_REAL)) attempted->broken = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,74 @@
+/* The size of the time step. */
+#include "types.h"
+
+#define VISCOUS_LIMIT   0.125 /* dt <= this h^2/nu */
+#define CAPILLARY_LIMIT 0.25  /* dt <= this sqrt(rho h^3/(2 pi sigma)) (Brackbill et al. 1992) */
+#define FORCE_LIMIT     0.25  /* dt <= this sqrt(h/|g|) */
+#define GROWTH          1.2   /* from one step to the next, at most */
+#define SAMPLES         5     /* points a direction at which the initial velocity of a body is read */
+
+PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt)
+{
+  Cloud           cloud = stepper->cloud;
+  const PetscReal h     = KernelSmoothingLength(cloud->kernel), left = end - state->time;
+  ParticleArrays  arrays;
+  PetscReal       local[2] = {0, 0}, largest[2], step = PETSC_MAX_REAL;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    PetscReal g[DIM];
+
+    if (arrays.integer[INT_LAYER][a]) continue;
+    SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
+    local[0] = PetscMax(local[0], Norm(arrays.real[FIELD_VELOCITY] + DIM * a));
+    local[1] = PetscMax(local[1], Norm(g));
+  }
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(local, largest, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
+  if (largest[0] > 0) step = PetscMin(step, stepper->cfl * h / largest[0]);
+  if (largest[1] > 0) step = PetscMin(step, FORCE_LIMIT * PetscSqrtReal(h / largest[1]));
+  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
+    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
+
+    if (m->viscosity > 0) step = PetscMin(step, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
+    if (m->tension > 0 && TensionReach(stepper->tension) > 0) step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+  }
+  /* the first step takes the scene's own velocity for the one the particles will soon have */
+  if (state->previous_time_step == 0 && stepper->reference_velocity > 0) step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
+  if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
+  if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
+  step = PetscMax(step, stepper->step_min);
+  if (stepper->step_fixed > 0) step = stepper->step_fixed;
+  /* no tiny last step: the last two share what is left */
+  if (left <= step * (1 + 1e-9)) step = left;
+  else if (left < 2 * step && stepper->step_fixed == 0) step = 0.5 * left;
+  *dt = step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal StepperReferenceVelocity(Stepper stepper)
+{
+  Cloud           cloud = stepper->cloud;
+  const PetscReal h     = KernelSmoothingLength(cloud->kernel);
+  PetscReal       speed = 0, fall = 0, capillary = 0;
+
+  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
+    Body            body = SceneBody(cloud->scene, b);
+    const Material *m    = BodyMaterial(body);
+    PetscReal       lower[DIM], upper[DIM], g[DIM], v[DIM], x[DIM];
+
+    BodyBounds(body, lower, upper);
+    for (PetscInt k = 0; k < SAMPLES * SAMPLES * SAMPLES; k++) {
+      const PetscInt at[DIM] = {k % SAMPLES, (k / SAMPLES) % SAMPLES, k / (SAMPLES * SAMPLES)};
+
+      for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (SAMPLES - 1);
+      BodyVelocity(body, x, v);
+      SceneAcceleration(cloud->scene, x, g);
+      speed = PetscMax(speed, Norm(v));
+      for (PetscInt d = 0; d < DIM; d++) fall = PetscMax(fall, PetscAbsReal(g[d]) * (upper[d] - lower[d]));
+    }
+    if (TensionReach(stepper->tension) > 0) capillary = PetscMax(capillary, m->tension / (m->density * h));
+  }
+  return PetscSqrtReal(speed * speed + fall + capillary);
+}

@@ -1,0 +1,49 @@
+/* Private to stepper/. */
+#ifndef ISPH_STEPPER_TYPES_H
+#define ISPH_STEPPER_TYPES_H
+
+#include "../operators/operators.h"
+#include "../wall/wall.h"
+#include "stepper.h"
+
+/* What an attempt at a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet committed. */
+typedef struct {
+  PressureResult pressure;
+  PetscReal      displacement; /* largest, m, this rank */
+  PetscReal      density;      /* largest rho/rho_0, this rank */
+  PetscReal      error2;       /* sum of squares of rho/rho_0 - 1 inside, this rank */
+  PetscReal      divergence2;  /* sum of squares of div v inside, this rank, 1/s2 */
+  PetscInt       inside;       /* particles in those sums */
+  PetscBool      broken;       /* not a number, this rank */
+} Attempted;
+
+typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, Attempted *);
+
+struct _p_Stepper {
+  Cloud          cloud;    /* borrowed */
+  Tension        tension;  /* borrowed */
+  Pressure       pressure; /* borrowed */
+  char           scheme_type[64];
+  SchemeFunction scheme;
+  PetscReal      cfl, step_min, step_max, step_fixed, displacement_max, density_max, guard;
+  PetscBool      shifting;
+  PetscReal      shifting_strength, shifting_cap;
+  PetscReal      relaxation_ratio;
+  PetscReal      reference_velocity; /* m/s */
+  PetscReal      damping;
+  PetscReal      self_kernel; /* W at one spacing, for shifting, m^-dim */
+};
+
+PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, Attempted *);
+PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, Attempted *);
+/* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then FIELD_PREDICTED = v + dt a for the fluid and the wall's
+   own velocity for walls, ghosts included. density: what viscosity divides by. Collective. */
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]);
+/* Diagnose - density error, largest density and (if asked) divergence of FIELD_VELOCITY, at the positions where moments and surface were last evaluated. Not collective. */
+PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
+/* Shift - FIELD_PREDICTED (the new velocity, ghosts current) -> FIELD_VELOCITY with the correction for the shift, which is added to positions x [n_owned][3] (m). Not collective. */
+PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[]);
+/* StepSize - the step (s) the state allows, within the bounds of the options. Collective. */
+PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
+
+#endif

@@ -1,0 +1,106 @@
+#include "types.h"
+
+static PetscFunctionList TensionList = NULL;
+
+static PetscErrorCode TensionRegisterAll(void)
+{
+  PetscFunctionBegin;
+  if (TensionList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CAHN_HILLIARD, TensionApply_CahnHilliard));
+  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_NONE, TensionApply_None));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionApply_None(Tension tension, Cloud cloud)
+{
+  (void)tension;
+  (void)cloud;
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension)
+{
+  Tension t;
+
+  PetscFunctionBegin;
+  PetscCall(TensionRegisterAll());
+  PetscCall(PetscNew(&t));
+  t->comm        = domain->comm;
+  t->spacing     = domain->spacing;
+  t->active      = SceneHasTension(scene);
+  t->ratio       = 1.75;
+  t->calibration = 3.959;
+  t->band        = 1;
+  PetscCall(PetscStrncpy(t->type, TENSION_CAHN_HILLIARD, sizeof(t->type)));
+  PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
+  t->smoothing = KernelSmoothingLength(kernel);
+  *tension     = t;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tabulates w1(s) of W^H for the part of phi that a wall stands for. */
+static PetscErrorCode TabulateWall(Tension tension)
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k <= WALL_TABLE; k++) KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &tension->wall[k], NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionSetFromOptions(Tension tension)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
+  PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList, tension->type, tension->type, sizeof(tension->type), NULL));
+  PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5", "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
+  PetscCall(PetscOptionsReal("-tension_calibration", "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h", "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
+  PetscCall(PetscOptionsReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)", "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  PetscOptionsEnd();
+  PetscCall(PetscFunctionListFind(TensionList, tension->type, &tension->apply));
+  PetscCheckUser(tension->apply, tension->comm, "-tension_type %s is not a surface tension model; there are " TENSION_CAHN_HILLIARD " and " TENSION_NONE, tension->type);
+  PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm, "-tension_ratio is %g; H/h must lie between 1 and 4", (double)tension->ratio);
+  PetscCheckUser(tension->calibration > 0, tension->comm, "-tension_calibration is %g; it must be positive", (double)tension->calibration);
+  PetscCheckUser(tension->band > 0 && tension->band <= 2, tension->comm, "-tension_band is %g; it must lie in (0, 2]", (double)tension->band);
+  if (tension->apply == TensionApply_None) tension->active = PETSC_FALSE;
+  PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
+  if (tension->active) PetscCall(TabulateWall(tension));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal TensionReach(Tension tension)
+{
+  return tension->active ? KernelSupport(tension->kernel) : 0;
+}
+
+PetscErrorCode TensionApply(Tension tension, Cloud cloud)
+{
+  PetscFunctionBegin;
+  if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
+  PetscCall(tension->apply(tension, cloud));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionView(Tension tension, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  if (tension->active)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m, kappa = %g sigma H\n", tension->type, (double)KernelSmoothingLength(tension->kernel), (double)tension->calibration));
+  else PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: none\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionDestroy(Tension *tension)
+{
+  PetscFunctionBegin;
+  if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KernelDestroy(&(*tension)->kernel));
+  PetscCall(CellGridReset(&(*tension)->grid));
+  PetscCall(PetscFree((*tension)->sorted));
+  PetscCall(PetscFree((*tension)->liquid));
+  PetscCall(PetscFree((*tension)->near));
+  PetscCall(PetscFree(*tension));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

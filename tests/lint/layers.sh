@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# A folder of src/ includes its own headers and those of lower floors, nothing else; and no private header of another
+# folder. LINT_ROOT: another tree than this repository, for a test of the test.
+set -u
+cd "${LINT_ROOT:-$(dirname "$0")/../..}" || exit 1
+declare -A floor=(
+  [base]=0 [kernel]=1 [domain]=1 [scene]=1 [particles]=2 [neighbors]=3 [operators]=4 [tension]=5 [wall]=5 [pressure]=5
+  [stepper]=6 [packing]=6 [output]=7 [sim]=8
+)
+allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
+# The headers a folder shows to the others; what it has besides is its own.
+declare -A public=([neighbors]=cloud.h)
+bad=0
+fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
+
+count=0
+for folder in src/*/; do
+  name=$(basename "$folder")
+  [ -n "${floor[$name]:-}" ] || fail "src/$name is on no floor; give it one in tests/lint/layers.sh"
+done
+while IFS=: read -r file line text; do
+  count=$((count + 1))
+  from=$(dirname "${file#src/}")
+  header=$(sed -E 's/^[^"]*"([^"]*)".*/\1/' <<<"$text")
+  [ "$from" = . ] && continue # src/main.c stands above all floors
+  case $header in
+    */*) ;;
+    *) [ -f "src/$from/$header" ] || fail "$file:$line includes $header, which is not in src/$from"; continue ;;
+  esac
+  to=$(basename "$(dirname "$header")")
+  [ "$to" = "$from" ] && continue
+  if [ ! -f "src/$from/$header" ]; then
+    fail "$file:$line includes $header, which does not exist"
+  elif [ -z "${floor[$from]:-}" ] || [ -z "${floor[$to]:-}" ]; then
+    fail "$file:$line includes $header: a folder without a floor"
+  elif [ "${floor[$to]}" -ge "${floor[$from]}" ] && [[ " $allowed " != *" $from:$to "* ]]; then
+    fail "$file:$line: $from (floor ${floor[$from]}) includes $header (floor ${floor[$to]}); only lower floors may be"
+  elif [ "$(basename "$header")" != "${public[$to]:-$to.h}" ]; then
+    fail "$file:$line includes $header, a private header of src/$to; its public one is ${public[$to]:-$to.h}"
+  fi
+done < <(grep -nE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' -r src --include='*.[ch]' | sort)
+
+[ "$count" -gt 0 ] || fail "no include was found under src/"
+[ "$bad" = 0 ] && echo "ok layers ($count includes)"
+[ "$bad" = 0 ]

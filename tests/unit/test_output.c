@@ -1,0 +1,506 @@
+/* Gauges on shapes cut out of a lattice; run folder, series, snapshots; checkpoints there and back, and damaged ones. */
+#include "../../src/output/output.h"
+#include "refuse.h"
+#include <string.h>
+#include <sys/stat.h>
+
+#define D0     0.5e-3
+#define FILM   10e-3
+#define FOLDER "output/test_output"
+#define FULL   "-box_lower -12e-3,-12e-3,0 -box_upper 12e-3,12e-3,30e-3 -box_x periodic -box_y periodic -box_zmin wall "
+#define QUARTER "-box_lower 0,0,0 -box_upper 12e-3,12e-3,30e-3 -box_xmin symmetry -box_ymin symmetry -box_zmin wall "
+#define PLANE  "-dimension 2 -box_lower -12e-3,0,0 -box_upper 12e-3,30e-3,0 -box_ymin wall "
+#define BODIES "-spacing 0.5e-3 -bodies film,drop -film_shape box -film_density 1100 -drop_shape sphere -drop_radius 2e-3 -drop_density 1000 "
+#define BODIES_3D BODIES "-film_lower -1,-1,0 -film_upper 1,1,10e-3 -drop_center 0,0,14e-3 "
+#define BODIES_2D BODIES "-film_lower -1,0,-1 -film_upper 1,10e-3,1 -drop_center 0,14e-3,0 "
+
+typedef struct {
+  Domain    domain;
+  Scene     scene;
+  Kernel    kernel;
+  Particles particles;
+  Cloud     cloud;
+  Output    output;
+} Run;
+
+static PetscErrorCode RunCreate(const char options[], Run *run)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(run, sizeof(*run)));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(DomainCreate(PETSC_COMM_WORLD, &run->domain));
+  PetscCall(DomainSetFromOptions(run->domain));
+  PetscCall(SceneCreate(run->domain, &run->scene));
+  PetscCall(SceneSetFromOptions(run->scene));
+  PetscCall(KernelCreate(PETSC_COMM_WORLD, run->domain->dim, &run->kernel));
+  PetscCall(KernelSetSmoothingLength(run->kernel, 1.3 * run->domain->spacing));
+  PetscCall(DomainSetUp(run->domain, KernelSupport(run->kernel)));
+  PetscCall(ParticlesCreate(run->domain, &run->particles));
+  PetscCall(CloudCreate(run->domain, run->scene, run->kernel, run->particles, KernelSupport(run->kernel), &run->cloud));
+  PetscCall(OutputCreate(run->cloud, &run->output));
+  PetscCall(OutputSetFromOptions(run->output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RunDestroy(Run *run)
+{
+  PetscFunctionBegin;
+  PetscCall(OutputDestroy(&run->output));
+  PetscCall(CloudDestroy(&run->cloud));
+  PetscCall(ParticlesDestroy(&run->particles));
+  PetscCall(KernelDestroy(&run->kernel));
+  PetscCall(SceneDestroy(&run->scene));
+  PetscCall(DomainDestroy(&run->domain));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which liquid is there: r is the distance from the vertical axis, z the height over the bottom, m. Returns the body + 1, or 0. */
+typedef int (*Shape)(PetscReal r, PetscReal z);
+
+#define CRATER (6e-3)
+
+static int Flat(PetscReal r, PetscReal z)
+{
+  return z < FILM;
+}
+
+static int Bowl(PetscReal r, PetscReal z)
+{
+  return z < FILM && r * r + (z - FILM) * (z - FILM) > CRATER * CRATER;
+}
+
+/* A crown that leans in over the crater, 5 mm high, and rises from its edge. */
+static int Crown(PetscReal r, PetscReal z)
+{
+  const PetscReal edge = CRATER + 1.0e-3 - 0.5 * (z - FILM);
+
+  return Bowl(r, z) || (z >= FILM && z < FILM + 5e-3 && PetscAbsReal(r - edge) < 1.0e-3);
+}
+
+/* With spray over the crater and beside it. */
+static int Spray(PetscReal r, PetscReal z)
+{
+  return Crown(r, z) || (PetscAbsReal(z - 25e-3) < 1e-3 && r < 4e-3) || (r < 1e-3 && PetscAbsReal(z - 12e-3) < 1e-3);
+}
+
+/* With a jet in the middle that carries the drop's liquid. */
+static int Jet(PetscReal r, PetscReal z)
+{
+  return r < 1.5e-3 && z < FILM + 8e-3 ? 2 : Bowl(r, z);
+}
+
+/* Flat, with a void inside. */
+static int Void(PetscReal r, PetscReal z)
+{
+  return Flat(r, z) && r * r + (z - 5e-3) * (z - 5e-3) > 9e-6;
+}
+
+/* A drop just above the flat film. */
+static int Above(PetscReal r, PetscReal z)
+{
+  return r * r + (z - 13.5e-3) * (z - 13.5e-3) < 4e-6 ? 2 : Flat(r, z);
+}
+
+/* A crater down to the bottom of the pool. */
+static int Dry(PetscReal r, PetscReal z)
+{
+  return z < FILM && r > CRATER;
+}
+
+/* Appends the particles of a shape, spread over the ranks in turn, displaced at random by up to jitter spacings. */
+static PetscErrorCode Fill(Run *run, Shape shape, PetscReal jitter)
+{
+  const Domain   domain = run->domain;
+  const PetscInt up     = domain->dim - 1;
+  PetscInt       cells[DIM], local = 0;
+  PetscMPIInt    rank, size;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(domain->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(domain->comm, &size));
+  for (PetscInt d = 0; d < DIM; d++) cells[d] = (PetscInt)((domain->upper[d] - domain->lower[d]) / D0 + 0.5);
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    PetscInt id = 0, k = 0;
+
+    if (pass) {
+      PetscCall(ParticlesAppend(run->particles, local));
+      PetscCall(ParticlesOpen(run->particles, &arrays));
+    }
+    for (PetscInt c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
+      const PetscInt  index[DIM] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
+      PetscReal       x[DIM];
+      const PetscInt *i = index;
+      int             body;
+
+      for (PetscInt d = 0; d < DIM; d++) x[d] = domain->lower[d] + (i[d] + 0.5) * D0;
+      body = shape(domain->dim == 2 ? PetscAbsReal(x[0]) : PetscSqrtReal(x[0] * x[0] + x[1] * x[1]), x[up]);
+      if (!body) continue;
+      if (id++ % size != rank) continue;
+      if (!pass) {
+        local++;
+        continue;
+      }
+      for (PetscInt d = 0; d < domain->dim; d++) x[d] += jitter * D0 * (2 * RandomUnit(7, DIM * (unsigned long long)id + d) - 1);
+      for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_POSITION][DIM * k + d] = x[d];
+      for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_VELOCITY][DIM * k + d] = d == up ? 2.0 : 0;
+      arrays.real[FIELD_DENSITY][k]     = 1000 + id;
+      arrays.integer[INT_ID][k]     = id - 1;
+      arrays.integer[INT_PARENT][k] = id - 1;
+      arrays.integer[INT_BODY][k++] = body - 1;
+    }
+    if (pass) PetscCall(ParticlesClose(run->particles, &arrays));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a shape should give, in spacings; not a number: not checked. */
+typedef struct {
+  const char *name, *options;
+  Shape       shape;
+  PetscReal   jitter, depth, diameter, crown, jet, tolerance;
+} Case;
+
+static const Case cases[] = {
+  {"flat", FULL BODIES_3D, Flat, 0, 0, 0, 0, 0, 1e-6},
+  {"flat jittered", FULL BODIES_3D, Flat, 0.25, 0, 0, 0, 0, 0.3},
+  {"flat quarter", QUARTER BODIES_3D, Flat, 0.2, 0, 0, 0, 0, 0.3},
+  {"flat plane", PLANE BODIES_2D, Flat, 0.2, 0, 0, 0, 0, 0.3},
+  {"void", FULL BODIES_3D, Void, 0.2, 0, 0, 0, 0, 0.3},
+  {"drop above", FULL BODIES_3D, Above, 0, 0, 0, 0, 0, 1e-6},
+  {"bowl", FULL BODIES_3D "-gauge_level 10e-3 ", Bowl, 0, 12, 24, 0, -11.2, 0.6},
+  {"bowl jittered", FULL BODIES_3D "-gauge_level 10e-3 ", Bowl, 0.25, 12, 24, NAN, NAN, 0.6},
+  {"bowl quarter", QUARTER BODIES_3D "-gauge_level 10e-3 ", Bowl, 0.2, 12, 24, NAN, NAN, 0.6},
+  {"bowl plane", PLANE BODIES_2D "-gauge_level 10e-3 ", Bowl, 0, 12, 24, 0, NAN, 0.6},
+  {"crown", FULL BODIES_3D "-gauge_level 10e-3 ", Crown, 0.1, 12, 23.6, 10, NAN, 0.6},
+  {"spray", FULL BODIES_3D "-gauge_level 10e-3 ", Spray, 0.1, 12, 23.6, 10, NAN, 0.6},
+  {"jet", FULL BODIES_3D "-gauge_level 10e-3 ", Jet, 0.1, 11.2, 24, NAN, 16, 0.6},
+  {"dry", FULL BODIES_3D "-gauge_level 10e-3 ", Dry, 0.1, 20, 24, NAN, NAN, 0.6},
+};
+
+static PetscErrorCode CheckGauges(const Case *c)
+{
+  Run         run;
+  GaugeValues g;
+  char        name[128];
+  double      start;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(c->options, &run));
+  PetscCall(Fill(&run, c->shape, c->jitter));
+  start = MPI_Wtime();
+  PetscCall(OutputGauges(run.output, &g));
+  start = MPI_Wtime() - start;
+#define CHECK_LENGTH(value, expected, what) \
+  do { \
+    (void)snprintf(name, sizeof(name), "gauges %s: %s", c->name, what); \
+    if (expected == expected) CHECK_CLOSE((value) / D0, expected, c->tolerance, name); \
+  } while (0)
+  CHECK_LENGTH(g.crater_depth, c->depth, "depth");
+  CHECK_LENGTH(g.crater_diameter, c->diameter, "diameter");
+  CHECK_LENGTH(g.crown_height, c->crown, "crown");
+  CHECK_LENGTH(g.jet_height, c->jet, "jet");
+#undef CHECK_LENGTH
+  if (getenv("TEST_VERBOSE")) printf("%-15s D %g phi %g H %g jet %g top %g N %d KE %g, %.1f ms\n", c->name, g.crater_depth / D0, g.crater_diameter / D0, g.crown_height / D0, g.jet_height / D0, g.highest / D0, (int)g.particles, g.kinetic_energy, 1e3 * start);
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- run folder, series, snapshots, checkpoints --- */
+
+#define RUN_OPTIONS "-dimension 2 -box_lower 0,0,0 -box_upper 6e-3,6e-3,0 -spacing 0.5e-3 -bodies film -film_shape box -film_lower 0,0,-1 -film_upper 1,3e-3,1 -film_density 1100 -output_dir " FOLDER " "
+#define STEPS 6
+
+static int Low(PetscReal r, PetscReal z)
+{
+  return z < 3e-3;
+}
+
+static PetscErrorCode RemoveFolder(void)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank) CHECK(!system("rm -rf " FOLDER), "folder removed");
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void SetState(StepState *state, PetscInt step)
+{
+  memset(state, 0, sizeof(*state));
+  state->step               = step;
+  state->time               = step * 1e-3 / 3;
+  state->time_step          = 1e-3 / 3;
+  state->previous_time_step = 1e-3 / 7;
+  state->iterations         = 10 + step;
+  state->lost               = step;
+  state->rejected           = 2;
+  state->density_error      = 0.125;
+  state->divergence         = 0.25;
+}
+
+/* Whole text of a file, to be freed; "" when there is none. */
+static PetscErrorCode ReadFile(const char path[], char **text, size_t *size)
+{
+  FILE *file = fopen(path, "rb");
+  long  length = 0;
+
+  PetscFunctionBegin;
+  if (file) {
+    (void)fseek(file, 0, SEEK_END);
+    length = ftell(file);
+    rewind(file);
+  }
+  PetscCall(PetscCalloc1(length + 1, text));
+  *size = file ? fread(*text, 1, (size_t)length, file) : 0;
+  if (file) fclose(file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rank 0 writes, all wait. */
+static PetscErrorCode WriteFile(const char path[], const char bytes[], size_t size)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  if (!rank) {
+    FILE *file = fopen(path, "wb");
+
+    PetscCheck(file && fwrite(bytes, 1, size, file) == size && !fclose(file), PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE, "%s", path);
+  }
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static int Exists(const char path[])
+{
+  struct stat info;
+
+  return !stat(path, &info);
+}
+
+static PetscInt Lines(const char path[])
+{
+  char    *text;
+  size_t   size;
+  PetscInt lines = 0;
+
+  if (ReadFile(path, &text, &size)) return -1;
+  for (size_t k = 0; k < size; k++) lines += text[k] == '\n';
+  if (PetscFree(text)) return -1;
+  return lines;
+}
+
+/* A run of STEPS states with a checkpoint at each of the steps 2, 4, 6. */
+static PetscErrorCode WriteRun(void)
+{
+  Run       run;
+  StepState state;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(RUN_OPTIONS "-snapshot_interval 1e-3 ", &run));
+  PetscCall(Fill(&run, Low, 0.3));
+  PetscCall(OutputSetUp(run.output, PETSC_FALSE));
+  for (PetscInt step = 0; step <= STEPS; step++) {
+    SetState(&state, step);
+    PetscCall(OutputStep(run.output, &state, (PetscBool)(step == STEPS)));
+    if (step && step % 2 == 0) PetscCall(OutputCheckpoint(run.output, &state));
+  }
+  PetscCall(OutputStep(run.output, &state, PETSC_TRUE));
+  PetscCall(RunDestroy(&run));
+  CHECK(Lines(FOLDER "/series.csv") == STEPS + 2, "series has a line a step");
+  CHECK(Exists(FOLDER "/snapshot_000000.h5") && Exists(FOLDER "/snapshot_000002.h5") && !Exists(FOLDER "/snapshot_000003.h5"), "snapshots at 0, 1, 2 ms");
+  CHECK(!Exists(FOLDER "/checkpoint_000002.h5") && Exists(FOLDER "/checkpoint_000004.h5") && Exists(FOLDER "/checkpoint_000006.h5"), "two checkpoints kept");
+  CHECK(Exists(FOLDER "/snapshots.xdmf") && Exists(FOLDER "/version.txt"), "xdmf and version");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TryRestart(const char options[], const char file[], Run *run, StepState *state)
+{
+  PetscFunctionBegin;
+  PetscCall(RunCreate(options, run));
+  PetscCall(OutputSetUp(run->output, PETSC_TRUE));
+  PetscCall(OutputRestart(run->output, file, state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the run's particles are those Fill makes, on the same ranks in the same order, to the last bit. */
+static PetscErrorCode SameParticles(Run *run, PetscBool *same)
+{
+  Run            other;
+  ParticleArrays a, b;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(RUN_OPTIONS, &other));
+  PetscCall(Fill(&other, Low, 0.3));
+  PetscCall(ParticlesOpen(run->particles, &a));
+  PetscCall(ParticlesOpen(other.particles, &b));
+  *same = (PetscBool)(a.n == b.n);
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && *same; f++) *same = (PetscBool)!memcmp(a.real[f], b.real[f], sizeof(PetscReal) * (size_t)(a.n * Fields[f].width));
+  for (PetscInt f = 0; f < INT_COUNT && *same; f++) *same = (PetscBool)!memcmp(a.integer[f], b.integer[f], sizeof(PetscInt) * (size_t)a.n);
+  PetscCall(ParticlesClose(other.particles, &b));
+  PetscCall(ParticlesClose(run->particles, &a));
+  PetscCall(RunDestroy(&other));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRestart(void)
+{
+  Run       run;
+  StepState state, expected;
+  PetscBool same;
+
+  PetscFunctionBegin;
+  SetState(&expected, 4);
+  PetscCall(TryRestart(RUN_OPTIONS "-snapshot_interval 1e-3 ", FOLDER "/checkpoint_000004.h5", &run, &state));
+  CHECK(!memcmp(&state, &expected, sizeof(state)), "restart: state");
+  PetscCall(SameParticles(&run, &same));
+  CHECK(same, "restart: particles");
+  CHECK(Lines(FOLDER "/series.csv") == 1 + 5, "restart: series cut behind the step");
+  CHECK(Exists(FOLDER "/snapshot_000001.h5") && !Exists(FOLDER "/snapshot_000002.h5"), "restart: snapshots cut behind the step");
+  PetscCall(OutputStep(run.output, &state, PETSC_FALSE)); /* the state of the restart is there already */
+  CHECK(Lines(FOLDER "/series.csv") == 1 + 5, "restart: no line twice");
+  for (PetscInt step = 5; step <= STEPS; step++) {
+    SetState(&state, step);
+    PetscCall(OutputStep(run.output, &state, (PetscBool)(step == STEPS)));
+  }
+  PetscCall(OutputCheckpoint(run.output, &state));
+  PetscCall(RunDestroy(&run));
+  CHECK(Lines(FOLDER "/series.csv") == STEPS + 2, "restart: series whole again");
+  CHECK(Exists(FOLDER "/snapshot_000002.h5") && !Exists(FOLDER "/snapshot_000003.h5"), "restart: snapshots whole again");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Refused(const char options[], const char file[], const char word[], const char name[])
+{
+  Run            run;
+  StepState      state;
+  PetscErrorCode code;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  RefuseBegin();
+  if (file) code = TryRestart(options, file, &run, &state);
+  else {
+    code = RunCreate(options, &run);
+    if (!code) code = OutputSetUp(run.output, PETSC_FALSE);
+  }
+  RefuseEnd(code, word, name);
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRefusals(void)
+{
+  PetscFunctionBegin;
+  PetscCall(Refused(RUN_OPTIONS, NULL, "holds a run already", "refuse: a folder with a run"));
+  PetscCall(Refused(RUN_OPTIONS "-output_dir " FOLDER "/series.csv/below", NULL, "Cannot write into the folder", "refuse: a folder below a file"));
+  PetscCall(Refused(RUN_OPTIONS "-series_interval -1", NULL, "-series_interval", "refuse: a negative interval"));
+  PetscCall(Refused(RUN_OPTIONS "-gauge_pool sea", NULL, "-gauge_pool", "refuse: a pool that is no body"));
+  PetscCall(Refused(RUN_OPTIONS "-gauge_axis 0,0", NULL, "-gauge_axis", "refuse: an axis of two numbers in the plane"));
+  PetscCall(Refused(RUN_OPTIONS, FOLDER "/none.h5", "no readable file", "refuse: a missing checkpoint"));
+  PetscCall(Refused(RUN_OPTIONS, FOLDER "/series.csv", "not a checkpoint", "refuse: a text file"));
+  PetscCall(Refused(RUN_OPTIONS, FOLDER "/snapshot_000000.h5", "not a checkpoint", "refuse: a snapshot"));
+  PetscCall(Refused(RUN_OPTIONS "-spacing 0.25e-3", FOLDER "/checkpoint_000006.h5", "spacing", "refuse: another spacing"));
+  PetscCall(Refused(RUN_OPTIONS "-dimension 3 -box_zmin open -box_upper 6e-3,6e-3,6e-3", FOLDER "/checkpoint_000006.h5", "dimensions", "refuse: another dimension"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every flipped byte is refused or does no harm; a file cut anywhere is refused. */
+static PetscErrorCode CheckDamage(void)
+{
+  const char    *file = FOLDER "/damaged.h5";
+  char          *bytes;
+  size_t         size;
+  PetscInt       refused = 0, harmless = 0, harmful = 0, cuts = 0;
+  Run            run;
+  StepState      state, expected;
+  PetscErrorCode code;
+  PetscBool      same;
+
+  PetscFunctionBegin;
+  SetState(&expected, STEPS);
+  PetscCall(ReadFile(FOLDER "/checkpoint_000006.h5", &bytes, &size));
+  CHECK(size > 1000, "damage: a checkpoint");
+  for (size_t k = 0; k < size; k += 1 + size / 211) {
+    bytes[k] ^= 0x10;
+    PetscCall(WriteFile(file, bytes, size));
+    bytes[k] ^= 0x10;
+    RefuseBegin();
+    code = TryRestart(RUN_OPTIONS, file, &run, &state);
+    (void)dup2(refuse_stderr, STDERR_FILENO);
+    close(refuse_stderr);
+    fclose(refuse_file);
+    same = PETSC_FALSE;
+    if (!code) PetscCall(SameParticles(&run, &same));
+    refused += code == ISPH_USER_ERROR;
+    harmless += !code && same && !memcmp(&state, &expected, sizeof(state));
+    harmful += code ? code != ISPH_USER_ERROR : !same || memcmp(&state, &expected, sizeof(state));
+    PetscCall(RunDestroy(&run));
+  }
+  CHECK(!harmful && refused > 10 * harmless, "damage: flipped bytes are noticed");
+  if (getenv("TEST_VERBOSE")) printf("flips: %d refused, %d harmless, %d harmful, size %d\n", (int)refused, (int)harmless, (int)harmful, (int)size);
+  for (size_t part = 1; part < 8; part++) {
+    PetscCall(WriteFile(file, bytes, part == 7 ? size - 1 : size * part / 7));
+    RefuseBegin();
+    code = TryRestart(RUN_OPTIONS, file, &run, &state);
+    (void)dup2(refuse_stderr, STDERR_FILENO);
+    close(refuse_stderr);
+    fclose(refuse_file);
+    cuts += code == ISPH_USER_ERROR;
+    PetscCall(RunDestroy(&run));
+  }
+  CHECK(cuts == 7, "damage: truncated files are refused");
+  PetscCall(PetscFree(bytes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The options file gives the same options back. */
+static PetscErrorCode CheckOptions(void)
+{
+  Run       run;
+  char      value[128];
+  PetscBool found;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(RUN_OPTIONS "-output_overwrite -title \"two words\" -shift -20e-3,-1 -flag -negative -3 ", &run));
+  PetscCall(OutputSetUp(run.output, PETSC_FALSE));
+  PetscCall(RunDestroy(&run));
+  CHECK(!Exists(FOLDER "/checkpoint_000006.h5") && !Exists(FOLDER "/snapshots.xdmf") && Exists(FOLDER "/damaged.h5"), "overwrite removes what a run writes, and no more");
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertFile(PETSC_COMM_WORLD, NULL, FOLDER "/options.opts", PETSC_TRUE));
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-title", value, sizeof(value), &found));
+  CHECK(found && !strcmp(value, "two words"), "options: a value with a space");
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-shift", value, sizeof(value), &found));
+  CHECK(found && !strcmp(value, "-20e-3,-1"), "options: a negative value");
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-flag", &found));
+  CHECK(found, "options: a flag");
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-bodies", value, sizeof(value), &found));
+  CHECK(found && !strcmp(value, "film"), "options: a name");
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-output_dir", &found));
+  CHECK(!found, "options: without the folder");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(UserErrorHandlerPush());
+  for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) PetscCall(CheckGauges(&cases[c]));
+  PetscCall(RemoveFolder());
+  PetscCall(WriteRun());
+  PetscCall(CheckRestart());
+  PetscCall(CheckRefusals());
+  PetscCall(CheckDamage());
+  PetscCall(CheckOptions());
+  PetscCall(RemoveFolder());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}

@@ -1,0 +1,284 @@
+/* Bodies: shapes and their distances, velocity fields, materials, refusals. */
+#include "../../src/scene/scene.h"
+#include "refuse.h"
+
+#define CUBE    "-spacing 0.1 -box_lower -1,-1,-1 -box_upper 1,1,1 "
+#define SQUARE  "-dimension 2 " CUBE
+#define BALL    "-bodies a -a_shape sphere -a_radius 0.5 "
+#define SAMPLES 2000
+
+/* A scene from a text of options; what was made is returned whatever the code. */
+static PetscErrorCode Read(const char options[], Domain *domain, Scene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(DomainCreate(PETSC_COMM_WORLD, domain));
+  PetscCall(DomainSetFromOptions(*domain));
+  PetscCall(SceneCreate(*domain, scene));
+  PetscCall(SceneSetFromOptions(*scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Free(Domain *domain, Scene *scene)
+{
+  PetscFunctionBegin;
+  if (*scene) PetscCall(SceneDestroy(scene));
+  PetscCall(DomainDestroy(domain));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Refused(const char options[], const char word[], const char name[])
+{
+  Domain         domain = NULL;
+  Scene          scene  = NULL;
+  PetscErrorCode code;
+
+  PetscFunctionBegin;
+  RefuseBegin();
+  code = Read(options, &domain, &scene);
+  RefuseEnd(code, word, name);
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Distance of one point to the first body of a scene. */
+static PetscErrorCode CheckDistance(const char options[], PetscReal x, PetscReal y, PetscReal z, PetscReal expected,
+                                    const char name[])
+{
+  const PetscReal point[DIM] = {x, y, z};
+  Domain          domain;
+  Scene           scene;
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  CHECK_CLOSE(BodyDistance(SceneBody(scene, 0), point), expected, 1e-12, name);
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Random pairs of points: a distance changes by no more than the way between them, and its gradient has length one;
+   points of the body are within its bounds. */
+static PetscErrorCode CheckShape(const char options[], const char name[])
+{
+  Domain    domain;
+  Scene     scene;
+  Body      body;
+  PetscReal lower[DIM], upper[DIM], worst = 0, slope = 0;
+  PetscBool held   = PETSC_TRUE;
+  PetscInt  inside = 0;
+  char      label[64];
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  body = SceneBody(scene, 0);
+  BodyBounds(body, lower, upper);
+  for (PetscInt k = 0; k < SAMPLES; k++) {
+    PetscReal x[DIM] = {0, 0, 0}, y[DIM] = {0, 0, 0}, r[DIM] = {0, 0, 0}, square = 0;
+
+    for (PetscInt d = 0; d < domain->dim; d++) {
+      x[d] = 3 * RandomUnit(1, (unsigned long long)(6 * k + d)) - 1.5;
+      y[d] = 3 * RandomUnit(1, (unsigned long long)(6 * k + d + 3)) - 1.5;
+      r[d] = x[d] - y[d];
+    }
+    worst = PetscMax(worst, PetscAbsReal(BodyDistance(body, x) - BodyDistance(body, y)) / Norm(r));
+    for (PetscInt d = 0; d < domain->dim; d++) {
+      PetscReal up[DIM] = {x[0], x[1], x[2]}, down[DIM] = {x[0], x[1], x[2]};
+
+      up[d] += 1e-6;
+      down[d] -= 1e-6;
+      square += PetscSqr((BodyDistance(body, up) - BodyDistance(body, down)) / 2e-6);
+    }
+    if (PetscAbsReal(PetscSqrtReal(square) - 1) < 1e-4) slope += 1. / SAMPLES; /* all but those next to a ridge */
+    if (BodyContains(body, x)) {
+      inside++;
+      for (PetscInt d = 0; d < DIM; d++) held = held && x[d] >= lower[d] && x[d] <= upper[d];
+    }
+  }
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_lipschitz", name));
+  CHECK(worst <= 1 + 1e-9, label);
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_slope", name));
+  CHECK_CLOSE(slope, 1, 1e-2, label);
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_bounds", name));
+  CHECK(held && inside > 0, label);
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestShapes(void)
+{
+  const char ellipsoid[] = CUBE "-bodies a -a_shape ellipsoid -a_radii 0.8,0.4,0.2 ";
+  const char can[]       = CUBE "-bodies a -a_shape cylinder -a_radius 0.5 -a_height 0.6 -a_center 0,0,0.1 ";
+  const char half[]      = CUBE "-bodies a -a_shape half_space -a_point 0,0,0.2 ";
+
+  PetscFunctionBegin;
+  PetscCall(CheckShape(CUBE "-bodies a -a_lower -0.5,-0.3,-0.8", "box"));
+  PetscCall(CheckShape(CUBE BALL "-a_center 0.7,0.1,0", "sphere"));
+  PetscCall(CheckShape(CUBE "-bodies a -a_shape cylinder -a_radius 0.5 -a_axis 1,2,3 -a_height 0.9", "cylinder"));
+  PetscCall(CheckShape(CUBE "-bodies a -a_shape cylinder -a_radius 0.5 -a_axis 0,-1,0", "infinite_cylinder"));
+  PetscCall(CheckShape(ellipsoid, "ellipsoid"));
+  PetscCall(CheckShape(CUBE "-bodies a -a_shape ellipsoid -a_radii 0.3,0.7,0.3", "prolate"));
+  PetscCall(CheckShape(CUBE "-bodies a -a_shape half_space -a_normal 1,-1,0.5 -a_point 0.1,0,0", "half_space"));
+  PetscCall(CheckShape(SQUARE "-bodies a -a_shape ellipsoid -a_radii 0.3,0.7", "ellipse"));
+  PetscCall(CheckShape(SQUARE "-bodies a -a_shape cylinder -a_radius 0.2 -a_axis y", "strip"));
+  PetscCall(CheckDistance(CUBE "-bodies a", 0.2, 0, 0, -0.8, "box_default_is_the_box"));
+  PetscCall(CheckDistance(CUBE "-bodies a -a_upper 0,0,0", 3, 4, -0.5, 5, "box_edge"));
+  PetscCall(CheckDistance(CUBE BALL, 3, 4, 0, 4.5, "sphere_outside"));
+  PetscCall(CheckDistance(SQUARE BALL "-a_center 0,0,9", 0, 0.3, 5, -0.2, "circle_ignores_z"));
+  PetscCall(CheckDistance(can, 0.5 + 0.3, 0, 0.4 + 0.4, 0.5, "cylinder_rim"));
+  PetscCall(CheckDistance(can, 0, 0, 0.3, -0.1, "cylinder_end"));
+  PetscCall(
+      CheckDistance(SQUARE "-bodies a -a_shape cylinder -a_radius 0.5 -a_height 0.01", 0, 0, 0, -0.5, "cylinder_2d"));
+  PetscCall(CheckDistance(half, 0.4, -0.3, 0.5, 0.3, "half_space_up"));
+  PetscCall(
+      CheckDistance(SQUARE "-bodies a -a_shape half_space -a_normal -1,0", 0.4, -0.3, 0.5, -0.4, "half_space_2d"));
+  PetscCall(CheckDistance(ellipsoid, 0, 0, 0, -0.2, "ellipsoid_center"));
+  PetscCall(CheckDistance(ellipsoid, 1.8, 0, 0, 1, "ellipsoid_along_x"));
+  PetscCall(CheckDistance(ellipsoid, 0, 0, -0.3, 0.1, "ellipsoid_along_z"));
+  PetscCall(CheckDistance(ellipsoid, 0, 0.39, 0, -0.01, "ellipsoid_mid_plane_near_tip"));
+  /* On the long axis, deep inside: the nearest point is above or below, d^2 = c^2 (1 - x^2/(a^2 - c^2)). */
+  PetscCall(CheckDistance(ellipsoid, 0.3, 0, 0, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_mid_plane_deep"));
+  PetscCall(
+      CheckDistance(ellipsoid, 0.3, 0, 1e-17, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_next_to_mid_plane"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Velocity of the first body at one point. */
+static PetscErrorCode CheckVelocity(const char options[], const PetscReal x[DIM], PetscReal u, PetscReal v, PetscReal w,
+                                    const char name[])
+{
+  const PetscReal expected[DIM] = {u, v, w};
+  PetscReal       got[DIM], error[DIM];
+  Domain          domain;
+  Scene           scene;
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  BodyVelocity(SceneBody(scene, 0), x, got);
+  for (PetscInt d = 0; d < DIM; d++) error[d] = got[d] - expected[d];
+  CHECK_CLOSE(Norm(error), 0, 1e-12, name);
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestVelocities(void)
+{
+  const PetscReal x[DIM] = {0.3, 0.2, -0.1}, p[DIM] = {0.3, 0.2, 0}, k = 2 * PETSC_PI;
+
+  PetscFunctionBegin;
+  PetscCall(CheckVelocity(CUBE BALL, x, 0, 0, 0, "velocity_at_rest"));
+  PetscCall(CheckVelocity(CUBE BALL "-a_velocity 1,2,3", x, 1, 2, 3, "velocity_uniform"));
+  PetscCall(CheckVelocity(
+      CUBE BALL "-a_velocity 1,2,3 -a_velocity_type rotation -a_rotation_rate 1,2,3 -a_rotation_center 0.1,0,0", x,
+      1 + (2 * -0.1 - 3 * 0.2), 2 + (3 * 0.2 - 1 * -0.1), 3 + (1 * 0.2 - 2 * 0.2), "velocity_rotation_and_uniform"));
+  PetscCall(CheckVelocity(SQUARE BALL "-a_velocity_type rotation -a_rotation_rate -2", p, 0.4, -0.6, 0,
+                          "velocity_square_patch"));
+  PetscCall(CheckVelocity(SQUARE BALL "-a_velocity_type strain -a_strain_rate -100,100", p, -30, 20, 0,
+                          "velocity_stretching_drop"));
+  PetscCall(CheckVelocity(CUBE BALL
+                          "-a_velocity_type strain -a_strain_rate 1,2,3,4,5,6,7,8,-6 -a_strain_center 0,0,0.1",
+                          x, 0.1, 1, 4.9, "velocity_full_strain"));
+  PetscCall(CheckVelocity(CUBE BALL "-a_velocity_type shear -a_shear_rate 10 -a_shear_center 0,0,-1 -a_velocity 0,1,0",
+                          x, 9, 1, 0, "velocity_shear"));
+  PetscCall(CheckVelocity(CUBE BALL
+                          "-a_velocity_type shear -a_shear_rate 10 -a_shear_direction 0,2,0 -a_shear_normal x",
+                          x, 0, 3, 0, "velocity_shear_direction"));
+  PetscCall(CheckVelocity(SQUARE BALL
+                          "-a_velocity_type taylor_green -a_taylor_green_amplitude 2 -a_taylor_green_wavelength 1",
+                          p, -2 * PetscCosReal(k * 0.3) * PetscSinReal(k * 0.2),
+                          2 * PetscSinReal(k * 0.3) * PetscCosReal(k * 0.2), 0, "velocity_taylor_green"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestScene(void)
+{
+  const PetscReal x[DIM] = {0.1, 0.2, 0.3}, drop[DIM] = {0, 0, 0.5}, outside[DIM] = {0, 0, -1.1},
+                  face[DIM] = {0, 0, 0.2};
+  PetscReal g[DIM], lower[DIM], upper[DIM];
+  Domain    domain;
+  Scene     scene;
+  Body      film, ball;
+
+  PetscFunctionBegin;
+  PetscCall(Read(
+      CUBE
+      "-bodies film,drop -film_upper 1,1,0.2 -drop_shape sphere -drop_radius 0.3 -drop_center 0,0,0.5 "
+      "-drop_density 1100 -drop_viscosity 0 -drop_tension 0.067 -drop_color 7 -gravity 0,0,-9.81 -central_force_rate 2",
+      &domain, &scene)); /* drop and film touch */
+  film = SceneBody(scene, 0);
+  ball = SceneBody(scene, 1);
+  CHECK(SceneCount(scene) == 2 && !strcmp(BodyName(ball), "drop"), "scene_bodies");
+  CHECK(BodyMaterial(film)->density == 1000 && BodyMaterial(film)->viscosity == 1e-3 &&
+            BodyMaterial(film)->tension == 0,
+        "material_defaults");
+  CHECK(BodyMaterial(ball)->density == 1100 && BodyMaterial(ball)->viscosity == 0 &&
+            BodyMaterial(ball)->tension == 0.067,
+        "material_options");
+  CHECK(BodyColor(film) == 0 && BodyColor(ball) == 7, "color");
+  CHECK(SceneHasViscosity(scene) && SceneHasTension(scene), "scene_has");
+  CHECK(BodyContains(ball, drop) && !BodyContains(film, drop), "contains");
+  CHECK(BodyDistance(film, outside) > 0 && !BodyContains(film, outside), "contains_only_in_box");
+  CHECK(!BodyContains(film, face) && !BodyContains(ball, face), "contains_not_the_surface");
+  BodyBounds(film, lower, upper);
+  CHECK(lower[2] == -1 && upper[2] == 0.2 && upper[0] == 1, "bounds_cut_by_the_box");
+  SceneAcceleration(scene, x, g);
+  CHECK_CLOSE(g[0], -0.4, 1e-15, "acceleration_central");
+  CHECK_CLOSE(g[2], -9.81 - 1.2, 1e-14, "acceleration_gravity");
+  CHECK_CLOSE(SceneForcePotential(scene, x), 9.81 * 0.3 + 2 * 0.14, 1e-14, "potential");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(Read(CUBE BALL "-a_viscosity 0", &domain, &scene));
+  CHECK(!SceneHasViscosity(scene) && !SceneHasTension(scene), "scene_has_not");
+  PetscCall(Free(&domain, &scene));
+  /* Smaller than the spacing, between lattice points: still a body. */
+  PetscCall(Read(CUBE "-bodies a -a_shape sphere -a_radius 0.01", &domain, &scene));
+  CHECK(SceneCount(scene) == 1, "tiny_body");
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestRefusals(void)
+{
+  PetscFunctionBegin;
+  PetscCall(Refused(CUBE, "-bodies is missing", "refuse_no_body"));
+  PetscCall(Refused(CUBE "-bodies a,a", "twice", "refuse_twice"));
+  PetscCall(Refused(CUBE "-bodies 2a", "'2a' is not a name", "refuse_name"));
+  PetscCall(Refused(CUBE "-bodies box", "taken", "refuse_box_name"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape cone", "box, sphere, cylinder, ellipsoid, half_space", "refuse_shape"));
+  PetscCall(Refused(CUBE BALL "-a_velocity_type spin", "taylor_green", "refuse_velocity_type"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape sphere", "-a_radius is missing", "refuse_no_radius"));
+  PetscCall(Refused(CUBE BALL "-a_radius -1", "-a_radius must be positive", "refuse_radius"));
+  PetscCall(Refused(CUBE BALL "-a_radius nan", "-a_radius must be positive", "refuse_radius_nan"));
+  PetscCall(Refused(CUBE "-bodies a -a_upper -2,0,0", "-a_upper must be above", "refuse_empty_box_shape"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape ellipsoid -a_radii 1,0,1", "-a_radii", "refuse_radii"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis w", "is no direction", "refuse_axis"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis 0,0,0", "not zero", "refuse_zero_axis"));
+  PetscCall(Refused(SQUARE "-bodies a -a_shape half_space -a_normal z", "in the plane", "refuse_normal_2d"));
+  PetscCall(Refused(CUBE BALL "-a_density 0", "-a_density", "refuse_density"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity -1", "-a_viscosity", "refuse_viscosity"));
+  PetscCall(Refused(CUBE BALL "-a_tension nan", "-a_tension", "refuse_tension"));
+  PetscCall(Refused(SQUARE BALL "-gravity 0,0,-9.81", "third component", "refuse_gravity_2d"));
+  PetscCall(Refused(CUBE BALL "-a_velocity_type rotation", "-a_rotation_rate is missing", "refuse_no_rate"));
+  PetscCall(Refused(CUBE BALL "-a_velocity_type strain -a_strain_rate 1,1,1", "sum to 0", "refuse_divergence"));
+  PetscCall(Refused(CUBE BALL "-a_center 5,0,0", "wholly outside", "refuse_outside"));
+  PetscCall(Refused(CUBE BALL "-a_center 1.45,1.45,1.45 -spacing 0.02", "wholly outside", "refuse_outside_at_corner"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape half_space -a_normal 1,1,1 -a_point -1.1,-1.1,-1.1 -spacing 0.02",
+                    "wholly outside", "refuse_outside_half_space"));
+  PetscCall(Refused(CUBE "-bodies a,b -a_upper 1,1,0.2 -b_shape sphere -b_radius 0.3 -b_center 0,0,0.4", "overlap",
+                    "refuse_overlap"));
+  PetscCall(Refused(CUBE "-bodies a,b,c -a_upper 1,1,0.2 -b_lower -1,-1,0.2 -c_shape half_space", "bodies a and c",
+                    "refuse_overlap_pair"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(UserErrorHandlerPush());
+  PetscCall(TestShapes());
+  PetscCall(TestVelocities());
+  PetscCall(TestScene());
+  PetscCall(TestRefusals());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
