@@ -77,7 +77,7 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
 PetscErrorCode CellGridReset(CellGrid *grid);
 
 /* --- rows of pairs: what every operator's loop starts with --- */
-#define ROW_CAPACITY 4096
+#define ROW_CAPACITY 2120 /* not a multiple of 512: rows of the arrays must not share cache sets */
 
 /* One particle's neighbours: index, r_ab = r_a - r_b (m), squared distance (m2), kernel values; n of them. */
 typedef struct {

@@ -1,4 +1,5 @@
-/* Checkpoints: all stored fields in the swarm's order, the state of the stepper and of this class; sealed by a checksum. */
+/* Checkpoints: all stored fields in the swarm's order, the state of the stepper and of this class; sealed by a
+ * checksum. */
 #include "output_impl.h"
 #include <sys/stat.h>
 #include <unistd.h>
@@ -7,34 +8,34 @@
 #define CHECKPOINT_VERSION 1
 
 /* The head of the file: real and whole numbers, by name. */
-#define HEAD_REALS(X) \
-  X(TIME, "time") \
-  X(TIME_STEP, "time_step") \
-  X(PREVIOUS_TIME_STEP, "previous_time_step") \
-  X(DENSITY_ERROR, "density_error") \
-  X(DIVERGENCE, "divergence") \
-  X(SPACING, "spacing") \
-  X(LEVEL, "level") \
-  X(WALL_TIME, "wall_time") \
-  X(SERIES_INTERVAL, "series_interval") \
-  X(SNAPSHOT_INTERVAL, "snapshot_interval") \
+#define HEAD_REALS(X)                                                                                                  \
+  X(TIME, "time")                                                                                                      \
+  X(TIME_STEP, "time_step")                                                                                            \
+  X(PREVIOUS_TIME_STEP, "previous_time_step")                                                                          \
+  X(DENSITY_ERROR, "density_error")                                                                                    \
+  X(DIVERGENCE, "divergence")                                                                                          \
+  X(SPACING, "spacing")                                                                                                \
+  X(LEVEL, "level")                                                                                                    \
+  X(WALL_TIME, "wall_time")                                                                                            \
+  X(SERIES_INTERVAL, "series_interval")                                                                                \
+  X(SNAPSHOT_INTERVAL, "snapshot_interval")                                                                            \
   X(CHECKPOINT_INTERVAL, "checkpoint_interval")
-#define HEAD_INTS(X) \
-  X(DIMENSION, "dimension") \
-  X(BODIES, "bodies") \
-  X(PARTICLES, "particles") \
-  X(RANKS, "ranks") \
-  X(STEP, "step") \
-  X(ITERATIONS, "iterations") \
-  X(REJECTED, "rejected") \
-  X(LOST, "lost") \
-  X(SERIES_NEXT, "series_next") \
-  X(SNAPSHOT_NEXT, "snapshot_next") \
+#define HEAD_INTS(X)                                                                                                   \
+  X(DIMENSION, "dimension")                                                                                            \
+  X(BODIES, "bodies")                                                                                                  \
+  X(PARTICLES, "particles")                                                                                            \
+  X(RANKS, "ranks")                                                                                                    \
+  X(STEP, "step")                                                                                                      \
+  X(ITERATIONS, "iterations")                                                                                          \
+  X(REJECTED, "rejected")                                                                                              \
+  X(LOST, "lost")                                                                                                      \
+  X(SERIES_NEXT, "series_next")                                                                                        \
+  X(SNAPSHOT_NEXT, "snapshot_next")                                                                                    \
   X(CHECKPOINT_NEXT, "checkpoint_next")
 #define HEAD_REAL_ID(id, name) HEAD_##id,
 #define HEAD_NAME(id, name)    name,
-enum {HEAD_REALS(HEAD_REAL_ID) HEAD_REAL_COUNT};
-enum {HEAD_INTS(HEAD_REAL_ID) HEAD_INT_COUNT};
+enum { HEAD_REALS(HEAD_REAL_ID) HEAD_REAL_COUNT };
+enum { HEAD_INTS(HEAD_REAL_ID) HEAD_INT_COUNT };
 
 static const char *const real_names[] = {HEAD_REALS(HEAD_NAME)};
 static const char *const int_names[]  = {HEAD_INTS(HEAD_NAME)};
@@ -94,16 +95,18 @@ static PetscErrorCode FieldsPut(Output output, Storage *storage, ParticleArrays 
   PetscCall(StorageWrite(storage, "counts", STORAGE_INT, &ranks, &counts, "1", "particles of each rank"));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     rows.width = Fields[f].width;
-    PetscCall(StorageWrite(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit, Fields[f].meaning));
+    PetscCall(StorageWrite(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit,
+                           Fields[f].meaning));
   }
   rows.width = 1;
-  for (PetscInt f = 0; f < INT_COUNT; f++) {
-    PetscCall(StorageWrite(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays->integer[f], "1", IntFieldMeanings[f]));
-  }
+  for (PetscInt f = 0; f < INT_COUNT; f++)
+    PetscCall(
+      StorageWrite(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays->integer[f], "1", IntFieldMeanings[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Removes all checkpoints but that of this step and the newest before it; later ones are of a run that was given up by a restart. */
+/* Removes all checkpoints but that of this step and the newest before it; later ones are of a run that was given up by
+ * a restart. */
 static PetscErrorCode Prune(Output output, PetscInt step)
 {
   PetscInt count, *numbers, before = -1;
@@ -130,6 +133,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   Storage        storage;
   Rows           rows = {.n = 0, .start = 0, .total = 0, .width = 1};
   Head           head;
+  PetscInt64     bytes = INT_COUNT * (PetscInt64)sizeof(PetscInt); /* of a particle */
   PetscBool      failed;
   char           name[64], path[PETSC_MAX_PATH_LEN];
 
@@ -146,6 +150,8 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   /* Attributes must be the same on every rank; the clocks differ. */
   PetscCallMPI(MPI_Bcast(&head.real[HEAD_WALL_TIME], 1, MPIU_REAL, 0, output->comm));
   PetscCall(PetscSNPrintf(name, sizeof(name), "checkpoint_%06d.h5", (int)state->step));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) bytes += Fields[f].width * (PetscInt64)sizeof(PetscReal);
+  PetscCall(FolderReserve(output, name, bytes * rows.total));
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));
@@ -155,7 +161,8 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   if (!failed) PetscCall(StorageSeal(output->comm, path, &failed));
   if (failed) PetscCall(FolderDiscard(output, name));
-  PetscCheckUser(!failed, output->comm, "Cannot write the checkpoint %s/%s: is the disk full, or the folder gone?", output->folder, name);
+  PetscCheckUser(!failed, output->comm, "Cannot write the checkpoint %s/%s: is the disk full, or the folder gone?",
+                 output->folder, name);
   PetscCall(FolderCommit(output, name, PETSC_TRUE));
   PetscCall(Prune(output, state->step));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
@@ -165,10 +172,10 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 /* --- reading --- */
 
 /* What rank 0 finds wrong with a file. */
-typedef enum {FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION} FileVerdict;
+typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION } FileVerdict;
 
 /* Reads the head, if it is one of a checkpoint. Rank 0. */
-static PetscErrorCode HeadGet(const char file[], PetscBool sealed, Head *head, FileVerdict *verdict)
+static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, FileVerdict *verdict)
 {
   Storage     storage;
   PetscBool   found, failed, whole = PETSC_TRUE;
@@ -179,15 +186,18 @@ static PetscErrorCode HeadGet(const char file[], PetscBool sealed, Head *head, F
   PetscFunctionBegin;
   *verdict = FILE_MISSING;
   if (stat(file, &info) || S_ISDIR(info.st_mode) || access(file, R_OK)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StorageOpen(PETSC_COMM_SELF, file, &storage));
   *verdict = FILE_BROKEN;
+  if (seal == SEAL_WRONG) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StorageOpen(PETSC_COMM_SELF, file, &storage));
   if (storage.failed) {
-    if (H5Fis_hdf5(file) <= 0 && !sealed) *verdict = FILE_FOREIGN;
+    if (H5Fis_hdf5(file) <= 0) *verdict = FILE_FOREIGN;
   } else {
     PetscCall(StorageGetText(&storage, "format", format, sizeof(format), &found));
     PetscCall(StorageGetInt(&storage, "format_version", &version, &whole));
-    if (!found || strcmp(format, CHECKPOINT_FORMAT)) *verdict = FILE_FOREIGN;
-    else if (version != CHECKPOINT_VERSION) *verdict = FILE_OTHER_VERSION;
+    if (!found || strcmp(format, CHECKPOINT_FORMAT))
+      *verdict = FILE_FOREIGN;
+    else if (version != CHECKPOINT_VERSION)
+      *verdict = FILE_OTHER_VERSION;
     else {
       for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) {
         PetscCall(StorageGetReal(&storage, real_names[k], &head->real[k], &found));
@@ -197,7 +207,7 @@ static PetscErrorCode HeadGet(const char file[], PetscBool sealed, Head *head, F
         PetscCall(StorageGetInt(&storage, int_names[k], &head->integer[k], &found));
         whole = (PetscBool)(whole && found);
       }
-      if (whole && sealed) *verdict = FILE_GOOD;
+      if (whole && seal == SEAL_GOOD) *verdict = FILE_GOOD;
     }
   }
   PetscCall(StorageClose(&storage, &failed));
@@ -213,13 +223,23 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
 
   PetscFunctionBegin;
   PetscCheckUser(verdict != FILE_MISSING, comm, "There is no readable file %s to restart from.", file);
-  PetscCheckUser(verdict != FILE_FOREIGN, comm, "%s is not a checkpoint of this program; restart from a file named checkpoint_<step>.h5.", file);
-  PetscCheckUser(verdict != FILE_OTHER_VERSION, comm, "The checkpoint %s has another format than version %d, which this program reads.", file, CHECKPOINT_VERSION);
-  PetscCheckUser(verdict != FILE_BROKEN, comm, "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
-  PetscCheckUser(head->integer[HEAD_DIMENSION] == domain->dim, comm, "The checkpoint %s has %d dimensions, the scene has %d.", file, (int)head->integer[HEAD_DIMENSION], (int)domain->dim);
-  PetscCheckUser(PetscAbsReal(spacing - domain->spacing) <= 1e-12 * domain->spacing, comm, "The checkpoint %s has particles of spacing %g m, the scene of %g m.", file, (double)spacing, (double)domain->spacing);
-  PetscCheckUser(head->integer[HEAD_BODIES] == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file, (int)head->integer[HEAD_BODIES], (int)bodies);
-  PetscCheckUser(head->integer[HEAD_PARTICLES] >= 0 && head->integer[HEAD_PARTICLES] <= PETSC_MAX_INT, comm, "The checkpoint %s has more particles than this build of PETSc can number.", file);
+  PetscCheckUser(verdict != FILE_FOREIGN, comm,
+                 "%s is not a checkpoint of this program; restart from a file named checkpoint_<step>.h5.", file);
+  PetscCheckUser(verdict != FILE_OTHER_VERSION, comm,
+                 "The checkpoint %s has another format than version %d, which this program reads.", file,
+                 CHECKPOINT_VERSION);
+  PetscCheckUser(verdict != FILE_BROKEN, comm,
+                 "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
+  PetscCheckUser(head->integer[HEAD_DIMENSION] == domain->dim, comm,
+                 "The checkpoint %s has %d dimensions, the scene has %d.", file, (int)head->integer[HEAD_DIMENSION],
+                 (int)domain->dim);
+  PetscCheckUser(PetscAbsReal(spacing - domain->spacing) <= 1e-12 * domain->spacing, comm,
+                 "The checkpoint %s has particles of spacing %g m, the scene of %g m.", file, (double)spacing,
+                 (double)domain->spacing);
+  PetscCheckUser(head->integer[HEAD_BODIES] == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file,
+                 (int)head->integer[HEAD_BODIES], (int)bodies);
+  PetscCheckUser(head->integer[HEAD_PARTICLES] >= 0 && head->integer[HEAD_PARTICLES] <= PETSC_MAX_INT, comm,
+                 "The checkpoint %s has more particles than this build of PETSc can number.", file);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -237,7 +257,7 @@ static PetscErrorCode Share(Output output, Storage *storage, const Head *head, R
   PetscCall(StorageRead(storage, "counts", STORAGE_INT, &ranks, counts));
   PetscCallMPI(MPI_Bcast(counts, (PetscMPIInt)ranks.total, MPIU_INT, 0, output->comm));
   for (PetscInt k = 0; k < ranks.total; k++) sum += counts[k];
-  *good = (PetscBool)(sum == total);
+  *good       = (PetscBool)(sum == total);
   rows->total = total;
   rows->width = 1;
   rows->n     = total / size + (rank < total % size);
@@ -265,9 +285,8 @@ static PetscErrorCode FieldsGet(Output output, Storage *storage, const Head *hea
     PetscCall(StorageRead(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
   }
   rows.width = 1;
-  for (PetscInt f = 0; f < INT_COUNT; f++) {
+  for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(StorageRead(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays.integer[f]));
-  }
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -291,10 +310,12 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->rejected           = (PetscInt)head->integer[HEAD_REJECTED];
   state->lost               = (PetscInt)head->integer[HEAD_LOST];
   output->wall_before       = head->real[HEAD_WALL_TIME];
-  if (PetscIsInfOrNanReal(output->gauge.level)) output->gauge.level = head->real[HEAD_LEVEL]; /* unless -gauge_level is given */
+  if (PetscIsInfOrNanReal(output->gauge.level))
+    output->gauge.level = head->real[HEAD_LEVEL]; /* unless -gauge_level is given */
   ScheduleContinue(&output->series, head->real[HEAD_SERIES_INTERVAL], head->integer[HEAD_SERIES_NEXT], time);
   ScheduleContinue(&output->snapshot, head->real[HEAD_SNAPSHOT_INTERVAL], head->integer[HEAD_SNAPSHOT_NEXT], time);
-  ScheduleContinue(&output->checkpoint, head->real[HEAD_CHECKPOINT_INTERVAL], head->integer[HEAD_CHECKPOINT_NEXT], time);
+  ScheduleContinue(&output->checkpoint, head->real[HEAD_CHECKPOINT_INTERVAL], head->integer[HEAD_CHECKPOINT_NEXT],
+                   time);
 }
 
 /* Whether the file lies in the run folder. Collective. */
@@ -307,7 +328,8 @@ static PetscErrorCode InFolder(Output output, const char file[], PetscBool *same
   PetscCall(PetscStrncpy(path, file, sizeof(path)));
   slash = strrchr(path, '/');
   if (slash) slash[slash == path] = '\0';
-  *same = (PetscBool)(!stat(slash ? path : ".", &there) && !stat(output->folder, &here) && here.st_dev == there.st_dev && here.st_ino == there.st_ino);
+  *same = (PetscBool)(!stat(slash ? path : ".", &there) && !stat(output->folder, &here) &&
+                      here.st_dev == there.st_dev && here.st_ino == there.st_ino);
   PetscCallMPI(MPI_Bcast(same, 1, MPIU_BOOL, 0, output->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -317,23 +339,26 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   Head        head;
   FileVerdict verdict = FILE_MISSING;
   Storage     storage;
-  PetscBool   failed, same, sealed, good;
+  Seal        seal;
+  PetscBool   failed, same, good = PETSC_FALSE;
   PetscInt    present;
 
   PetscFunctionBegin;
-  PetscCheck(output->ready && output->restarting, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp for a restart first");
+  PetscCheck(output->ready && output->restarting, output->comm, PETSC_ERR_ORDER,
+             "Call OutputSetUp for a restart first");
   PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));
-  PetscCall(StorageCheckSeal(output->comm, file, &sealed));
-  if (!output->rank) PetscCall(HeadGet(file, sealed, &head, &verdict));
+  PetscCall(StorageCheckSeal(output->comm, file, &seal));
+  if (!output->rank) PetscCall(HeadGet(file, seal, &head, &verdict));
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
   PetscCall(HeadCheck(output, file, &head, verdict));
   PetscCall(StorageOpen(output->comm, file, &storage));
   PetscCall(FieldsGet(output, &storage, &head, &good));
   PetscCall(StorageClose(&storage, &failed));
-  PetscCheckUser(good && !failed, output->comm, "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
+  PetscCheckUser(good && !failed, output->comm,
+                 "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   HeadUse(output, &head, state);
   PetscCall(InFolder(output, file, &same));
   PetscCall(FolderClaim(output, same));

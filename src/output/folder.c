@@ -8,11 +8,25 @@
 #include <time.h>
 #include <unistd.h>
 
+/* What a file of data sets needs besides the data: names, units, the options of the run; bytes. */
+#define FILE_MARGIN (1 << 17)
+
 /* Options that belong to one start of the program, not to the run. */
-static const char *const transient[] = {"-restart", "-output_dir", "-output_overwrite", "-options_file", "-options_file_yaml", "-options_left", "-options_view", "-help", "-h", "-version", "-v", NULL};
+static const char *const transient[] = {"-restart",
+                                        "-output_dir",
+                                        "-output_overwrite",
+                                        "-options_file",
+                                        "-options_file_yaml",
+                                        "-options_left",
+                                        "-options_view",
+                                        "-help",
+                                        "-h",
+                                        "-version",
+                                        "-v",
+                                        NULL};
 
 /* Files of a run besides the numbered ones. */
-static const char *const files[] = {"series.csv", "snapshots.xdmf", "options.opts", "version.txt", NULL};
+static const char *const files[]    = {"series.csv", "snapshots.xdmf", "options.opts", "version.txt", NULL};
 static const char *const numbered[] = {"snapshot_", "checkpoint_", NULL};
 
 PetscErrorCode FolderStatus(Output output, int error, const char doing[], const char path[])
@@ -104,12 +118,14 @@ static PetscBool IsOurs(const char name[])
     if (!strcmp(name, files[f]) || !strcmp(name, temporary)) return PETSC_TRUE;
   }
   for (PetscInt f = 0; numbered[f]; f++) {
-    if (NumberOf(name, numbered[f], PETSC_FALSE) >= 0 || NumberOf(name, numbered[f], PETSC_TRUE) >= 0) return PETSC_TRUE;
+    if (NumberOf(name, numbered[f], PETSC_FALSE) >= 0 || NumberOf(name, numbered[f], PETSC_TRUE) >= 0)
+      return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
-/* Counts the files that make a folder a run's, and removes all that a run writes when asked to. Rank 0 only; returns an errno. */
+/* Counts the files that make a folder a run's, and removes all that a run writes when asked to. Rank 0 only; returns an
+ * errno. */
 static int Sweep(Output output, PetscBool removing, PetscInt *found)
 {
   DIR           *folder = opendir(output->folder);
@@ -121,7 +137,9 @@ static int Sweep(Output output, PetscBool removing, PetscInt *found)
   while ((file = readdir(folder))) {
     const char *name = file->d_name;
 
-    if (!strcmp(name, files[0]) || NumberOf(name, numbered[0], PETSC_FALSE) >= 0 || NumberOf(name, numbered[1], PETSC_FALSE) >= 0) (*found)++;
+    if (!strcmp(name, files[0]) || NumberOf(name, numbered[0], PETSC_FALSE) >= 0 ||
+        NumberOf(name, numbered[1], PETSC_FALSE) >= 0)
+      (*found)++;
     if (!removing || !IsOurs(name)) continue;
     if (snprintf(path, sizeof(path), "%s/%s", output->folder, name) >= (int)sizeof(path) || unlink(path)) {
       const int error = errno;
@@ -140,7 +158,8 @@ static char *WordEnd(char **word)
   char *end;
 
   while (**word == ' ') (*word)++;
-  for (end = *word; *end && *end != ' '; end++);
+  for (end = *word; *end && *end != ' '; end++)
+    ;
   return end;
 }
 
@@ -176,13 +195,16 @@ PetscErrorCode FolderOptions(char **text)
       if (found) break;
       if (!words++) value = next;
       value_end = next = next_end;
-      next_end  = WordEnd(&next);
+      next_end         = WordEnd(&next);
     }
-    for (PetscInt t = 0; transient[t]; t++) skip = (PetscBool)(skip || ((size_t)(key_end - key) == strlen(transient[t]) && !strncmp(key, transient[t], (size_t)(key_end - key))));
+    for (PetscInt t = 0; transient[t]; t++)
+      skip = (PetscBool)(skip || ((size_t)(key_end - key) == strlen(transient[t]) &&
+                                  !strncmp(key, transient[t], (size_t)(key_end - key))));
     if (!skip) {
       const char *quote = words > 1 ? "\"" : "";
 
-      used += (size_t)sprintf(*text + used, "%.*s%s%s%.*s%s\n", (int)(key_end - key), key, words ? " " : "", quote, (int)(value_end - value), value, quote);
+      used += (size_t)sprintf(*text + used, "%.*s%s%s%.*s%s\n", (int)(key_end - key), key, words ? " " : "", quote,
+                              (int)(value_end - value), value, quote);
     }
     key     = next;
     key_end = next_end;
@@ -218,15 +240,17 @@ static PetscErrorCode DescribeProgram(Output output, PetscBool same, char text[]
     if (*end == '\n') *end = ' ';
   H5get_libversion(&major, &minor, &release);
   if (gmtime_r(&now, &moment)) strftime(date, sizeof(date), "%Y-%m-%dT%H:%M:%SZ", &moment);
-  PetscCall(PetscSNPrintf(text, size, "%sisph %s\n%s\nHDF5 %u.%u.%u\nMPI %s\nranks %d\ncompiler %s\nindices %d bit\ndate %s\n", same ? "\ncontinued by\n" : "", ISPH_VERSION, petsc, major, minor, release, mpi, output->size,
+  PetscCall(PetscSNPrintf(text, size,
+                          "%sisph %s\n%s\nHDF5 %u.%u.%u\nMPI %s\nranks %d\ncompiler %s\nindices %d bit\ndate %s\n",
+                          same ? "\ncontinued by\n" : "", ISPH_VERSION, petsc, major, minor, release, mpi, output->size,
                           __VERSION__, (int)(8 * sizeof(PetscInt)), date));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteDescriptions(Output output, PetscBool same)
 {
-  char  path[PETSC_MAX_PATH_LEN], version[4096], *options;
-  int   error = 0;
+  char path[PETSC_MAX_PATH_LEN], version[4096], *options;
+  int  error = 0;
 
   PetscFunctionBegin;
   PetscCall(OutputPath(output, "options.opts", path));
@@ -251,7 +275,10 @@ PetscErrorCode FolderClaim(Output output, PetscBool same)
     if (!output->rank) error = Sweep(output, PETSC_FALSE, &found);
     PetscCall(FolderStatus(output, error, "read the folder", output->folder));
     PetscCallMPI(MPI_Bcast(&found, 1, MPIU_INT, 0, output->comm));
-    PetscCheckUser(!found || output->overwrite, output->comm, "The folder %s holds a run already; choose another -output_dir, continue it with -restart, or replace it with -output_overwrite.", output->folder);
+    PetscCheckUser(!found || output->overwrite, output->comm,
+                   "The folder %s holds a run already; choose another -output_dir, continue it with -restart, or "
+                   "replace it with -output_overwrite.",
+                   output->folder);
     if (!output->rank && output->overwrite) error = Sweep(output, PETSC_TRUE, &found);
     PetscCall(FolderStatus(output, error, "remove the earlier run in", output->folder));
   }
@@ -283,6 +310,29 @@ PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync)
     if (sync) error = Sync(temporary);
     if (!error && rename(temporary, path)) error = errno;
     if (!error && sync) error = Sync(output->folder);
+  }
+  PetscCall(FolderStatus(output, error, "write", path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FolderReserve(Output output, const char name[], PetscInt64 bytes)
+{
+  char path[PETSC_MAX_PATH_LEN];
+  int  error = 0, descriptor;
+
+  PetscFunctionBegin;
+  PetscCall(OutputPath(output, name, path));
+  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
+  if (!output->rank) {
+    descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH);
+    if (descriptor < 0)
+      error = errno;
+    else {
+      error = posix_fallocate(descriptor, 0, (off_t)(bytes + FILE_MARGIN));
+      if (error == EINVAL || error == EOPNOTSUPP) error = 0; /* the file system cannot tell */
+      close(descriptor);
+      (void)unlink(path);
+    }
   }
   PetscCall(FolderStatus(output, error, "write", path));
   PetscFunctionReturn(PETSC_SUCCESS);

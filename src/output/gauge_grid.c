@@ -35,10 +35,12 @@ static PetscErrorCode SetSizes(Output output, const ParticleArrays *arrays, Gaug
   }
   for (grid->size = output->gauge.cell * domain->spacing;; grid->size *= 1.25) {
     cells = 1;
-    for (PetscInt d = 0; d < DIM; d++) cells *= PetscFloorReal((bounds[DIM + d] + bounds[d]) / grid->size) + 3 + (d == 2 ? SKY_LAYERS : 0);
+    for (PetscInt d = 0; d < DIM; d++)
+      cells *= PetscFloorReal((bounds[DIM + d] + bounds[d]) / grid->size) + 3 + (d == 2 ? SKY_LAYERS : 0);
     if (cells <= MAX_CELLS) break;
   }
-  for (PetscInt d = 0; d < DIM; d++) grid->n[d] = (PetscInt)PetscFloorReal((bounds[DIM + d] + bounds[d]) / grid->size) + 3 + (d == 2 ? SKY_LAYERS : 0);
+  for (PetscInt d = 0; d < DIM; d++)
+    grid->n[d] = (PetscInt)PetscFloorReal((bounds[DIM + d] + bounds[d]) / grid->size) + 3 + (d == 2 ? SKY_LAYERS : 0);
   grid->columns = grid->n[0] * grid->n[1];
   grid->count   = grid->columns * grid->n[2];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -55,9 +57,11 @@ PetscErrorCode GaugeGridCreate(Output output, const ParticleArrays *arrays, Gaug
 
     if (arrays->integer[INT_LAYER][a]) continue;
     c = GaugeGridCell(grid, arrays->real[FIELD_POSITION] + DIM * a, index);
-    if (c >= 0) grid->cell[c] |= arrays->integer[INT_BODY][a] == output->gauge.pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+    if (c >= 0)
+      grid->cell[c] |= arrays->integer[INT_BODY][a] == output->gauge.pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, grid->cell, (PetscMPIInt)grid->count, MPI_UNSIGNED_CHAR, MPI_BOR, output->comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, grid->cell, (PetscMPIInt)grid->count, MPI_UNSIGNED_CHAR, MPI_BOR, output->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

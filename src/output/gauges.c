@@ -1,110 +1,20 @@
-/* Gauges: what the paper's figure 2 plots, measured on the particles. A particle stands for a cube of one spacing, so a surface lies half a
-   spacing beyond the outermost particles. Heights are relative to the level of the undisturbed surface.
+/* Gauges: what the paper's figure 2 plots, measured on the particles. A particle stands for a cube of one spacing, so a
+   surface lies half a spacing beyond the outermost particles. Heights are relative to the level of the undisturbed
+   surface.
 
-   Crater depth: columns of cells; in each the highest liquid below the lowest air open to the sky, so that neither voids nor
-   overhanging crowns nor spray count; means over patches of two by two columns; of these the mean of the lowest few.
-   Crater diameter: in sectors around the axis, the first gap in the liquid at the level, going outwards; its outer edge in finer sectors. */
+   Crater depth: columns of cells; in each the highest liquid below the lowest air open to the sky, so that neither
+   voids nor overhanging crowns nor spray count; means over patches of two by two columns; of these the mean of the
+   lowest few. Crater diameter: in sectors around the axis, the first gap in the liquid at the level, going outwards;
+   its outer edge in finer sectors. */
 #include "output_impl.h"
 
-#define JET_RADIUS    1.1  /* default, in half widths of the last body */
-#define LOWEST_3D     5    /* patches averaged for the depth; half as many for each mirror through the axis */
-#define LOWEST_2D     3
-#define BAND          0.75 /* liquid is at the level when its distance is below this, in spacings */
-#define SECTORS       8    /* around the axis */
-#define FINE          8    /* finer sectors in one of them */
-#define GAP           3    /* bins of one spacing without liquid that make a crater, and that a wall may be rough by */
-#define SKIRT         2.0  /* the undisturbed level is measured beyond this many jet radii */
-
-/* Bounds of a body cut by the box, m. */
-static void BoundsInBox(Output output, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM])
-{
-  const Domain domain = output->cloud->domain;
-
-  BodyBounds(SceneBody(output->cloud->scene, body), lower, upper);
-  for (PetscInt d = 0; d < DIM; d++) {
-    lower[d] = PetscMax(lower[d], domain->lower[d]);
-    upper[d] = PetscMin(upper[d], domain->upper[d]);
-  }
-}
-
-/* Axis and jet radius from the last body, as it is with its mirror images; the crater is looked for up to half way to the box. */
-PetscErrorCode GaugesDefaults(Output output)
-{
-  const Domain domain = output->cloud->domain;
-  GaugeSetup  *gauge  = &output->gauge;
-  PetscReal    lower[DIM], upper[DIM], half = 0;
-
-  PetscFunctionBegin;
-  BoundsInBox(output, SceneCount(output->cloud->scene) - 1, lower, upper);
-  gauge->axis[1] = 0;
-  for (PetscInt d = 0; d < domain->dim - 1; d++) {
-    const PetscReal near = 0.5 * domain->spacing;
-
-    gauge->axis[d] = 0.5 * (lower[d] + upper[d]);
-    if (domain->face[d][0] == FACE_SYMMETRY && lower[d] < domain->lower[d] + near) gauge->axis[d] = domain->lower[d];
-    else if (domain->face[d][1] == FACE_SYMMETRY && upper[d] > domain->upper[d] - near) gauge->axis[d] = domain->upper[d];
-    half = PetscMax(half, PetscMax(upper[d] - gauge->axis[d], gauge->axis[d] - lower[d]));
-  }
-  PetscCall(PetscStrncpy(gauge->pool_name, BodyName(SceneBody(output->cloud->scene, 0)), sizeof(gauge->pool_name)));
-  gauge->level        = NAN;
-  gauge->jet_radius   = JET_RADIUS * half;
-  gauge->cell         = 1.25;
-  gauge->multiplicity = 1;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Half of the distance from the axis to the nearest face of the box that is no mirror through the axis, m. */
-static PetscReal CraterRadius(Output output)
-{
-  const Domain domain = output->cloud->domain;
-  PetscReal    radius = PETSC_MAX_REAL;
-
-  for (PetscInt d = 0; d < domain->dim - 1; d++) {
-    const PetscReal distance[2] = {output->gauge.axis[d] - domain->lower[d], domain->upper[d] - output->gauge.axis[d]};
-
-    for (PetscInt side = 0; side < 2; side++)
-      if (domain->face[d][side] != FACE_SYMMETRY || distance[side] > 0.5 * domain->spacing) radius = PetscMin(radius, 0.5 * distance[side]);
-  }
-  return radius;
-}
-
-PetscErrorCode GaugesSetFromOptions(Output output, PetscOptionItems *PetscOptionsObject)
-{
-  const Domain domain = output->cloud->domain;
-  GaugeSetup  *gauge  = &output->gauge;
-  PetscInt     n      = domain->dim; /* one more than wanted, to notice it */
-  PetscBool    set;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsString("-gauge_pool", "Body that is the pool", "OutputGauges", gauge->pool_name, gauge->pool_name, sizeof(gauge->pool_name), NULL));
-  PetscCall(PetscOptionsReal("-gauge_level", "Level of the undisturbed surface, m; nan: measured at the first state", "OutputGauges", gauge->level, &gauge->level, NULL));
-  PetscCall(PetscOptionsRealArray("-gauge_axis", "Axis of the impact, x,y (in two dimensions x), m", "OutputGauges", gauge->axis, &n, &set));
-  gauge->axis_numbers = set ? n : domain->dim - 1;
-  PetscCall(PetscOptionsReal("-gauge_jet_radius", "Liquid within this distance of the axis is jet, not crown, m", "OutputGauges", gauge->jet_radius, &gauge->jet_radius, NULL));
-  gauge->crater_radius = CraterRadius(output);
-  PetscCall(PetscOptionsReal("-gauge_crater_radius", "The crater is looked for within this distance of the axis, m", "OutputGauges", gauge->crater_radius, &gauge->crater_radius, NULL));
-  PetscCall(PetscOptionsReal("-gauge_cell", "Cells that decide what is connected with the pool, in spacings", "OutputGauges", gauge->cell, &gauge->cell, NULL));
-  PetscCall(PetscOptionsReal("-gauge_multiplicity", "Factor of energies and volume, 4 for a quarter of a symmetric scene", "OutputGauges", gauge->multiplicity, &gauge->multiplicity, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode GaugesCheck(Output output)
-{
-  const PetscInt numbers = output->cloud->domain->dim - 1;
-  const Scene    scene   = output->cloud->scene;
-  GaugeSetup    *gauge   = &output->gauge;
-
-  PetscFunctionBegin;
-  PetscCheckUser(gauge->axis_numbers == numbers, output->comm, "-gauge_axis has %d numbers; it needs %d.", (int)gauge->axis_numbers, (int)numbers);
-  for (gauge->pool = 0; gauge->pool < SceneCount(scene); gauge->pool++)
-    if (!strcmp(gauge->pool_name, BodyName(SceneBody(scene, gauge->pool)))) break;
-  PetscCheckUser(gauge->pool < SceneCount(scene), output->comm, "-gauge_pool is %s, which is none of -bodies.", gauge->pool_name);
-  PetscCheckUser(gauge->jet_radius >= 0, output->comm, "-gauge_jet_radius is %g m; it must not be negative.", (double)gauge->jet_radius);
-  PetscCheckUser(gauge->crater_radius >= 0, output->comm, "-gauge_crater_radius is %g m; it must not be negative, and -gauge_axis must lie in the box.", (double)gauge->crater_radius);
-  PetscCheckUser(gauge->cell >= 1.0 && gauge->cell <= 4.0, output->comm, "-gauge_cell is %g spacings; it must be from 1 to 4.", (double)gauge->cell);
-  PetscCheckUser(gauge->multiplicity > 0, output->comm, "-gauge_multiplicity is %g; it must be positive.", (double)gauge->multiplicity);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define LOWEST_3D 5 /* patches averaged for the depth; half as many for each mirror through the axis */
+#define LOWEST_2D 3
+#define BAND      0.75 /* liquid is at the level when its distance is below this, in spacings */
+#define SECTORS   8    /* around the axis */
+#define FINE      8    /* finer sectors in one of them */
+#define GAP       3    /* bins of one spacing without liquid that make a crater, and that a wall may be rough by */
+#define SKIRT     2.0  /* the undisturbed level is measured beyond this many jet radii */
 
 /* Horizontal vector from the axis to the point x, m; through periodic faces by the shortest way. */
 static inline void FromAxis(Output output, const PetscReal x[], PetscReal r[2])
@@ -134,7 +44,8 @@ static PetscErrorCode PoolListCreate(Output output, const ParticleArrays *arrays
   const PetscInt up = output->cloud->domain->dim - 1, n = arrays->n;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc6(n, &list->radius, n, &list->height, n, &list->x, n, &list->y, n, &list->column, n, &list->layer));
+  PetscCall(
+    PetscMalloc6(n, &list->radius, n, &list->height, n, &list->x, n, &list->y, n, &list->column, n, &list->layer));
   list->n = 0;
   for (PetscInt a = 0; a < n; a++) {
     const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a;
@@ -170,8 +81,9 @@ static void ColumnCentre(const GaugeGrid *grid, PetscInt column, PetscReal x[DIM
   x[grid->component[1]] = grid->lower[1] + (column / grid->n[0] - 0.5) * grid->size;
 }
 
-/* The surface of the pool that the sky sees: for each column its distance from the axis (m), whether it is inside the crater radius, and the height
-   (m) of its highest particle below the lowest open air; -PETSC_MAX_REAL where there is none. */
+/* The surface of the pool that the sky sees: for each column its distance from the axis (m), whether it is inside the
+   crater radius, and the height (m) of its highest particle below the lowest open air; -PETSC_MAX_REAL where there is
+   none. */
 typedef struct {
   PetscReal *radius, *top;
   PetscBool *inside;
@@ -193,7 +105,8 @@ static PetscErrorCode SkyMapCreate(Output output, GaugeGrid *grid, const PoolLis
     FromAxis(output, x, r);
     map->radius[c] = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]);
     map->top[c]    = -PETSC_MAX_REAL;
-    map->inside[c] = (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 && map->radius[c] <= output->gauge.crater_radius);
+    map->inside[c] = (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 &&
+                                 map->radius[c] <= output->gauge.crater_radius);
   }
   GaugeGridSky(grid, dim, map->inside, lowest);
   for (PetscInt a = 0; a < list->n; a++) {
@@ -217,24 +130,25 @@ static PetscErrorCode SkyMapDestroy(SkyMap *map)
 static PetscReal MeasureLevel(Output output, const GaugeGrid *grid, const SkyMap *map)
 {
   const PetscReal half = 0.5 * output->cloud->domain->spacing;
-  PetscReal       sum = 0, lower[DIM], upper[DIM];
-  PetscInt        n = 0;
+  PetscReal       sum  = 0, lower[DIM], upper[DIM];
+  PetscInt        n    = 0;
 
   for (PetscInt c = 0; c < grid->columns; c++) {
-    if (!map->inside[c] || map->radius[c] < SKIRT * output->gauge.jet_radius || map->top[c] == -PETSC_MAX_REAL) continue;
+    if (!map->inside[c] || map->radius[c] < SKIRT * output->gauge.jet_radius || map->top[c] == -PETSC_MAX_REAL)
+      continue;
     sum += map->top[c] + half;
     n++;
   }
   if (n) return sum / n;
-  BoundsInBox(output, output->gauge.pool, lower, upper);
+  GaugeBodyBounds(output, output->gauge.pool, lower, upper);
   return upper[output->cloud->domain->dim - 1];
 }
 
 /* The surface of a column, m; the bottom of the pool's body where it has run dry. False outside the pool. */
 static PetscBool ColumnSurface(Output output, const GaugeGrid *grid, const SkyMap *map, PetscInt column, PetscReal *z)
 {
-  const PetscReal half = 0.5 * output->cloud->domain->spacing;
-  const PetscInt  up   = output->cloud->domain->dim - 1;
+  const PetscReal half   = 0.5 * output->cloud->domain->spacing;
+  const PetscInt  up     = output->cloud->domain->dim - 1;
   PetscReal       x[DIM] = {0, 0, 0}, lower[DIM], upper[DIM];
 
   if (!map->inside[column]) return PETSC_FALSE;
@@ -242,34 +156,20 @@ static PetscBool ColumnSurface(Output output, const GaugeGrid *grid, const SkyMa
   if (map->top[column] > -PETSC_MAX_REAL) return PETSC_TRUE;
   ColumnCentre(grid, column, x);
   x[up] = output->gauge.level - half;
-  BoundsInBox(output, output->gauge.pool, lower, upper);
+  GaugeBodyBounds(output, output->gauge.pool, lower, upper);
   *z = lower[up];
   return BodyContains(SceneBody(output->cloud->scene, output->gauge.pool), x);
-}
-
-/* Symmetry faces that hold the axis. */
-static PetscInt Mirrors(Output output)
-{
-  const Domain domain  = output->cloud->domain;
-  PetscInt     mirrors = 0;
-
-  for (PetscInt d = 0; d < domain->dim - 1; d++) {
-    const PetscReal near = 0.5 * domain->spacing, axis = output->gauge.axis[d];
-
-    mirrors += (domain->face[d][0] == FACE_SYMMETRY && axis < domain->lower[d] + near) || (domain->face[d][1] == FACE_SYMMETRY && axis > domain->upper[d] - near);
-  }
-  return mirrors;
 }
 
 static PetscReal CraterDepth(Output output, const GaugeGrid *grid, const SkyMap *map)
 {
   const PetscInt dim = output->cloud->domain->dim, wide = dim == 2 ? 1 : 2;
-  const PetscInt most = PetscMax((dim == 2 ? LOWEST_2D : LOWEST_3D) >> Mirrors(output), 1);
+  const PetscInt most = PetscMax((dim == 2 ? LOWEST_2D : LOWEST_3D) >> GaugeMirrors(output), 1);
   PetscReal      lowest[LOWEST_3D], sum = 0;
   PetscInt       n = 0;
 
   for (PetscInt c = 0; c < grid->columns; c++) {
-    PetscReal mean = 0, z;
+    PetscReal mean  = 0, z;
     PetscBool whole = PETSC_TRUE;
 
     for (PetscInt k = 0; k < 2 * wide && whole; k++) {
@@ -307,12 +207,13 @@ static PetscBool SectorExists(Output output, PetscInt sector)
   return domain->dim == 2 ? (PetscBool)(sector == 0 || sector == SECTORS / 2) : PETSC_TRUE;
 }
 
-/* Radius of the crater's wall in one sector, m: 0 without a crater, negative without liquid. innermost: [FINE][bins] smallest radius of the liquid in a bin. */
+/* Radius of the crater's wall in one sector, m: 0 without a crater, negative without liquid. innermost: [FINE][bins]
+ * smallest radius of the liquid in a bin. */
 static PetscReal SectorRadius(Output output, PetscInt bins, const PetscReal innermost[])
 {
   const PetscReal half = 0.5 * output->cloud->domain->spacing;
   PetscReal       sum  = 0;
-  PetscInt        gap  = 0, wall, n = 0;
+  PetscInt        gap = 0, wall, n = 0;
 
   for (wall = 0; wall < bins; wall++) { /* the first liquid behind a gap, or any liquid when there is none */
     PetscBool empty = PETSC_TRUE;
@@ -351,11 +252,12 @@ static PetscErrorCode CraterDiameter(Output output, const PoolList *list, PetscR
     PetscInt       k;
 
     if (bin >= bins || PetscAbsReal(list->height[a] - output->gauge.level) > BAND * d0) continue;
-    turn = PetscAtan2Real(list->y[a], list->x[a]) / (2 * PETSC_PI);
-    k    = ((PetscInt)PetscFloorReal((turn + 1) * SECTORS * FINE)) % (SECTORS * FINE) * bins + bin;
+    turn         = PetscAtan2Real(list->y[a], list->x[a]) / (2 * PETSC_PI);
+    k            = ((PetscInt)PetscFloorReal((turn + 1) * SECTORS * FINE)) % (SECTORS * FINE) * bins + bin;
     innermost[k] = PetscMin(innermost[k], list->radius[a]);
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, innermost, (PetscMPIInt)(SECTORS * FINE * bins), MPIU_REAL, MPIU_MIN, output->comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, innermost, (PetscMPIInt)(SECTORS * FINE * bins), MPIU_REAL, MPIU_MIN, output->comm));
   for (PetscInt s = 0; s < SECTORS; s++) {
     if (!SectorExists(output, s)) continue;
     radius[n] = SectorRadius(output, bins, innermost + s * FINE * bins);
@@ -399,7 +301,7 @@ static PetscErrorCode Totals(Output output, const ParticleArrays *arrays, GaugeV
 /* Heights of crown and jet. */
 static PetscErrorCode Heights(Output output, const PoolList *list, GaugeValues *values)
 {
-  const PetscReal half = 0.5 * output->cloud->domain->spacing;
+  const PetscReal half   = 0.5 * output->cloud->domain->spacing;
   PetscReal       top[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL}; /* crown, jet */
 
   PetscFunctionBegin;

@@ -11,7 +11,8 @@ PetscErrorCode OutputPath(Output output, const char name[], char path[PETSC_MAX_
   PetscFunctionBegin;
   PetscCall(PetscStrlen(output->folder, &length));
   PetscCall(PetscStrlen(name, &more));
-  PetscCheck(length + more + 2 <= PETSC_MAX_PATH_LEN, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "Path too long: %s/%s", output->folder, name);
+  PetscCheck(length + more + 2 <= PETSC_MAX_PATH_LEN, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "Path too long: %s/%s",
+             output->folder, name);
   PetscCall(PetscSNPrintf(path, PETSC_MAX_PATH_LEN, "%s/%s", output->folder, name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -46,7 +47,7 @@ PetscErrorCode OutputCreate(Cloud cloud, Output *output)
   PetscCall(PetscStrncpy(o->folder, "output/run", sizeof(o->folder)));
   o->series.next = o->snapshot.next = o->checkpoint.next = SCHEDULE_UNSET;
   o->series_step = o->snapshot_step = -1;
-  o->wall_start  = MPI_Wtime();
+  o->wall_start                     = MPI_Wtime();
   PetscCall(GaugesDefaults(o));
   *output = o;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -65,7 +66,8 @@ PetscErrorCode OutputDestroy(Output *output)
 static PetscErrorCode CheckInterval(Output output, const char option[], PetscReal interval)
 {
   PetscFunctionBegin;
-  PetscCheckUser(interval >= 0 && !PetscIsInfOrNanReal(interval), output->comm, "%s is %g s; it must be zero or a positive time in seconds.", option, (double)interval);
+  PetscCheckUser(interval >= 0 && !PetscIsInfOrNanReal(interval), output->comm,
+                 "%s is %g s; it must be zero or a positive time in seconds.", option, (double)interval);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,13 +77,20 @@ PetscErrorCode OutputSetFromOptions(Output output)
 
   PetscFunctionBegin;
   PetscOptionsBegin(output->comm, NULL, "What a run writes", "Output");
-  PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder, output->folder, sizeof(output->folder), NULL));
-  PetscCall(PetscOptionsBool("-output_overwrite", "Remove the files of a run the folder holds already", "OutputSetUp", output->overwrite, &output->overwrite, NULL));
-  PetscCall(PetscOptionsReal("-series_interval", "Time between lines of series.csv, s; 0: every step", "OutputStep", output->series.interval, &output->series.interval, NULL));
-  PetscCall(PetscOptionsReal("-snapshot_interval", "Time between snapshots, s; 0: only the first and the last state", "OutputStep", output->snapshot.interval, &output->snapshot.interval, NULL));
-  PetscCall(PetscOptionsReal("-checkpoint_interval", "Time between checkpoints, s; 0: only at the end", "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
-  PetscCall(PetscOptionsBool("-snapshot_walls", "Wall particles in the snapshots too", "OutputStep", output->walls, &output->walls, NULL));
-  PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", output->precise, &output->precise, NULL));
+  PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder,
+                               output->folder, sizeof(output->folder), NULL));
+  PetscCall(PetscOptionsBool("-output_overwrite", "Remove the files of a run the folder holds already", "OutputSetUp",
+                             output->overwrite, &output->overwrite, NULL));
+  PetscCall(PetscOptionsReal("-series_interval", "Time between lines of series.csv, s; 0: every step", "OutputStep",
+                             output->series.interval, &output->series.interval, NULL));
+  PetscCall(PetscOptionsReal("-snapshot_interval", "Time between snapshots, s; 0: only the first and the last state",
+                             "OutputStep", output->snapshot.interval, &output->snapshot.interval, NULL));
+  PetscCall(PetscOptionsReal("-checkpoint_interval", "Time between checkpoints, s; 0: only at the end",
+                             "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
+  PetscCall(PetscOptionsBool("-snapshot_walls", "Wall particles in the snapshots too", "OutputStep", output->walls,
+                             &output->walls, NULL));
+  PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", output->precise,
+                             &output->precise, NULL));
   PetscCall(GaugesSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(GaugesCheck(output));
@@ -90,7 +99,8 @@ PetscErrorCode OutputSetFromOptions(Output output)
   PetscCall(CheckInterval(output, "-checkpoint_interval", output->checkpoint.interval));
   PetscCall(PetscStrlen(output->folder, &length));
   PetscCheckUser(length > 0, output->comm, "-output_dir is empty; it must name the folder of the run.");
-  PetscCheckUser(length < PETSC_MAX_PATH_LEN - 64, output->comm, "-output_dir is %d characters long; at most %d are allowed.", (int)length, PETSC_MAX_PATH_LEN - 64);
+  PetscCheckUser(length < PETSC_MAX_PATH_LEN - 64, output->comm,
+                 "-output_dir is %d characters long; at most %d are allowed.", (int)length, PETSC_MAX_PATH_LEN - 64);
   while (length > 1 && output->folder[length - 1] == '/') output->folder[--length] = '\0';
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -111,8 +121,10 @@ PetscErrorCode OutputSetUp(Output output, PetscBool restarting)
 static PetscErrorCode ViewInterval(PetscViewer viewer, const char what[], PetscReal interval, const char otherwise[])
 {
   PetscFunctionBegin;
-  if (interval > 0) PetscCall(PetscViewerASCIIPrintf(viewer, "  %s every %g s\n", what, (double)interval));
-  else PetscCall(PetscViewerASCIIPrintf(viewer, "  %s %s\n", what, otherwise));
+  if (interval > 0)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %s every %g s\n", what, (double)interval));
+  else
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %s %s\n", what, otherwise));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,8 +137,10 @@ PetscErrorCode OutputView(Output output, PetscViewer viewer)
   PetscCall(ViewInterval(viewer, "series", output->series.interval, "every step"));
   PetscCall(ViewInterval(viewer, "snapshots", output->snapshot.interval, "of the first and the last state"));
   PetscCall(ViewInterval(viewer, "checkpoints", output->checkpoint.interval, "at the end only"));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n", (double)gauge->axis[0], (double)gauge->axis[1], (double)gauge->jet_radius,
-                                   (double)gauge->crater_radius, BodyName(SceneBody(output->cloud->scene, gauge->pool))));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
+                                   (double)gauge->axis[0], (double)gauge->axis[1], (double)gauge->jet_radius,
+                                   (double)gauge->crater_radius,
+                                   BodyName(SceneBody(output->cloud->scene, gauge->pool))));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,13 +150,16 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
-  if (output->checkpoint.next == SCHEDULE_UNSET) output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
-  if (state->step != output->series_step && (last || every || ScheduleReached(&output->series, state->time) || output->series_step < 0)) {
+  if (output->checkpoint.next == SCHEDULE_UNSET)
+    output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
+  if (state->step != output->series_step &&
+      (last || every || ScheduleReached(&output->series, state->time) || output->series_step < 0)) {
     PetscCall(SeriesWrite(output, state));
     output->series_step = state->step;
     output->series.next = ScheduleAfter(&output->series, state->time);
   }
-  if (state->step != output->snapshot_step && (last || ScheduleReached(&output->snapshot, state->time) || output->snapshot_step < 0)) {
+  if (state->step != output->snapshot_step &&
+      (last || ScheduleReached(&output->snapshot, state->time) || output->snapshot_step < 0)) {
     PetscCall(SnapshotWrite(output, state));
     output->snapshot_step = state->step;
     output->snapshot.next = ScheduleAfter(&output->snapshot, state->time);
@@ -152,7 +169,8 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
 
 PetscBool OutputCheckpointDue(Output output, const StepState *state)
 {
-  if (output->checkpoint.next == SCHEDULE_UNSET) output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
+  if (output->checkpoint.next == SCHEDULE_UNSET)
+    output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   return ScheduleReached(&output->checkpoint, state->time);
 }
 

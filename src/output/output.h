@@ -1,7 +1,8 @@
-/* Floor 7: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series, the options used.
+/* Floor 7: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series, the
+   options used.
 
-   Order of calls: Create, SetFromOptions, SetUp, then Restart when the run continues, then at every state Step, and Checkpoint when
-   CheckpointDue (and once at the end of the run). */
+   Order of calls: Create, SetFromOptions, SetUp, then Restart when the run continues, then at every state Step, and
+   Checkpoint when CheckpointDue (and once at the end of the run). */
 #ifndef ISPH_OUTPUT_H
 #define ISPH_OUTPUT_H
 
@@ -10,43 +11,51 @@
 
 typedef struct _p_Output *Output;
 
-/* What the gauges measure (Kuri et al., figure 2), relative to the level of the undisturbed surface, upwards (the last direction of the
-   scene); m, J, m3 (J/m, m2 in two dimensions). NAN where there is nothing to measure. Energies and volume are of the simulated part
-   times -gauge_multiplicity. */
+/* What the gauges measure (Kuri et al., figure 2), relative to the level of the undisturbed surface, upwards (the last
+   direction of the scene); m, J, m3 (J/m, m2 in two dimensions). NAN where there is nothing to measure. Energies and
+   volume are of the simulated part times -gauge_multiplicity. */
 typedef struct {
-  PetscReal crown_height;     /* highest liquid connected with the pool outside the jet radius, above the level */
-  PetscReal crater_depth;     /* lowest surface open to the sky inside the crater radius, below the level */
-  PetscReal crater_diameter;  /* twice the median radius where the crater's wall crosses the level; 0: no crater wider than six spacings */
-  PetscReal jet_height;       /* highest liquid within the jet radius of the axis, connected with the pool; negative in a crater */
-  PetscReal highest;          /* highest liquid of all */
+  PetscReal crown_height;    /* highest liquid connected with the pool outside the jet radius, above the level */
+  PetscReal crater_depth;    /* lowest surface open to the sky inside the crater radius, below the level */
+  PetscReal crater_diameter; /* twice the median radius where the crater's wall crosses the level; 0: no crater wider
+                                than six spacings */
+  PetscReal
+    jet_height; /* highest liquid within the jet radius of the axis, connected with the pool; negative in a crater */
+  PetscReal highest;                          /* highest liquid of all */
   PetscReal kinetic_energy, potential_energy; /* sum of m v^2/2; sum of m times the potential of the body force */
-  PetscReal volume;           /* particles of fluid times V_0 */
-  PetscInt  particles;        /* of fluid, in the simulated part */
+  PetscReal volume;                           /* particles of fluid times V_0 */
+  PetscInt  particles;                        /* of fluid, in the simulated part */
 } GaugeValues;
 
 /* OutputCreate - for the particles of a cloud (borrowed). Collective. */
 PetscErrorCode OutputCreate(Cloud cloud, Output *output);
-/* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s), -checkpoint_interval (s), -snapshot_walls,
-   -snapshot_double, -gauge_*. The bodies of the scene must be known. Refuses negative intervals and sizes, and a pool that is no body. Collective. */
+/* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s),
+   -checkpoint_interval (s), -snapshot_walls, -snapshot_double, -gauge_*. The bodies of the scene must be known. Refuses
+   negative intervals and sizes, and a pool that is no body. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
-/* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds a run already unless
-   -output_overwrite, which removes the files of that run; writes options.opts (every option in use, usable with -options_file), version.txt
-   and the head of series.csv. When restarting, only makes the folder: OutputRestart, to be called next, does the rest. Collective. */
+/* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
+   a run already unless -output_overwrite, which removes the files of that run; writes options.opts (every option in
+   use, usable with -options_file), version.txt and the head of series.csv. When restarting, only makes the folder:
+   OutputRestart, to be called next, does the rest. Collective. */
 PetscErrorCode OutputSetUp(Output output, PetscBool restarting);
 PetscErrorCode OutputView(Output output, PetscViewer viewer);
-/* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written twice for one step. The first
-   state of a run always gets both. Refuses (UserError) to go on when the disk is full. Collective. */
+/* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written
+   twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full.
+   Collective. */
 PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last);
-/* OutputCheckpointDue - whether a checkpoint is due at this state; never with -checkpoint_interval 0. Not collective, same answer on all ranks. */
+/* OutputCheckpointDue - whether a checkpoint is due at this state; never with -checkpoint_interval 0. Not collective,
+ * same answer on all ranks. */
 PetscBool OutputCheckpointDue(Output output, const StepState *state);
-/* OutputCheckpoint - writes the swarm's stored fields and the state to <dir>/checkpoint_<step>.h5: first under a temporary name, fsync, then
-   renamed; keeps this one and the newest one before it. The swarm's order is kept in the file. Collective. */
+/* OutputCheckpoint - writes the swarm's stored fields and the state to <dir>/checkpoint_<step>.h5: first under a
+   temporary name, fsync, then renamed; keeps this one and the newest one before it. The swarm's order is kept in the
+   file. Collective. */
 PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
-/* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every rank gets the particles it
-   had, in their order; on another number, equal slabs of the file. Refuses (UserError) a missing, truncated, damaged or foreign file, one whose
-   dimension, particle spacing or number of bodies differ from the scene's, and an -output_dir that holds another run unless -output_overwrite.
-   In the folder of the checkpoint the series and the snapshots are cut behind the restart time. Call OutputSetUp(output, PETSC_TRUE) before
-   and CloudResync afterwards. Collective. */
+/* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every
+   rank gets the particles it had, in their order; on another number, equal slabs of the file. Refuses (UserError) a
+   missing, truncated, damaged or foreign file, one whose dimension, particle spacing or number of bodies differ from
+   the scene's, and an -output_dir that holds another run unless -output_overwrite. In the folder of the checkpoint the
+   series and the snapshots are cut behind the restart time. Call OutputSetUp(output, PETSC_TRUE) before and CloudResync
+   afterwards. Collective. */
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state);
 /* OutputGauges - the values of the moment, from the swarm. Collective. */
 PetscErrorCode OutputGauges(Output output, GaugeValues *values);

@@ -15,23 +15,23 @@ typedef struct {
 
 /* A snapshot that is on disk, as the XDMF file needs it. */
 typedef struct {
-  PetscInt    index, step, n; /* n: number of particles */
-  PetscReal   time;           /* s */
-  PetscInt    precision;      /* bytes of a real number */
-  PetscBool   walls;          /* whether wall particles are in it */
+  PetscInt  index, step, n; /* n: number of particles */
+  PetscReal time;           /* s */
+  PetscInt  precision;      /* bytes of a real number */
+  PetscBool walls;          /* whether wall particles are in it */
 } SnapshotEntry;
 
 /* How the gauges measure. */
 typedef struct {
   char      pool_name[256];
-  PetscInt  pool;           /* index of the body that is the pool */
-  PetscInt  axis_numbers;   /* how many numbers the user gave for the axis */
-  PetscReal level;          /* m; NAN: measured at the first call */
-  PetscReal axis[DIM];      /* m, horizontal */
-  PetscReal jet_radius;     /* m */
-  PetscReal crater_radius;  /* m, the crater is looked for inside */
-  PetscReal cell;           /* in spacings, of the grid that decides what is connected */
-  PetscReal multiplicity;   /* 1 */
+  PetscInt  pool;          /* index of the body that is the pool */
+  PetscInt  axis_numbers;  /* how many numbers the user gave for the axis */
+  PetscReal level;         /* m; NAN: measured at the first call */
+  PetscReal axis[DIM];     /* m, horizontal */
+  PetscReal jet_radius;    /* m */
+  PetscReal crater_radius; /* m, the crater is looked for inside */
+  PetscReal cell;          /* in spacings, of the grid that decides what is connected */
+  PetscReal multiplicity;  /* 1 */
 } GaugeSetup;
 
 struct _p_Output {
@@ -45,7 +45,7 @@ struct _p_Output {
   FILE          *series_file;                /* rank 0 */
   SnapshotEntry *entry;                      /* [entries], the same on every rank */
   PetscInt       entries, entry_capacity;
-  PetscReal      wall_start, wall_before;    /* s: MPI_Wtime at the start; spent before the restart */
+  PetscReal      wall_start, wall_before; /* s: MPI_Wtime at the start; spent before the restart */
   GaugeSetup     gauge;
 };
 
@@ -57,16 +57,22 @@ PetscInt64     ScheduleAfter(const Schedule *schedule, PetscReal time);
 PetscBool      ScheduleReached(const Schedule *schedule, PetscReal time);
 
 /* --- folder.c --- */
-/* FolderStatus - rank 0's errno decides for all: a UserError "Cannot <doing> <path>: <reason>" unless it is zero. Collective. */
+/* FolderStatus - rank 0's errno decides for all: a UserError "Cannot <doing> <path>: <reason>" unless it is zero.
+ * Collective. */
 PetscErrorCode FolderStatus(Output output, int error, const char doing[], const char path[]);
-/* FolderMake - the run folder and its parents. FolderClaim - refuses or clears one that holds a run; writes options.opts and version.txt; 'same': the
-   run in it is continued. Collective. */
+/* FolderMake - the run folder and its parents. FolderClaim - refuses or clears one that holds a run; writes
+   options.opts and version.txt; 'same': the run in it is continued. Collective. */
 PetscErrorCode FolderMake(Output output);
 PetscErrorCode FolderClaim(Output output, PetscBool same);
-/* FolderNumbers - the numbers in the names <prefix><digits>.h5 present, ascending, in an array to be freed. Rank 0 only. */
+/* FolderNumbers - the numbers in the names <prefix><digits>.h5 present, ascending, in an array to be freed. Rank 0
+ * only. */
 PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count, PetscInt **numbers);
-/* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk. Collective. */
+/* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk.
+ * Collective. */
 PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);
+/* FolderReserve - refuses (UserError) to start a file for which there is no room: HDF5 over MPI-IO waits for ever when
+ * the disk gets full. Collective. */
+PetscErrorCode FolderReserve(Output output, const char name[], PetscInt64 bytes);
 /* FolderDiscard - removes <name>.tmp. Collective. */
 PetscErrorCode FolderDiscard(Output output, const char name[]);
 /* FolderOptions - the options of the run as text, one a line; to be freed. Not collective. */
@@ -81,13 +87,18 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state);
 PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
 PetscErrorCode SnapshotWrite(Output output, const StepState *state);
 
-/* --- gauges.c --- */
+/* --- gauge_setup.c --- */
 PetscErrorCode GaugesDefaults(Output output);
 /* GaugesSetFromOptions - inside an options block; GaugesCheck - refuses bad values, after it. */
 PetscErrorCode GaugesSetFromOptions(Output output, PetscOptionItems *PetscOptionsObject);
 PetscErrorCode GaugesCheck(Output output);
+/* GaugeBodyBounds - of a body, cut by the box, m. GaugeMirrors - how many symmetry faces hold the axis. Not collective.
+ */
+void     GaugeBodyBounds(Output output, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
+PetscInt GaugeMirrors(Output output);
 
-/* --- storage.c: HDF5 files of rows spread over the ranks; errors are collected and agreed upon when the file is closed --- */
+/* --- storage.c: HDF5 files of rows spread over the ranks; errors are collected and agreed upon when the file is closed
+ * --- */
 typedef struct {
   MPI_Comm    comm;
   PetscMPIInt size;
@@ -102,14 +113,17 @@ typedef struct {
   PetscInt n, start, total, width;
 } Rows;
 
-/* StorageCreate, StorageOpen - a file for writing, for reading. With comm of one rank no MPI-IO is used. Collective on comm. */
+/* StorageCreate, StorageOpen - a file for writing, for reading. With comm of one rank no MPI-IO is used. Collective on
+ * comm. */
 PetscErrorCode StorageCreate(MPI_Comm comm, const char path[], Storage *storage);
 PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage);
 /* StorageClose - *failed: whether anything went wrong on any rank since the start. Collective. */
 PetscErrorCode StorageClose(Storage *storage, PetscBool *failed);
-/* StorageWrite - a data set of rows with unit and meaning; type: H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT or STORAGE_INT; values [n][width].
-   StorageRead - the same back; fails when the data set has another shape than rows says. Collective. */
-PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values, const char unit[], const char meaning[]);
+/* StorageWrite - a data set of rows with unit and meaning; type: H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT or STORAGE_INT;
+   values [n][width]. StorageRead - the same back; fails when the data set has another shape than rows says. Collective.
+ */
+PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values,
+                            const char unit[], const char meaning[]);
 PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, const Rows *rows, void *values);
 /* Attributes of the file; the same values on every rank. Collective. */
 PetscErrorCode StoragePutReal(Storage *storage, const char name[], PetscInt n, const PetscReal values[]);
@@ -119,22 +133,25 @@ PetscErrorCode StoragePutText(Storage *storage, const char name[], const char te
 PetscErrorCode StorageGetReal(Storage *storage, const char name[], PetscReal *value, PetscBool *found);
 PetscErrorCode StorageGetInt(Storage *storage, const char name[], PetscInt64 *value, PetscBool *found);
 PetscErrorCode StorageGetText(Storage *storage, const char name[], char text[], size_t size, PetscBool *found);
-/* StorageSeal - appends a checksum of the whole file, which HDF5 ignores. StorageCheckSeal - whether it is there and right: HDF5 1.10 is not to be
-   trusted with a damaged file. Collective on comm, whose ranks all read a share of the file. */
+typedef enum { SEAL_NONE, SEAL_WRONG, SEAL_GOOD } Seal;
+/* StorageSeal - appends a checksum of the whole file, which HDF5 ignores. StorageCheckSeal - whether it is there and
+   right: HDF5 1.10 is not to be trusted with a damaged file. Collective on comm, whose ranks all read a share of the
+   file. */
 PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed);
-PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], PetscBool *good);
+PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], Seal *found);
 
 #define STORAGE_INT (sizeof(PetscInt) == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG)
 
 /* --- gauge_grid.c: what is connected with the pool, and the surface seen from the sky --- */
-#define CELL_LIQUID  1  /* holds fluid */
-#define CELL_BODY    2  /* holds fluid of the pool's body */
+#define CELL_LIQUID  1 /* holds fluid */
+#define CELL_BODY    2 /* holds fluid of the pool's body */
 #define CELL_VISITED 4
 #define CELL_POOL    8  /* connected with the pool */
 #define CELL_AIR     16 /* connected with the sky through gaps two cells wide */
 #define CELL_TESTED  32
 
-/* Cells over the fluid, with a rim of one empty cell around and layers of air on top. Axes 0 and 1 are horizontal, 2 is upwards. */
+/* Cells over the fluid, with a rim of one empty cell around and layers of air on top. Axes 0 and 1 are horizontal, 2 is
+ * upwards. */
 typedef struct {
   PetscInt       n[DIM], count, columns; /* rim included; columns = n[0] n[1] */
   PetscInt       component[DIM];         /* of the position; component[1] is the unused third in two dimensions */
@@ -145,11 +162,12 @@ typedef struct {
 
 /* GaugeGridCreate - occupancy of the fluid of all ranks. Collective. */
 PetscErrorCode GaugeGridCreate(Output output, const ParticleArrays *arrays, GaugeGrid *grid);
-/* GaugeGridPool - marks CELL_POOL: the component (26 neighbours) with the most cells of the pool's body. Not collective. */
+/* GaugeGridPool - marks CELL_POOL: the component (26 neighbours) with the most cells of the pool's body. Not
+ * collective. */
 void GaugeGridPool(GaugeGrid *grid);
-/* GaugeGridSky - lowest[c] = layer of the lowest cell of column c that is open to the sky; columns whose inside[c] is false are walls of the sky and get
-   the layer above the top. Not collective. */
-void GaugeGridSky(GaugeGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);
+/* GaugeGridSky - lowest[c] = layer of the lowest cell of column c that is open to the sky; columns whose inside[c] is
+   false are walls of the sky and get the layer above the top. Not collective. */
+void           GaugeGridSky(GaugeGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);
 PetscErrorCode GaugeGridDestroy(GaugeGrid *grid);
 
 /* GaugeGridCell - indices and number of the cell of a point x (m), -1 when it is outside the grid. */

@@ -1,4 +1,5 @@
-/* The time series: plain CSV with a head line, one line a due step, SI units; written by rank 0 and flushed line by line. */
+/* The time series: plain CSV with a head line, one line a due step, SI units; written by rank 0 and flushed line by
+ * line. */
 #include "output_impl.h"
 #include <errno.h>
 #include <unistd.h>
@@ -6,25 +7,26 @@
 #define SERIES_FILE "series.csv"
 #define LINE_LENGTH 1024
 
-/* The columns: name and value, from state (StepState), gauges (GaugeValues) and wall (s). The places of the first three are fixed. */
-#define SERIES_COLUMNS(X) \
-  X("time", state->time) /* s */ \
-  X("step", state->step) \
-  X("time_step", state->time_step) /* s */ \
-  X("crown_height", gauges->crown_height) /* m */ \
-  X("crater_depth", gauges->crater_depth) /* m */ \
-  X("crater_diameter", gauges->crater_diameter) /* m */ \
-  X("kinetic_energy", gauges->kinetic_energy) /* J */ \
-  X("iterations", state->iterations) \
-  X("jet_height", gauges->jet_height) /* m */ \
-  X("highest", gauges->highest) /* m */ \
-  X("potential_energy", gauges->potential_energy) /* J */ \
-  X("volume", gauges->volume) /* m3 */ \
-  X("density_error", state->density_error) \
-  X("divergence", state->divergence) \
-  X("particles", gauges->particles) \
-  X("lost", state->lost) \
-  X("rejected", state->rejected) \
+/* The columns: name and value, from state (StepState), gauges (GaugeValues) and wall (s). The places of the first three
+ * are fixed. */
+#define SERIES_COLUMNS(X)                                                                                              \
+  X("time", state->time) /* s */                                                                                       \
+  X("step", state->step)                                                                                               \
+  X("time_step", state->time_step)              /* s */                                                                \
+  X("crown_height", gauges->crown_height)       /* m */                                                                \
+  X("crater_depth", gauges->crater_depth)       /* m */                                                                \
+  X("crater_diameter", gauges->crater_diameter) /* m */                                                                \
+  X("kinetic_energy", gauges->kinetic_energy)   /* J */                                                                \
+  X("iterations", state->iterations)                                                                                   \
+  X("jet_height", gauges->jet_height)             /* m */                                                              \
+  X("highest", gauges->highest)                   /* m */                                                              \
+  X("potential_energy", gauges->potential_energy) /* J */                                                              \
+  X("volume", gauges->volume)                     /* m3 */                                                             \
+  X("density_error", state->density_error)                                                                             \
+  X("divergence", state->divergence)                                                                                   \
+  X("particles", gauges->particles)                                                                                    \
+  X("lost", state->lost)                                                                                               \
+  X("rejected", state->rejected)                                                                                       \
   X("wall_time", wall) /* s */
 
 /* Head line. */
@@ -40,12 +42,13 @@ static void HeadLine(char line[LINE_LENGTH])
 {
   size_t used = 0;
 
-  for (PetscInt c = 0; c < COLUMNS; c++) used += (size_t)snprintf(line + used, LINE_LENGTH - used, "%s%s", c ? "," : "", names[c]);
+  for (PetscInt c = 0; c < COLUMNS; c++)
+    used += (size_t)snprintf(line + used, LINE_LENGTH - used, "%s%s", c ? "," : "", names[c]);
   (void)snprintf(line + used, LINE_LENGTH - used, "\n");
 }
 
-/* Copies the head and the whole lines up to a step to a temporary file that then takes the name. Rank 0; returns an errno, EILSEQ when the file has
-   other columns. */
+/* Copies the head and the whole lines up to a step to a temporary file that then takes the name. Rank 0; returns an
+   errno, EILSEQ when the file has other columns. */
 static int Cut(const char path[], const char temporary[], PetscInt restart_step, PetscInt *last_step)
 {
   FILE *from = fopen(path, "r"), *to;
@@ -87,14 +90,15 @@ static int Open(Output output, const char path[])
   if (!output->series_file) return errno;
   HeadLine(head);
   (void)fseek(output->series_file, 0, SEEK_END);
-  if (ftell(output->series_file) == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file))) return errno;
+  if (ftell(output->series_file) == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file)))
+    return errno;
   return 0;
 }
 
 PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
 {
   char     path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN];
-  PetscInt last = -1;
+  PetscInt last  = -1;
   int      error = 0, other;
 
   PetscFunctionBegin;
@@ -103,7 +107,9 @@ PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
   if (!output->rank && same) error = Cut(path, temporary, restart_step, &last);
   other = error == EILSEQ;
   PetscCallMPI(MPI_Bcast(&other, 1, MPI_INT, 0, output->comm));
-  PetscCheckUser(!other, output->comm, "%s has other columns than this version of the program writes; move it away to continue the run.", path);
+  PetscCheckUser(!other, output->comm,
+                 "%s has other columns than this version of the program writes; move it away to continue the run.",
+                 path);
   if (!output->rank && !error) error = Open(output, path);
   PetscCall(FolderStatus(output, error, "write", path));
   PetscCallMPI(MPI_Bcast(&last, 1, MPIU_INT, 0, output->comm));
@@ -124,7 +130,8 @@ static int Line(FILE *file, const StepState *state, const GaugeValues *gauges, P
     if (c && fputs(",", file) < 0) return errno;
     if (values[c] != values[c]) { /* no "-nan" */
       if (fputs("nan", file) < 0) return errno;
-    } else if (fprintf(file, "%.12g", values[c]) < 0) return errno;
+    } else if (fprintf(file, "%.12g", values[c]) < 0)
+      return errno;
   }
   if (fputs("\n", file) < 0 || fflush(file)) return errno;
   return 0;

@@ -27,17 +27,22 @@ static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
 
 /* --- XDMF --- */
 
-static void XdmfItem(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[], PetscInt precision)
+static void XdmfItem(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[],
+                     PetscInt precision)
 {
   char source[64];
 
   SnapshotName(entry->index, source);
-  fprintf(file, "        <DataItem Dimensions=\"%d%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">%s:/%s</DataItem>\n", (int)entry->n, width > 1 ? " 3" : "", number, (int)precision, source, name);
+  fprintf(file,
+          "        <DataItem Dimensions=\"%d%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">%s:/%s</DataItem>\n",
+          (int)entry->n, width > 1 ? " 3" : "", number, (int)precision, source, name);
 }
 
-static void XdmfAttribute(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[], PetscInt precision)
+static void XdmfAttribute(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width,
+                          const char number[], PetscInt precision)
 {
-  fprintf(file, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", name, width > 1 ? "Vector" : "Scalar");
+  fprintf(file, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", name,
+          width > 1 ? "Vector" : "Scalar");
   XdmfItem(file, entry, name, width, number, precision);
   fprintf(file, "      </Attribute>\n");
 }
@@ -46,13 +51,15 @@ static void XdmfSnapshot(FILE *file, const SnapshotEntry *entry)
 {
   fprintf(file, "    <Grid Name=\"step %d\" GridType=\"Uniform\">\n", (int)entry->step);
   fprintf(file, "      <Time Value=\"%.12g\"/>\n", (double)entry->time);
-  fprintf(file, "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" NodesPerElement=\"1\"/>\n", (int)entry->n);
+  fprintf(file, "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" NodesPerElement=\"1\"/>\n",
+          (int)entry->n);
   fprintf(file, "      <Geometry GeometryType=\"XYZ\">\n");
   XdmfItem(file, entry, Fields[FIELD_POSITION].name, 3, "Float", entry->precision);
   fprintf(file, "      </Geometry>\n");
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
     if (f != FIELD_POSITION) XdmfAttribute(file, entry, Fields[f].name, Fields[f].width, "Float", entry->precision);
-  for (PetscInt f = 0; f < INT_FIELDS(entry->walls); f++) XdmfAttribute(file, entry, IntFieldNames[int_fields[f]], 1, "Int", sizeof(PetscInt));
+  for (PetscInt f = 0; f < INT_FIELDS(entry->walls); f++)
+    XdmfAttribute(file, entry, IntFieldNames[int_fields[f]], 1, "Int", sizeof(PetscInt));
   XdmfAttribute(file, entry, "color", 1, "Int", sizeof(PetscInt));
   fprintf(file, "    </Grid>\n");
 }
@@ -68,9 +75,11 @@ static PetscErrorCode XdmfWrite(Output output)
   PetscCall(OutputPath(output, XDMF_FILE ".tmp", path));
   if (!output->rank) {
     file = fopen(path, "w");
-    if (!file) error = errno;
+    if (!file)
+      error = errno;
     else {
-      fprintf(file, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n  <Grid Name=\"snapshots\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+      fprintf(file, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n  <Grid Name=\"snapshots\" "
+                    "GridType=\"Collection\" CollectionType=\"Temporal\">\n");
       for (PetscInt e = 0; e < output->entries; e++) XdmfSnapshot(file, &output->entry[e]);
       fprintf(file, "  </Grid>\n</Domain>\n</Xdmf>\n");
       if (fflush(file) || ferror(file)) error = errno ? errno : EIO;
@@ -126,7 +135,8 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
     PetscBool     good = PETSC_FALSE;
 
     PetscCall(EntryRead(output, numbers[k], &entry, &good));
-    if (good && entry.step <= restart_step) PetscCall(EntryAdd(output, &entry));
+    if (good && entry.step <= restart_step)
+      PetscCall(EntryAdd(output, &entry));
     else {
       SnapshotName(numbers[k], name);
       PetscCall(OutputPath(output, name, path));
@@ -139,7 +149,9 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
   PetscCallMPI(MPI_Bcast(&changed, 1, MPIU_BOOL, 0, output->comm));
   if (output->rank && output->entries) PetscCall(PetscMalloc1(output->entries, &output->entry));
   if (output->rank) output->entry_capacity = output->entries;
-  if (output->entries) PetscCallMPI(MPI_Bcast(output->entry, (PetscMPIInt)(sizeof(*output->entry) * output->entries), MPI_BYTE, 0, output->comm));
+  if (output->entries)
+    PetscCallMPI(
+      MPI_Bcast(output->entry, (PetscMPIInt)(sizeof(*output->entry) * output->entries), MPI_BYTE, 0, output->comm));
   output->snapshot_step = output->entries ? output->entry[output->entries - 1].step : -1;
   if (changed) PetscCall(XdmfWrite(output));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -188,7 +200,8 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, const PetscInt particle[], Rows *rows, Storage *storage)
+static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, const PetscInt particle[], Rows *rows,
+                                  Storage *storage)
 {
   const Scene scene = output->cloud->scene;
   double     *real;
@@ -207,16 +220,20 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
       for (PetscInt c = 0; c < width; c++) {
         const PetscReal value = arrays->real[f][width * particle[k] + c];
 
-        if (output->precise) real[width * k + c] = value;
-        else single[width * k + c] = (float)value;
+        if (output->precise)
+          real[width * k + c] = value;
+        else
+          single[width * k + c] = (float)value;
       }
     }
-    PetscCall(StorageWrite(storage, Fields[f].name, output->precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, rows, real, Fields[f].unit, Fields[f].meaning));
+    PetscCall(StorageWrite(storage, Fields[f].name, output->precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, rows, real,
+                           Fields[f].unit, Fields[f].meaning));
   }
   rows->width = 1;
   for (PetscInt f = 0; f < INT_FIELDS(output->walls); f++) {
     for (PetscInt k = 0; k < rows->n; k++) integer[k] = arrays->integer[int_fields[f]][particle[k]];
-    PetscCall(StorageWrite(storage, IntFieldNames[int_fields[f]], STORAGE_INT, rows, integer, "1", IntFieldMeanings[int_fields[f]]));
+    PetscCall(StorageWrite(storage, IntFieldNames[int_fields[f]], STORAGE_INT, rows, integer, "1",
+                           IntFieldMeanings[int_fields[f]]));
   }
   for (PetscInt k = 0; k < rows->n; k++) {
     const PetscInt body = arrays->integer[INT_BODY][particle[k]];
@@ -235,6 +252,7 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   Storage        storage;
   Rows           rows;
   PetscInt      *particle;
+  PetscInt64     bytes = (INT_FIELDS(output->walls) + 1) * (PetscInt64)sizeof(PetscInt); /* of a particle */
   PetscBool      failed;
   char           name[64], path[PETSC_MAX_PATH_LEN];
 
@@ -250,6 +268,8 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   entry.precision = output->precise ? (PetscInt)sizeof(double) : (PetscInt)sizeof(float);
   entry.walls     = output->walls;
   SnapshotName(entry.index, name);
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) bytes += Fields[f].width * entry.precision;
+  PetscCall(FolderReserve(output, name, bytes * rows.total));
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));
@@ -259,7 +279,8 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   PetscCall(PetscFree(particle));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   if (failed) PetscCall(FolderDiscard(output, name));
-  PetscCheckUser(!failed, output->comm, "Cannot write the snapshot %s/%s: is the disk full, or the folder gone?", output->folder, name);
+  PetscCheckUser(!failed, output->comm, "Cannot write the snapshot %s/%s: is the disk full, or the folder gone?",
+                 output->folder, name);
   PetscCall(FolderCommit(output, name, PETSC_FALSE));
   PetscCall(EntryAdd(output, &entry));
   PetscCall(XdmfWrite(output));

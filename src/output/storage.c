@@ -1,4 +1,5 @@
-/* HDF5 files of rows spread over the ranks. Every call is made by all ranks whatever went wrong before, so that none waits for another. */
+/* HDF5 files of rows spread over the ranks. Every call is made by all ranks whatever went wrong before, so that none
+ * waits for another. */
 #include "output_impl.h"
 #include <sys/stat.h>
 
@@ -72,7 +73,8 @@ PetscErrorCode StorageClose(Storage *storage, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The type in the file: little-endian, of the size of the type in memory, so that collective transfers stay collective. */
+/* The type in the file: little-endian, of the size of the type in memory, so that collective transfers stay collective.
+ */
 static hid_t FileType(hid_t type)
 {
   if (H5Tget_class(type) == H5T_FLOAT) return H5Tget_size(type) == sizeof(float) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
@@ -84,12 +86,14 @@ static void Keep(Storage *storage, herr_t status)
   if (status < 0) storage->failed = PETSC_TRUE;
 }
 
-static void AttributePut(Storage *storage, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n, const void *values)
+static void AttributePut(Storage *storage, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n,
+                         const void *values)
 {
   const hid_t space     = n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
   const hid_t attribute = object < 0 ? -1 : H5Acreate2(object, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
 
-  if (attribute < 0) storage->failed = PETSC_TRUE;
+  if (attribute < 0)
+    storage->failed = PETSC_TRUE;
   else {
     Keep(storage, H5Awrite(attribute, type, values));
     Keep(storage, H5Aclose(attribute));
@@ -111,13 +115,15 @@ static void AttributePutText(Storage *storage, hid_t object, const char name[], 
 /* The file space with this rank's rows selected, the space in memory, and how to transfer. */
 static void Spaces(Storage *storage, const Rows *rows, hid_t *file, hid_t *memory, hid_t *transfer)
 {
-  const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width}, count[2] = {(hsize_t)rows->n, (hsize_t)rows->width};
+  const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width},
+                count[2] = {(hsize_t)rows->n, (hsize_t)rows->width};
   const hsize_t start[2] = {(hsize_t)rows->start, 0};
   const int     rank     = rows->width > 1 ? 2 : 1;
 
   *file   = H5Screate_simple(rank, total, NULL);
   *memory = H5Screate_simple(rank, count, NULL);
-  if (rows->n) (void)H5Sselect_hyperslab(*file, H5S_SELECT_SET, start, NULL, count, NULL);
+  if (rows->n)
+    (void)H5Sselect_hyperslab(*file, H5S_SELECT_SET, start, NULL, count, NULL);
   else {
     (void)H5Sselect_none(*file);
     (void)H5Sselect_none(*memory);
@@ -126,7 +132,8 @@ static void Spaces(Storage *storage, const Rows *rows, hid_t *file, hid_t *memor
   if (storage->size > 1) (void)H5Pset_dxpl_mpio(*transfer, H5FD_MPIO_COLLECTIVE);
 }
 
-PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values, const char unit[], const char meaning[])
+PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values,
+                            const char unit[], const char meaning[])
 {
   hid_t     file, memory, transfer, create, set = -1;
   PetscBool all;
@@ -141,7 +148,8 @@ PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, con
     AttributePutText(storage, set, "unit", unit);
     AttributePutText(storage, set, "meaning", meaning);
     if (rows->total) Keep(storage, H5Dwrite(set, type, memory, file, transfer, values));
-  } else storage->failed = PETSC_TRUE;
+  } else
+    storage->failed = PETSC_TRUE;
   if (set >= 0) Keep(storage, H5Dclose(set));
   (void)H5Pclose(create);
   (void)H5Pclose(transfer);
@@ -153,14 +161,15 @@ PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, con
 /* Whether a data set has the shape of rows and numbers of the class of type. */
 static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
 {
-  const hid_t     space = H5Dget_space(set), stored = H5Dget_type(set);
-  const int       rank   = H5Sget_simple_extent_ndims(space);
-  const H5T_class_t kind = H5Tget_class(stored);
-  hsize_t         size[2] = {0, 1};
-  PetscBool       same;
+  const hid_t       space = H5Dget_space(set), stored = H5Dget_type(set);
+  const int         rank    = H5Sget_simple_extent_ndims(space);
+  const H5T_class_t kind    = H5Tget_class(stored);
+  hsize_t           size[2] = {0, 1};
+  PetscBool         same;
 
   if (rank == 1 || rank == 2) (void)H5Sget_simple_extent_dims(space, size, NULL);
-  same = (PetscBool)(rank == (rows->width > 1 ? 2 : 1) && size[0] == (hsize_t)rows->total && size[1] == (hsize_t)rows->width && kind == H5Tget_class(type));
+  same = (PetscBool)(rank == (rows->width > 1 ? 2 : 1) && size[0] == (hsize_t)rows->total &&
+                     size[1] == (hsize_t)rows->width && kind == H5Tget_class(type));
   (void)H5Tclose(stored);
   (void)H5Sclose(space);
   return same;
@@ -177,7 +186,8 @@ PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, cons
   PetscCall(Agree(storage, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
   if (all) {
     if (rows->total) Keep(storage, H5Dread(set, type, memory, file, transfer, values));
-  } else storage->failed = PETSC_TRUE;
+  } else
+    storage->failed = PETSC_TRUE;
   if (set >= 0) (void)H5Dclose(set);
   (void)H5Pclose(transfer);
   (void)H5Sclose(memory);
@@ -207,7 +217,8 @@ PetscErrorCode StoragePutText(Storage *storage, const char name[], const char te
 }
 
 /* Reads a scalar attribute of a class; for texts, size is the room. */
-static PetscBool AttributeGet(Storage *storage, const char name[], H5T_class_t kind, hid_t type, void *value, size_t size)
+static PetscBool AttributeGet(Storage *storage, const char name[], H5T_class_t kind, hid_t type, void *value,
+                              size_t size)
 {
   hid_t     attribute, stored, space;
   PetscBool found = PETSC_FALSE;
@@ -218,8 +229,10 @@ static PetscBool AttributeGet(Storage *storage, const char name[], H5T_class_t k
   stored = H5Aget_type(attribute);
   space  = H5Aget_space(attribute);
   if (H5Tget_class(stored) == kind && H5Sget_simple_extent_npoints(space) == 1) {
-    if (kind != H5T_STRING) found = (PetscBool)(H5Aread(attribute, type, value) >= 0);
-    else if (H5Tis_variable_str(stored) == 0 && H5Tget_size(stored) < size) found = (PetscBool)(H5Aread(attribute, stored, value) >= 0);
+    if (kind != H5T_STRING)
+      found = (PetscBool)(H5Aread(attribute, type, value) >= 0);
+    else if (H5Tis_variable_str(stored) == 0 && H5Tget_size(stored) < size)
+      found = (PetscBool)(H5Aread(attribute, stored, value) >= 0);
   }
   (void)H5Sclose(space);
   (void)H5Tclose(stored);
@@ -263,9 +276,10 @@ static inline unsigned long long Mix(unsigned long long z)
   return z ^ (z >> 31);
 }
 
-/* Sum over the words first .. last-1 of a file of a hash of the word and its place: any share of the words may be summed by any rank. Words beyond
-   'length' bytes are zero. Returns false when the file cannot be read. */
-static PetscBool SumWords(const char path[], unsigned long long length, unsigned long long first, unsigned long long last, unsigned long long *sum)
+/* Sum over the words first .. last-1 of a file of a hash of the word and its place: any share of the words may be
+   summed by any rank. Words beyond 'length' bytes are zero. Returns false when the file cannot be read. */
+static PetscBool SumWords(const char path[], unsigned long long length, unsigned long long first,
+                          unsigned long long last, unsigned long long *sum)
 {
   FILE               *file  = fopen(path, "rb");
   unsigned long long *chunk = malloc(CHUNK_WORDS * sizeof(*chunk));
@@ -273,18 +287,21 @@ static PetscBool SumWords(const char path[], unsigned long long length, unsigned
 
   *sum = 0;
   for (unsigned long long word = first; good && word < last; word += CHUNK_WORDS) {
-    const unsigned long long words = PetscMin(last - word, CHUNK_WORDS), bytes = PetscMin(length - word * sizeof(*chunk), words * sizeof(*chunk));
+    const unsigned long long words = PetscMin(last - word, CHUNK_WORDS),
+                             bytes = PetscMin(length - word * sizeof(*chunk), words * sizeof(*chunk));
 
     memset(chunk, 0, CHUNK_WORDS * sizeof(*chunk));
     good = (PetscBool)(fread(chunk, 1, bytes, file) == bytes);
-    for (unsigned long long k = 0; good && k < words; k++) *sum += Mix(chunk[k] ^ Mix((word + k + 1) * 0x9E3779B97F4A7C15ULL));
+    for (unsigned long long k = 0; good && k < words; k++)
+      *sum += Mix(chunk[k] ^ Mix((word + k + 1) * 0x9E3779B97F4A7C15ULL));
   }
   if (file) fclose(file);
   free(chunk);
   return good;
 }
 
-static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long long length, unsigned long long *sum, PetscBool *good)
+static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long long length, unsigned long long *sum,
+                               PetscBool *good)
 {
   const unsigned long long words = (length + 7) / 8;
   PetscMPIInt              rank, size, ok;
@@ -292,7 +309,8 @@ static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long l
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  ok = SumWords(path, length, words * (unsigned)rank / (unsigned)size, words * (unsigned)(rank + 1) / (unsigned)size, sum);
+  ok =
+    SumWords(path, length, words * (unsigned)rank / (unsigned)size, words * (unsigned)(rank + 1) / (unsigned)size, sum);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &ok, 1, MPI_INT, MPI_MIN, comm));
   *good = ok ? PETSC_TRUE : PETSC_FALSE;
@@ -302,7 +320,7 @@ static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long l
 PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed)
 {
   unsigned long long seal[SEAL_WORDS] = {SEAL_MAGIC, 0, 0}, length = 0;
-  PetscMPIInt        rank, ok = 1;
+  PetscMPIInt        rank, ok                                      = 1;
   PetscBool          good;
   struct stat        info;
 
@@ -322,14 +340,15 @@ PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed)
     if (file && fclose(file)) ok = 0;
   }
   PetscCallMPI(MPI_Bcast(&ok, 1, MPI_INT, 0, comm));
-  *failed = (PetscBool)!(ok && good);
+  *failed = (PetscBool) !(ok && good);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], PetscBool *good)
+PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], Seal *found)
 {
   unsigned long long seal[SEAL_WORDS] = {0, 0, 0}, sum;
   PetscMPIInt        rank, ok = 0;
+  PetscBool          good;
   struct stat        info;
 
   PetscFunctionBegin;
@@ -337,15 +356,16 @@ PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], PetscBool *goo
   if (!rank) {
     FILE *file = fopen(path, "rb");
 
-    ok = file && !fseeko(file, -(off_t)sizeof(seal), SEEK_END) && fread(seal, sizeof(seal), 1, file) == 1 && !fstat(fileno(file), &info);
+    ok = file && !fseeko(file, -(off_t)sizeof(seal), SEEK_END) && fread(seal, sizeof(seal), 1, file) == 1 &&
+         !fstat(fileno(file), &info);
     ok = ok && seal[0] == SEAL_MAGIC && seal[1] + sizeof(seal) == (unsigned long long)info.st_size;
     if (file) fclose(file);
   }
   PetscCallMPI(MPI_Bcast(&ok, 1, MPI_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(seal, SEAL_WORDS, MPI_UNSIGNED_LONG_LONG, 0, comm));
-  *good = PETSC_FALSE;
+  *found = SEAL_NONE;
   if (!ok) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Checksum(comm, path, seal[1], &sum, good));
-  *good = (PetscBool)(*good && sum == seal[2]);
+  PetscCall(Checksum(comm, path, seal[1], &sum, &good));
+  *found = good && sum == seal[2] ? SEAL_GOOD : SEAL_WRONG;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

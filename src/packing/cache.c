@@ -1,4 +1,5 @@
-/* Finished packings on disk, one HDF5 file each, named after a hash of all that determines them. Rank 0 reads and writes. */
+/* Finished packings on disk, one HDF5 file each, named after a hash of all that determines them. Rank 0 reads and
+   writes. */
 #include "types.h"
 #include <hdf5.h>
 #include <stdio.h>
@@ -70,7 +71,8 @@ PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[
   HashBytes(hash, packing->type, strlen(packing->type));
   HashReal(hash, packing->seed);
   for (PetscInt k = 0; k < n; k++) HashReal(hash, numbers[k]);
-  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++) HashBody(hash, domain, SceneBody(packing->cloud->scene, b));
+  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++)
+    HashBody(hash, domain, SceneBody(packing->cloud->scene, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,20 +92,22 @@ static PetscErrorCode FileName(const char folder[], unsigned long long hash, cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads a data set of rank 1 or 2 whose first extent must be n (0: any, returned) and whose others multiply to width. */
+/* Reads a data set of rank 1 or 2 whose first extent must be n (0: any, returned), the others multiplying to width. */
 static PetscBool ReadSet(hid_t file, const char name[], hid_t type, hsize_t width, hsize_t *n, void **data)
 {
-  hid_t     set = H5Dopen2(file, name, H5P_DEFAULT), space;
+  hid_t     set       = H5Dopen2(file, name, H5P_DEFAULT), space;
   hsize_t   extent[2] = {0, 1};
-  PetscBool good = PETSC_FALSE;
+  PetscBool good      = PETSC_FALSE;
 
   *data = NULL;
   if (set < 0) return PETSC_FALSE;
   space = H5Dget_space(set);
-  if (H5Sget_simple_extent_ndims(space) <= 2 && H5Sget_simple_extent_dims(space, extent, NULL) >= 1 && extent[1] == width && extent[0] > 0 &&
-      (*n == 0 || *n == extent[0]) && extent[0] <= (hsize_t)PETSC_MPI_INT_MAX / DIM) {
+  if (H5Sget_simple_extent_ndims(space) <= 2 && H5Sget_simple_extent_dims(space, extent, NULL) >= 1 &&
+      extent[1] == width && extent[0] > 0 && (*n == 0 || *n == extent[0]) &&
+      extent[0] <= (hsize_t)PETSC_MPI_INT_MAX / DIM) {
     *n   = extent[0];
-    good = (PetscBool)(!PetscMalloc(extent[0] * width * H5Tget_size(type), data) && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *data) >= 0);
+    good = (PetscBool)(!PetscMalloc(extent[0] * width * H5Tget_size(type), data) &&
+                       H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *data) >= 0);
   }
   H5Sclose(space);
   H5Dclose(set);
@@ -125,11 +129,13 @@ static PetscErrorCode ReadFile(const char name[], PetscInt *n, PetscReal **x, Pe
   if (access(name, R_OK)) PetscFunctionReturn(PETSC_SUCCESS);
   file = H5Fopen(name, H5F_ACC_RDONLY, H5P_DEFAULT);
   good = (PetscBool)(file >= 0 && ReadSet(file, "position", H5T_NATIVE_DOUBLE, DIM, &count, (void **)x) &&
-                     ReadSet(file, "body", integer, 1, &count, (void **)body) && ReadSet(file, "checksum", H5T_NATIVE_ULLONG, 1, &one, (void **)&sum) &&
+                     ReadSet(file, "body", integer, 1, &count, (void **)body) &&
+                     ReadSet(file, "checksum", H5T_NATIVE_ULLONG, 1, &one, (void **)&sum) &&
                      *sum == Checksum((PetscInt)count, *x, *body));
   if (file >= 0) H5Fclose(file);
   PetscCall(PetscFree(sum));
-  if (good) *n = (PetscInt)count;
+  if (good)
+    *n = (PetscInt)count;
   else {
     PetscCall(PetscInfo(NULL, "packing: %s is not readable, it will be made again\n", name));
     PetscCall(PetscFree(*x));
@@ -155,7 +161,8 @@ static void SilenceEnd(const Silence *silence)
   H5Eset_auto2(H5E_DEFAULT, silence->print, silence->data);
 }
 
-PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x, PetscInt **body)
+PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
+                         PetscInt **body)
 {
   char        name[PETSC_MAX_PATH_LEN];
   PetscMPIInt rank;
@@ -225,8 +232,9 @@ static PetscErrorCode Gather(Particles particles, MPI_Comm comm, PetscInt count,
 
 static PetscBool WriteSet(hid_t file, const char name[], hid_t type, int rank, const hsize_t extent[], const void *data)
 {
-  hid_t     space = H5Screate_simple(rank, extent, NULL), set = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  PetscBool good = (PetscBool)(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+  hid_t     space = H5Screate_simple(rank, extent, NULL);
+  hid_t     set   = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  PetscBool good  = (PetscBool)(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
 
   if (set >= 0) H5Dclose(set);
   H5Sclose(space);
@@ -234,7 +242,8 @@ static PetscBool WriteSet(hid_t file, const char name[], hid_t type, int rank, c
 }
 
 /* Written beside its place and then moved there: nobody ever sees half a file. */
-static PetscErrorCode WriteFile(const char folder[], const char name[], PetscInt n, const PetscReal x[], const PetscInt body[])
+static PetscErrorCode WriteFile(const char folder[], const char name[], PetscInt n, const PetscReal x[],
+                                const PetscInt body[])
 {
   const hsize_t            extent[2] = {(hsize_t)n, DIM}, one = 1;
   const unsigned long long sum = Checksum(n, x, body);
@@ -247,7 +256,8 @@ static PetscErrorCode WriteFile(const char folder[], const char name[], PetscInt
   file = H5Fcreate(part, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (file >= 0) {
     good = (PetscBool)(WriteSet(file, "position", H5T_NATIVE_DOUBLE, 2, extent, x) &&
-                       WriteSet(file, "body", sizeof(PetscInt) == 8 ? H5T_NATIVE_INT64 : H5T_NATIVE_INT32, 1, extent, body) &&
+                       WriteSet(file, "body", sizeof(PetscInt) == 8 ? H5T_NATIVE_INT64 : H5T_NATIVE_INT32, 1, extent,
+                                body) &&
                        WriteSet(file, "checksum", H5T_NATIVE_ULLONG, 1, &one, &sum));
     good = (PetscBool)(H5Fclose(file) >= 0 && good);
   }
@@ -277,7 +287,8 @@ static PetscErrorCode MakeFolder(const char folder[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt count)
+PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[], unsigned long long hash,
+                          PetscInt count)
 {
   char        name[PETSC_MAX_PATH_LEN];
   PetscMPIInt rank;

@@ -1,6 +1,7 @@
-/* Random samples at a distance from each other: Schechter & Bridson 2012 (Ghost SPH for animating water, Sec. 4), first the free surface, then
-   the volume. Departures: the samples stand half a spacing inside the surface, where the centres of particles belong; the volume is filled by
-   plain darts whose distance shrinks until there are V / d0^dim of them, the number that can reach rho_0; TAO takes the place of their relaxation. */
+/* Random samples at a distance from each other: Schechter & Bridson 2012 (Ghost SPH for animating water, Sec. 4), first
+   the free surface, then the volume. Departures: the samples stand half a spacing inside the surface, where the centres
+   of particles belong; the volume is filled by plain darts whose distance shrinks until there are V / d0^dim of them,
+   the number that can reach rho_0; TAO takes the place of their relaxation. */
 #include "types.h"
 
 #define SURFACE_RADIUS  0.95 /* first distance between surface samples, spacings */
@@ -8,9 +9,9 @@
 #define SURFACE_NEWTON  4    /* projections of a dart onto the surface */
 #define SURFACE_PRECISE 1e-3 /* distance from the surface that is on it, spacings */
 #define SURFACE_FOOT    0.1  /* how far the foot of a normal may be from the surface, spacings */
-#define VOLUME_RADIUS   0.95 /* first distance of darts in the volume, spacings; random packings hold V / d0^3 of them at 0.90 */
+#define VOLUME_RADIUS   0.95 /* first distance of darts in the volume, spacings; 0.90 is the most for V / d0^3 darts */
 #define VOLUME_SHRINK   0.98 /* when ... */
-#define VOLUME_POOR     0.03 /* ... less than this part of the missing samples finds a place */
+#define VOLUME_POOR     0.03 /* ... less than this part of the darts in the core finds a place */
 #define VOLUME_BATCH    2    /* darts thrown a batch, over the missing samples */
 #define RADIUS_SMALLEST 0.6  /* spacings; a body that does not hold its samples then is too thin for the skin */
 #define SKIN            0.5  /* depth of the surface samples, spacings */
@@ -20,17 +21,17 @@
 
 typedef struct {
   Domain             domain;
-  PetscReal          spacing;  /* m */
+  PetscReal          spacing; /* m */
   unsigned long long seed, draws;
-  Body               body;     /* that is being filled */
+  Body               body;                   /* that is being filled */
   PetscReal          lower[DIM], upper[DIM]; /* of it, m */
-  PetscReal          skin;     /* m */
-  PetscReal          radius;   /* m */
+  PetscReal          skin;                   /* m */
+  PetscReal          radius;                 /* m */
   /* A grid of cells at least one spacing wide over all bodies; lists of samples through head and next. */
-  PetscReal          grid_lower[DIM], cell[DIM];
-  PetscInt           cells[DIM], *head, *next;
-  PetscInt           n, capacity;
-  PetscReal         *x; /* [n][3] m */
+  PetscReal  grid_lower[DIM], cell[DIM];
+  PetscInt   cells[DIM], *head, *next;
+  PetscInt   n;
+  PetscReal *x; /* [n][3] m */
 } Darts;
 
 static PetscReal Draw(Darts *darts)
@@ -41,7 +42,9 @@ static PetscReal Draw(Darts *darts)
 static void CellOf(const Darts *darts, const PetscReal x[DIM], PetscInt cell[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
-    cell[d] = PetscMax(0, PetscMin(darts->cells[d] - 1, (PetscInt)PetscFloorReal((x[d] - darts->grid_lower[d]) / darts->cell[d])));
+    const PetscInt c = (PetscInt)PetscFloorReal((x[d] - darts->grid_lower[d]) / darts->cell[d]);
+
+    cell[d] = PetscMax(0, PetscMin(darts->cells[d] - 1, c));
   }
 }
 
@@ -58,13 +61,15 @@ static PetscReal Distance2(const Darts *darts, const PetscReal x[DIM], PetscInt 
   for (PetscInt d = 0; d < darts->domain->dim; d++) {
     PetscReal r = PetscAbsReal(x[d] - darts->x[DIM * sample + d]);
 
-    if (darts->domain->face[d][0] == FACE_PERIODIC) r = PetscMin(r, darts->domain->upper[d] - darts->domain->lower[d] - r);
+    if (darts->domain->face[d][0] == FACE_PERIODIC)
+      r = PetscMin(r, darts->domain->upper[d] - darts->domain->lower[d] - r);
     sum += r * r;
   }
   return sum;
 }
 
-/* Whether a sample may stand at x: far enough from the others, from its own mirror image and from the dummies of a wall. */
+/* Whether a sample may stand at x: far enough from the others, from its own mirror image and from the dummies of a
+   wall. */
 static PetscBool Free(const Darts *darts, const PetscReal x[DIM])
 {
   PetscInt center[DIM], width[DIM], cell[DIM];
@@ -73,8 +78,10 @@ static PetscBool Free(const Darts *darts, const PetscReal x[DIM])
     const FaceType *face = darts->domain->face[d];
 
     width[d] = d < darts->domain->dim;
-    if ((face[0] == FACE_WALL || face[0] == FACE_SYMMETRY) && x[d] < darts->domain->lower[d] + 0.5 * darts->radius) return PETSC_FALSE;
-    if ((face[1] == FACE_WALL || face[1] == FACE_SYMMETRY) && x[d] > darts->domain->upper[d] - 0.5 * darts->radius) return PETSC_FALSE;
+    if ((face[0] == FACE_WALL || face[0] == FACE_SYMMETRY) && x[d] < darts->domain->lower[d] + 0.5 * darts->radius)
+      return PETSC_FALSE;
+    if ((face[1] == FACE_WALL || face[1] == FACE_SYMMETRY) && x[d] > darts->domain->upper[d] - 0.5 * darts->radius)
+      return PETSC_FALSE;
   }
   CellOf(darts, x, center);
   for (PetscInt k = -width[2]; k <= width[2]; k++) {
@@ -85,8 +92,10 @@ static PetscBool Free(const Darts *darts, const PetscReal x[DIM])
 
         for (PetscInt d = 0; d < DIM; d++) {
           cell[d] = center[d] + offset[d];
-          if (darts->domain->face[d][0] == FACE_PERIODIC) cell[d] = (cell[d] + darts->cells[d]) % darts->cells[d];
-          else valid = (PetscBool)(valid && cell[d] >= 0 && cell[d] < darts->cells[d]);
+          if (darts->domain->face[d][0] == FACE_PERIODIC)
+            cell[d] = (cell[d] + darts->cells[d]) % darts->cells[d];
+          else
+            valid = (PetscBool)(valid && cell[d] >= 0 && cell[d] < darts->cells[d]);
         }
         if (!valid) continue;
         for (PetscInt s = darts->head[Place(darts, cell)]; s != NOBODY; s = darts->next[s])
@@ -119,14 +128,16 @@ static void Normal(const Darts *darts, const PetscReal x[DIM], PetscReal normal[
 
     low[d] -= step;
     high[d] += step;
-    normal[d] = d < darts->domain->dim ? (BodyDistance(darts->body, high) - BodyDistance(darts->body, low)) / (2 * step) : 0;
+    normal[d] =
+      d < darts->domain->dim ? (BodyDistance(darts->body, high) - BodyDistance(darts->body, low)) / (2 * step) : 0;
   }
   size = Norm(normal);
   for (PetscInt d = 0; d < DIM && size > 0; d++) normal[d] /= size;
 }
 
-/* Whether the surface next to x, at distance s (negative inside), is a free one: its nearest point is in the box and not on a closed face,
-   where the liquid goes on as an image or meets a wall. Not so where no normal leads to the surface, as between two faces of a box. */
+/* Whether the surface next to x, at distance s (negative inside), is a free one: its nearest point is in the box and
+   not on a closed face, where the liquid goes on as an image or meets a wall. Not so where no normal leads to the
+   surface, as between two faces of a box. */
 static PetscBool FreeSurface(const Darts *darts, const PetscReal x[DIM], PetscReal s, const PetscReal normal[DIM])
 {
   const PetscReal tiny = SURFACE_PRECISE * darts->spacing;
@@ -137,7 +148,8 @@ static PetscBool FreeSurface(const Darts *darts, const PetscReal x[DIM], PetscRe
     if (darts->domain->face[d][0] != FACE_OPEN && foot[d] < darts->domain->lower[d] + tiny) return PETSC_FALSE;
     if (darts->domain->face[d][1] != FACE_OPEN && foot[d] > darts->domain->upper[d] - tiny) return PETSC_FALSE;
   }
-  return (PetscBool)(Norm(normal) == 0 || PetscAbsReal(BodyDistance(darts->body, foot)) < SURFACE_FOOT * darts->spacing);
+  return (PetscBool)(Norm(normal) == 0 ||
+                     PetscAbsReal(BodyDistance(darts->body, foot)) < SURFACE_FOOT * darts->spacing);
 }
 
 /* Whether x is in the body and below its skin. */
@@ -162,13 +174,14 @@ static PetscBool Project(const Darts *darts, PetscReal x[DIM])
     for (PetscInt d = 0; d < DIM; d++) x[d] -= (s + darts->skin) * normal[d];
     s = BodyDistance(darts->body, x);
   }
-  return (PetscBool)(PetscAbsReal(s + darts->skin) < SURFACE_PRECISE * darts->spacing && BodyContains(darts->body, x) && FreeSurface(darts, x, s, normal));
+  return (PetscBool)(PetscAbsReal(s + darts->skin) < SURFACE_PRECISE * darts->spacing && BodyContains(darts->body, x) &&
+                     FreeSurface(darts, x, s, normal));
 }
 
 /* Darts at the cells of the grid that the surface of the core may cross. */
 static void SampleSurface(Darts *darts, PetscInt most)
 {
-  const PetscReal half = 0.5 * PetscSqrtReal(PetscSqr(darts->cell[0]) + PetscSqr(darts->cell[1]) + PetscSqr(darts->cell[2]));
+  const PetscReal half = 0.5 * Norm(darts->cell);
   PetscInt        first[DIM], last[DIM];
 
   darts->radius = SURFACE_RADIUS * darts->spacing;
@@ -180,10 +193,12 @@ static void SampleSurface(Darts *darts, PetscInt most)
         const PetscInt at[DIM] = {i, j, k};
         PetscReal      x[DIM];
 
-        for (PetscInt d = 0; d < DIM; d++) x[d] = d < darts->domain->dim ? darts->grid_lower[d] + (at[d] + 0.5) * darts->cell[d] : 0;
+        for (PetscInt d = 0; d < DIM; d++)
+          x[d] = d < darts->domain->dim ? darts->grid_lower[d] + (at[d] + 0.5) * darts->cell[d] : 0;
         if (PetscAbsReal(BodyDistance(darts->body, x) + darts->skin) > half) continue;
         for (PetscInt dart = 0; dart < SURFACE_DARTS && darts->n < most; dart++) {
-          for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->grid_lower[d] + (at[d] + Draw(darts)) * darts->cell[d];
+          for (PetscInt d = 0; d < darts->domain->dim; d++)
+            x[d] = darts->grid_lower[d] + (at[d] + Draw(darts)) * darts->cell[d];
           if (Project(darts, x) && Free(darts, x)) Add(darts, x);
         }
       }
@@ -197,12 +212,13 @@ static void SampleVolume(Darts *darts, PetscInt most)
   darts->radius = VOLUME_RADIUS * darts->spacing;
   while (darts->n < most) {
     const PetscInt missing = most - darts->n, batch = VOLUME_BATCH * missing + 1000;
-    PetscInt       inside  = 0;
+    PetscInt       inside = 0;
 
     for (PetscInt dart = 0; dart < batch && darts->n < most; dart++) {
       PetscReal x[DIM] = {0, 0, 0};
 
-      for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->lower[d] + Draw(darts) * (darts->upper[d] - darts->lower[d]);
+      for (PetscInt d = 0; d < darts->domain->dim; d++)
+        x[d] = darts->lower[d] + Draw(darts) * (darts->upper[d] - darts->lower[d]);
       if (!InCore(darts, x)) continue;
       inside++;
       if (Free(darts, x)) Add(darts, x);
@@ -231,8 +247,8 @@ static PetscReal Measure(const Darts *darts)
   half = 0.5 * Norm(cell);
   for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
     const PetscInt at[DIM] = {c % n[0], (c / n[0]) % n[1], c / (n[0] * n[1])};
-    PetscReal      x[DIM] = {0, 0, 0}, s;
-    PetscInt       inside = 0;
+    PetscReal      x[DIM]  = {0, 0, 0}, s;
+    PetscInt       inside  = 0;
 
     for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->lower[d] + (at[d] + 0.5) * cell[d];
     s = BodyDistance(darts->body, x);
@@ -241,7 +257,8 @@ static PetscReal Measure(const Darts *darts)
     for (PetscInt p = 0; p < sub[0] * sub[1] * sub[2]; p++) {
       const PetscInt part[DIM] = {p % sub[0], (p / sub[0]) % sub[1], p / (sub[0] * sub[1])};
 
-      for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->lower[d] + (at[d] + (part[d] + 0.5) / sub[d]) * cell[d];
+      for (PetscInt d = 0; d < darts->domain->dim; d++)
+        x[d] = darts->lower[d] + (at[d] + (part[d] + 0.5) / sub[d]) * cell[d];
       inside += BodyContains(darts->body, x);
     }
     sum += (PetscReal)inside / (sub[0] * sub[1] * sub[2]);
@@ -279,8 +296,11 @@ static PetscErrorCode GridCreate(Darts *darts, Scene scene, PetscInt capacity)
       darts->grid_lower[d] = darts->domain->lower[d];
       upper[d]             = darts->domain->upper[d];
     }
-    darts->cells[d] = d < darts->domain->dim ? PetscMax(1, (PetscInt)PetscFloorReal((upper[d] - darts->grid_lower[d]) / darts->spacing)) : 1;
-    darts->cell[d]  = (upper[d] - darts->grid_lower[d]) / darts->cells[d];
+    darts->cells[d] = 1;
+    if (d < darts->domain->dim) {
+      darts->cells[d] = PetscMax(1, (PetscInt)PetscFloorReal((upper[d] - darts->grid_lower[d]) / darts->spacing));
+    }
+    darts->cell[d] = (upper[d] - darts->grid_lower[d]) / darts->cells[d];
     PetscCall(PetscIntMultError(count, darts->cells[d], &count));
   }
   PetscCall(PetscMalloc3(count, &darts->head, capacity, &darts->next, DIM * capacity, &darts->x));
@@ -308,10 +328,12 @@ PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscI
 
     SelectBody(&darts, SceneBody(scene, b));
     SampleSurface(&darts, before + wanted[b]);
-    PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " samples, %" PetscInt_FMT " on the surface\n", BodyName(darts.body), wanted[b], darts.n - before));
+    PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " samples, %" PetscInt_FMT " on the surface\n",
+                        BodyName(darts.body), wanted[b], darts.n - before));
     SampleVolume(&darts, before + wanted[b]);
-    PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " samples at least %g spacings apart, skin %g\n", BodyName(darts.body), darts.n - before,
-                        (double)(darts.radius / darts.spacing), (double)(darts.skin / darts.spacing)));
+    PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " samples at least %g spacings apart, skin %g\n",
+                        BodyName(darts.body), darts.n - before, (double)(darts.radius / darts.spacing),
+                        (double)(darts.skin / darts.spacing)));
     for (PetscInt a = before; a < darts.n; a++) (*body)[a] = b;
   }
   *n = darts.n;

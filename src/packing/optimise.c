@@ -1,25 +1,27 @@
-/* Positions of the fluid particles that bring the summed density to rho_0 everywhere (Kuri et al.: standard deviation 1e-4 of rho_0), by TAO.
+/* Positions of the fluid particles that bring the summed density to rho_0 everywhere (Kuri et al.: standard deviation
+   1e-4 of rho_0), by TAO.
 
    Minimised over y, the displacement in spacings:
      f = 1/2 sum_a e_a^2 + k/2 sum_pairs max(0, 1 - r_ab/c)^2,     e_a = V_0 (W(0) + sum_b W_ab) - 1.
-   The second sum runs over pairs with a fluid particle; without it particles pair up, for the density alone does not notice. It vanishes
-   once all are c apart, so it does not keep the density from its goal. Walls and images behind periodic and symmetry faces count in both. */
+   The second sum runs over pairs with a fluid particle; without it particles pair up, for the density alone does not
+   notice. It vanishes once all are c apart, so it does not keep the density from its goal. Walls and images behind
+   periodic and symmetry faces count in both. */
 #include "types.h"
 #include <petsctao.h>
 
-#define REPULSION_STRENGTH 1.0  /* k: at the goal the density pushes with about 1e-4, so that r falls short of c by as much */
+#define REPULSION_STRENGTH 1.0  /* k: at the goal the density pushes with 1e-4, so r falls short of c by as much */
 #define REPULSION_MARGIN   1.02 /* c over the distance wanted */
-#define SLACK              3.0  /* of the halo while packing, spacings: particles move further than in a step of the run */
-#define SEARCH_AFTER       0.02 /* spacings that a particle may move before neighbours are searched: W is below 1e-6 W(0) so near the rim */
+#define SLACK              3.0  /* of the halo while packing, spacings: particles move further than in a step */
+#define SEARCH_AFTER       0.02 /* spacings that a particle may move before neighbours are searched again */
 #define TRAVEL_LIMIT       1.5  /* spacings that a particle may move before all are sent home */
 
 typedef struct {
-  Cloud     cloud;
-  PairRow  *row;
-  PetscReal tolerance, distance;  /* wanted: relative; m */
-  PetscReal deviation, closest;   /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
-  PetscReal travelled;            /* largest displacement of a round, m */
-  PetscReal particles;            /* fluid particles of all ranks */
+  Cloud      cloud;
+  PairRow   *row;
+  PetscReal  tolerance, distance; /* wanted: relative; m */
+  PetscReal  deviation, closest;  /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
+  PetscReal  travelled;           /* largest displacement of a round, m */
+  PetscReal  particles;           /* fluid particles of all ranks */
   PetscReal *start, *searched;    /* [n_fluid][3] positions at the start of the round and at the last search, m */
 } Optimiser;
 
@@ -41,7 +43,8 @@ static PetscErrorCode Displacement(Cloud cloud, const PetscReal before[], PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves the fluid to start + d0 y. The lists of neighbours are kept while nobody has moved far: they miss pairs at the rim of the support only. */
+/* Moves the fluid to start + d0 y. The lists of neighbours are kept while nobody has moved far: they miss pairs at the
+   rim of the support only, where W < 1e-5 W(0). */
 static PetscErrorCode Place(Optimiser *o, Vec y)
 {
   const Cloud      cloud = o->cloud;
@@ -53,7 +56,8 @@ static PetscErrorCode Place(Optimiser *o, Vec y)
   PetscFunctionBegin;
   PetscCall(VecGetArrayRead(y, &shift));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    for (PetscInt d = 0; d < dim; d++) x[DIM * a + d] = o->start[DIM * a + d] + cloud->domain->spacing * shift[dim * a + d];
+    for (PetscInt d = 0; d < dim; d++)
+      x[DIM * a + d] = o->start[DIM * a + d] + cloud->domain->spacing * shift[dim * a + d];
   }
   PetscCall(VecRestoreArrayRead(y, &shift));
   PetscCall(Displacement(cloud, o->start, &o->travelled));
@@ -68,10 +72,11 @@ static PetscErrorCode Place(Optimiser *o, Vec y)
 /* e_a into WORK1 (zero for walls, which do not move and are not asked for their density); returns f. */
 static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
 {
-  const Cloud     cloud = o->cloud;
-  const PetscReal reach = REPULSION_MARGIN * o->distance;
-  PetscReal      *error = cloud->field[FIELD_WORK1], sums[2] = {0, 0}, closest2 = PETSC_MAX_REAL; /* of e^2, of the repulsion */
-  PairRow        *row   = o->row;
+  const Cloud     cloud   = o->cloud;
+  const PetscReal reach   = REPULSION_MARGIN * o->distance;
+  PetscReal      *error   = cloud->field[FIELD_WORK1];
+  PetscReal       sums[2] = {0, 0}, closest2 = PETSC_MAX_REAL; /* sums of e^2 and of the repulsion */
+  PairRow        *row = o->row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
@@ -84,7 +89,8 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
 
       if (row->r2[k] >= reach * reach) continue;
       if (fluid) closest2 = PetscMin(closest2, row->r2[k]);
-      sums[1] += (fluid ? 0.5 : 1) * PetscSqr(1 - PetscSqrtReal(row->r2[k]) / reach); /* the other particle adds its half */
+      /* of a pair of fluid particles the other one adds its half */
+      sums[1] += (fluid ? 0.5 : 1) * PetscSqr(1 - PetscSqrtReal(row->r2[k]) / reach);
     }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, cloud->comm));
@@ -95,13 +101,15 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - k/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move alike. */
+/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - k/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move
+   alike. */
 static PetscErrorCode Gradient(Optimiser *o, Vec gradient)
 {
   const Cloud      cloud = o->cloud;
   const PetscInt   dim   = cloud->domain->dim;
-  const PetscReal *error = cloud->field[FIELD_WORK1], reach = REPULSION_MARGIN * o->distance, volume = cloud->domain->volume;
-  PairRow         *row   = o->row;
+  const PetscReal *error = cloud->field[FIELD_WORK1];
+  const PetscReal  reach = REPULSION_MARGIN * o->distance, volume = cloud->domain->volume;
+  PairRow         *row = o->row;
   PetscReal       *g;
 
   PetscFunctionBegin;
@@ -148,12 +156,15 @@ static PetscErrorCode Converged(Tao tao, void *context)
 
   PetscFunctionBegin;
   PetscCall(TaoDefaultConvergenceTest(tao, NULL));
-  if (o->travelled > TRAVEL_LIMIT * o->cloud->domain->spacing) PetscCall(TaoSetConvergedReason(tao, TAO_DIVERGED_USER));
-  else if (o->deviation <= o->tolerance && o->closest >= o->distance) PetscCall(TaoSetConvergedReason(tao, TAO_CONVERGED_USER));
+  if (o->travelled > TRAVEL_LIMIT * o->cloud->domain->spacing)
+    PetscCall(TaoSetConvergedReason(tao, TAO_DIVERGED_USER));
+  else if (o->deviation <= o->tolerance && o->closest >= o->distance)
+    PetscCall(TaoSetConvergedReason(tao, TAO_CONVERGED_USER));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One round: TAO from where the particles are, until it stops; the result goes to the swarm. The remaining iterations are counted down. */
+/* One round: TAO from where the particles are, until it stops; the result goes to the swarm. The remaining iterations
+   are counted down. */
 static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, TaoConvergedReason *reason)
 {
   const Cloud    cloud = o->cloud;
@@ -184,8 +195,9 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
   PetscCall(TaoGetIterationNumber(tao, done));
   *remaining -= *done;
   PetscCall(Evaluate(tao, y, &f, gradient, o)); /* the last point tried need not be the best */
-  PetscCall(PetscInfo(tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n", *done, TaoConvergedReasons[*reason],
-                      (double)o->deviation, (double)(o->closest / cloud->domain->spacing)));
+  PetscCall(PetscInfo(
+    tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n", *done,
+    TaoConvergedReasons[*reason], (double)o->deviation, (double)(o->closest / cloud->domain->spacing)));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) PackingConfine(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a);
   PetscCall(CloudCommit(cloud, &lost));
   PetscCall(CloudResync(cloud));
@@ -198,8 +210,8 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
 
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
 {
-  Optimiser          o = {.cloud = cloud, .tolerance = target->tolerance, .distance = target->distance * cloud->domain->spacing};
-  const PetscReal    slack = cloud->slack;
+  Optimiser          o         = {.cloud = cloud, .tolerance = target->tolerance};
+  const PetscReal    slack     = cloud->slack;
   PetscInt           remaining = -1, done, particles;
   TaoConvergedReason reason;
 
@@ -207,6 +219,7 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
   PetscCallMPI(MPI_Allreduce(&cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, cloud->comm));
   o.particles = (PetscReal)particles;
   PetscCall(PetscNew(&o.row));
+  o.distance         = target->distance * cloud->domain->spacing;
   target->iterations = 0;
   cloud->slack       = PetscMax(slack, SLACK * cloud->domain->spacing);
   PetscCall(CloudResync(cloud));

@@ -26,7 +26,8 @@ static PetscErrorCode PackingSetType(Packing packing, const char name[])
 
   PetscFunctionBegin;
   PetscCall(PetscFunctionListFind(PackingList, name, &create));
-  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s is not a packing; there are lattice and poisson", name);
+  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s is not a packing; there are lattice and poisson",
+                 name);
   if (packing->ops.destroy) PetscCall(packing->ops.destroy(packing));
   PetscCall(PetscMemzero(&packing->ops, sizeof(packing->ops)));
   PetscCall(PetscStrncpy(packing->type, name, sizeof(packing->type)));
@@ -53,9 +54,11 @@ PetscErrorCode PackingSetFromOptions(Packing packing)
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Packing", "Packing");
-  PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList, packing->type, type, sizeof(type), &set));
+  PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList,
+                              packing->type, type, sizeof(type), &set));
   if (set) PetscCall(PackingSetType(packing, type));
-  PetscCall(PetscOptionsInt("-packing_seed", "seed of the random numbers, 0 or more (1)", "PackingSetFromOptions", packing->seed, &packing->seed, NULL));
+  PetscCall(PetscOptionsInt("-packing_seed", "seed of the random numbers, 0 or more (1)", "PackingSetFromOptions",
+                            packing->seed, &packing->seed, NULL));
   if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCheckUser(packing->seed >= 0, comm, "-packing_seed is %" PetscInt_FMT "; it must be 0 or more", packing->seed);
@@ -122,13 +125,13 @@ static void Fill(void *context, PetscInt id, PetscInt body, const PetscReal x[DI
   filling->next++;
 }
 
-/* Every rank sees all samples and keeps those of its cells; the cells are dealt out first, with the weights that CloudResync will use, so
-   that nothing has to migrate. */
+/* Every rank sees all samples and keeps those of its cells; the cells are dealt out first, with the weights that
+   CloudResync will use, so that nothing has to migrate. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud    cloud  = packing->cloud;
   const Domain   domain = cloud->domain;
-  const PetscInt cells  = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
+  const PetscInt cells = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
   Filling        filling = {.domain = domain};
   PetscInt      *weight, own = 0, walls;
 
@@ -137,7 +140,8 @@ static PetscErrorCode CreateParticles(Packing packing)
   PetscCall(PetscCalloc2(cells, &filling.weight, cells, &weight));
   PetscCall(packing->ops.visit(packing, Weigh, &filling));
   packing->count = filling.count;
-  PetscCheckUser(packing->count > 0, cloud->comm, "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
+  PetscCheckUser(packing->count > 0, cloud->comm,
+                 "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
   if (filling.rank == 0) { /* DomainPartition sums over the ranks */
     PetscCall(PetscArraycpy(weight, filling.weight, cells));
@@ -153,7 +157,8 @@ static PetscErrorCode CreateParticles(Packing packing)
   PetscCall(packing->ops.visit(packing, Fill, &filling));
   PetscCall(ParticlesClose(cloud->particles, &filling.arrays));
   PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
-  PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " fluid and %" PetscInt_FMT " wall particles\n", packing->type, packing->count, walls));
+  PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " fluid and %" PetscInt_FMT " wall particles\n", packing->type,
+                      packing->count, walls));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -179,13 +184,16 @@ static PetscErrorCode SetVelocities(Packing packing)
   for (PetscInt a = 0; a < arrays.n; a++) {
     const PetscInt body = arrays.integer[INT_BODY][a];
 
-    if (body >= 0) BodyVelocity(SceneBody(packing->cloud->scene, body), arrays.real[FIELD_POSITION] + DIM * a, arrays.real[FIELD_VELOCITY] + DIM * a);
+    if (body >= 0)
+      BodyVelocity(SceneBody(packing->cloud->scene, body), arrays.real[FIELD_POSITION] + DIM * a,
+                   arrays.real[FIELD_VELOCITY] + DIM * a);
   }
   PetscCall(ParticlesClose(packing->cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Densities, Eq. (4) of Kuri et al. with the rest density of the particle itself, so that two liquids in touch are at rest; and the report. */
+/* Densities, Eq. (4) of Kuri et al. with the rest density of the particle itself, so that two liquids in touch are at
+   rest; and the report. */
 static PetscErrorCode Measure(Packing packing, PackingReport *report)
 {
   const Cloud cloud = packing->cloud;
@@ -206,8 +214,9 @@ static PetscErrorCode Measure(Packing packing, PackingReport *report)
   PetscCall(PetscFree(row));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
-  report->density_std       = PetscSqrtReal(squares / packing->count);
-  report->smallest_distance = closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
+  report->density_std = PetscSqrtReal(squares / packing->count);
+  report->smallest_distance =
+    closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -227,7 +236,8 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscCall(CloudResync(cloud));
   PetscCall(Measure(packing, report));
   PetscCall(CloudCommit(cloud, &lost));
-  PetscCheck(lost == 0, cloud->comm, PETSC_ERR_PLIB, "%" PetscInt_FMT " particles of the packing are outside the box", lost);
+  PetscCheck(lost == 0, cloud->comm, PETSC_ERR_PLIB, "%" PetscInt_FMT " particles of the packing are outside the box",
+             lost);
   PetscCall(CloudResync(cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

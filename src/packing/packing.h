@@ -1,7 +1,8 @@
 /* Floor 6: the initial state. Fills the bodies of a scene with particles and the walls with dummies.
 
-   Types: lattice (with jitter; what the consistent scheme starts from) and poisson (Schechter & Bridson 2012 sampling at the
-   particle spacing, then TAO on the positions until the standard deviation of the density is small, as in Kuri et al.). */
+   Types: lattice (with jitter; what the consistent scheme starts from) and poisson (Schechter & Bridson 2012 sampling
+   at the particle spacing, then TAO on the positions until the standard deviation of the density is small, as in Kuri
+   et al.). */
 #ifndef ISPH_PACKING_H
 #define ISPH_PACKING_H
 
@@ -10,27 +11,30 @@
 typedef struct _p_Packing *Packing;
 
 typedef struct {
-  PetscReal density_std;      /* standard deviation of the summed density about rho_0 over the fluid, kg/m3 */
+  PetscReal density_std;       /* standard deviation of the summed density about rho_0 over the fluid, kg/m3 */
   PetscReal smallest_distance; /* between two fluid particles, in units of the spacing */
-  PetscInt  iterations;       /* of TAO, 0 for the lattice */
-  PetscBool cached;           /* read from the cache file */
+  PetscInt  iterations;        /* of TAO, 0 for the lattice */
+  PetscBool cached;            /* read from the cache file */
 } PackingReport;
 
-/* PackingCreate - fills 'particles' (borrowed, empty) through 'cloud' (borrowed) for the scene of the cloud. Collective. */
+/* PackingCreate - fills 'particles' (borrowed, empty) through 'cloud' (borrowed) for the scene of the cloud.
+   Collective. */
 PetscErrorCode PackingCreate(Cloud cloud, Packing *packing);
-/* PackingSetFromOptions - -packing_type lattice|poisson, -packing_jitter (in spacings), -packing_seed, -packing_distance, -packing_tolerance,
-   -packing_cache (folder; empty: none), -packing_tao_*. Collective. */
+/* PackingSetFromOptions - -packing_type lattice|poisson, -packing_jitter (in spacings), -packing_seed,
+   -packing_distance, -packing_tolerance, -packing_cache (folder; empty: none), -packing_tao_*. Collective. */
 PetscErrorCode PackingSetFromOptions(Packing packing);
-/* PackingRun - puts fluid and wall particles into the swarm with id, body, layer, parent, position, initial velocity, density; the same particles (by
-   id and to the last bit of the position for the lattice) on any number of ranks; ends with CloudResync. Refuses a scene without a single
-   fluid particle. Collective. */
+/* PackingRun - puts fluid and wall particles into the swarm with id, body, layer, parent, position, initial velocity,
+   density; the same particles (by id and to the last bit of the position for the lattice) on any number of ranks; ends
+   with CloudResync. Refuses a scene without a single fluid particle. Collective. */
 PetscErrorCode PackingRun(Packing packing, PackingReport *report);
 PetscErrorCode PackingDestroy(Packing *packing);
 
-/* WallCreateParticles - dummy particles of all wall faces: layers on a lattice of the particle spacing outside the box, edges and
-   corners included, 'layers' deep; appended to the swarm. Layer 1 is the top layer; the parent of a deeper particle is the nearest
-   top-layer particle, found by clamping its lattice index. Ids start at first_id; *count is the global number made. Faces that
-   are periodic or symmetric are spanned without gap or overlap (the lattice is fitted to the box there). Collective. */
-PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id, PetscInt *count);
+/* WallCreateParticles - dummy particles of all wall faces: layers on a lattice of the particle spacing outside the box,
+   edges and corners included, 'layers' deep; appended to the swarm. Layer 1 is the top layer; the parent of a deeper
+   particle is the nearest top-layer particle, found by clamping its lattice index. Ids start at first_id; *count is the
+   global number made. Faces that are periodic or symmetric are spanned without gap or overlap (the lattice is fitted to
+   the box there). Collective. */
+PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
+                                   PetscInt *count);
 
 #endif

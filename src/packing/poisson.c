@@ -1,4 +1,5 @@
-/* Bodies filled with Poisson-disk samples (Schechter & Bridson 2012), whose density is then brought to rho_0 by TAO, as in Kuri et al. */
+/* Bodies filled with Poisson-disk samples (Schechter & Bridson 2012), whose density is then brought to rho_0 by TAO,
+   as in Kuri et al. */
 #include "types.h"
 
 typedef struct {
@@ -16,11 +17,13 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, PetscOptionItems *
   Poisson *p = (Poisson *)packing->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-packing_distance", "smallest distance of two fluid particles (spacings)", "PackingSetFromOptions", p->distance, &p->distance, NULL));
-  PetscCall(PetscOptionsReal("-packing_tolerance", "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)", "PackingSetFromOptions",
-                             p->tolerance, &p->tolerance, NULL));
-  PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none", "PackingSetFromOptions", p->cache, p->cache,
-                               sizeof(p->cache), NULL));
+  PetscCall(PetscOptionsReal("-packing_distance", "smallest distance of two fluid particles (spacings)",
+                             "PackingSetFromOptions", p->distance, &p->distance, NULL));
+  PetscCall(PetscOptionsReal("-packing_tolerance",
+                             "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)",
+                             "PackingSetFromOptions", p->tolerance, &p->tolerance, NULL));
+  PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none",
+                               "PackingSetFromOptions", p->cache, p->cache, sizeof(p->cache), NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -30,8 +33,10 @@ static PetscErrorCode Check_Poisson(Packing packing)
   const MPI_Comm comm = packing->cloud->comm;
 
   PetscFunctionBegin;
-  PetscCheckUser(p->distance > 0 && p->distance < 1, comm, "-packing_distance is %g; it must lie between 0 and 1 spacings", (double)p->distance);
-  PetscCheckUser(p->tolerance > 0 && p->tolerance < 1, comm, "-packing_tolerance is %g; it must lie between 0 and 1", (double)p->tolerance);
+  PetscCheckUser(p->distance > 0 && p->distance < 1, comm,
+                 "-packing_distance is %g; it must lie between 0 and 1 spacings", (double)p->distance);
+  PetscCheckUser(p->tolerance > 0 && p->tolerance < 1, comm, "-packing_tolerance is %g; it must lie between 0 and 1",
+                 (double)p->tolerance);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,7 +87,8 @@ static PetscErrorCode Improve_Poisson(Packing packing, PackingReport *report)
   PetscCall(PackingOptimise(cloud, &target));
   report->iterations = target.iterations;
   /* One that missed its goal is not kept: more iterations may be allowed next time. */
-  if (p->cache[0] && target.deviation <= p->tolerance) PetscCall(CacheWrite(cloud->particles, cloud->comm, p->cache, p->hash, packing->count));
+  if (p->cache[0] && target.deviation <= p->tolerance)
+    PetscCall(CacheWrite(cloud->particles, cloud->comm, p->cache, p->hash, packing->count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -12,9 +12,10 @@ typedef void (*PackingVisitor)(void *context, PetscInt id, PetscInt body, const 
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
-  PetscErrorCode (*setfromoptions)(Packing packing, PetscOptionItems *PetscOptionsObject); /* reads, inside an options block */
-  PetscErrorCode (*check)(Packing packing);                                                /* refuses bad numbers */
-  PetscErrorCode (*setup)(Packing packing, PackingReport *report);                         /* before the visits; collective */
+  PetscErrorCode (*setfromoptions)(Packing           packing,
+                                   PetscOptionItems *PetscOptionsObject); /* reads, inside an options block */
+  PetscErrorCode (*check)(Packing packing);                               /* refuses bad numbers */
+  PetscErrorCode (*setup)(Packing packing, PackingReport *report);        /* before the visits; collective */
   /* Shows every sample of the scene to the visitor, in the order of the ids 0, 1, ...; all of them on each rank. */
   PetscErrorCode (*visit)(Packing packing, PackingVisitor visitor, void *context);
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */
@@ -25,7 +26,7 @@ struct _p_Packing {
   Cloud      cloud; /* borrowed */
   char       type[64];
   PackingOps ops;
-  void      *data;  /* of the type */
+  void      *data; /* of the type */
   PetscInt   seed;
   PetscInt   count; /* samples of the scene, over all ranks */
 };
@@ -33,8 +34,9 @@ struct _p_Packing {
 PetscErrorCode PackingCreate_Lattice(Packing packing);
 PetscErrorCode PackingCreate_Poisson(Packing packing);
 
-/* The lattice of the box: point i of direction d is at origin[d] + i pitch[d] (m), 0 <= i < n[d] inside the box. Between two closed
-   faces the pitch is fitted to the box, else it is the spacing, counted from the closed face if there is one. */
+/* The lattice of the box: point i of direction d is at origin[d] + i pitch[d] (m), 0 <= i < n[d] inside the box.
+   Between two closed faces the pitch is fitted to the box, else it is the spacing, counted from the closed face if
+   there is one. */
 typedef struct {
   PetscInt  n[DIM];
   PetscReal origin[DIM], pitch[DIM];
@@ -42,15 +44,17 @@ typedef struct {
 
 /* BoxLatticeSetUp - not collective. */
 void BoxLatticeSetUp(Domain domain, BoxLattice *lattice);
-/* PackingConfine - takes x (m) back into the box: wraps, mirrors, or puts it just inside an open face or a wall. Not collective. */
+/* PackingConfine - takes x (m) back into the box: wraps, mirrors, or puts it just inside an open face or a wall. Not
+   collective. */
 void PackingConfine(Domain domain, PetscReal x[DIM]);
 /* PackingWallLayers - layers of dummy particles that fill the support of the kernel. Not collective. */
 PetscInt PackingWallLayers(Cloud cloud);
-/* WallWeigh - adds the dummy particles of the walls to the number of particles of each cell, weight [cells]. Not collective. */
+/* WallWeigh - adds the dummy particles of the walls to the number of particles of each cell, weight [cells]. Not
+   collective. */
 void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
 
-/* PackingRow - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume fraction V_0 (W(0) + sum_b W_ab),
-   dimensionless: the density over rho_0. Not collective. */
+/* PackingRow - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume fraction
+   V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */
 PetscReal PackingRow(Cloud cloud, PetscInt a, PairRow *row);
 
 /* Shown to the optimiser and given back by it. */
@@ -61,20 +65,24 @@ typedef struct {
   PetscInt  iterations; /* of TAO */
 } PackingTarget;
 
-/* PackingOptimise - moves the fluid particles of the cloud until the standard deviation of their density is small and none is closer to another
-   than the smallest distance; leaves the result in the swarm. Collective. */
+/* PackingOptimise - moves the fluid particles of the cloud until the standard deviation of their density is small and
+   none is closer to another than the smallest distance; leaves the result in the swarm. Collective. */
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target);
 
-/* PoissonSample - random samples of all bodies, V / d0^dim each, as far apart as darts get them. The caller frees x ([n][3], m) and body ([n])
-   by PetscFree. Not collective; the same everywhere. */
+/* PoissonSample - random samples of all bodies, V / d0^dim each, as far apart as darts get them. The caller frees x
+   ([n][3], m) and body ([n]) by PetscFree. Not collective; the same everywhere. */
 PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body);
 
-/* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type. Not collective. */
+/* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type.
+   Not collective. */
 PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash);
-/* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash; n = 0 if there is no sound file. The caller frees by PetscFree.
-   Collective. */
-PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x, PetscInt **body);
-/* CacheWrite - writes the fluid particles of the swarm, 'count' over all ranks; a folder that cannot be written is no error. Collective. */
-PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt count);
+/* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash; n = 0 if there is no sound file. The
+   caller frees by PetscFree. Collective. */
+PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
+                         PetscInt **body);
+/* CacheWrite - writes the fluid particles of the swarm, 'count' over all ranks; a folder that cannot be written is no
+   error. Collective. */
+PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[], unsigned long long hash,
+                          PetscInt count);
 
 #endif

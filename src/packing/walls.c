@@ -48,7 +48,8 @@ static void WallVisit(Domain domain, const WallLattice *wall, WallVisitor visito
   }
 }
 
-/* Number of wall particles before this one in the order of WallVisit: all lattice points before it less those inside the box. */
+/* Number of wall particles before this one in the order of WallVisit: all lattice points before it less those inside
+   the box. */
 static PetscInt WallOrdinal(const WallLattice *wall, const PetscInt index[DIM])
 {
   const PetscInt *n = wall->box.n, wide = wall->end[0] - wall->first[0], deep = wall->end[1] - wall->first[1];
@@ -83,7 +84,8 @@ static void Weigh(void *context, const WallLattice *wall, const PetscInt index[D
   if (filling->weight) filling->weight[cell]++;
 }
 
-/* The wall's velocity v (m/s): that of the face; in an edge or corner zero in each component in which the faces differ. */
+/* The wall's velocity v (m/s): that of the face; in an edge or corner zero in each component in which the faces
+   differ. */
 static void WallVelocity(Domain domain, const WallLattice *wall, const PetscInt index[DIM], PetscReal v[DIM])
 {
   PetscInt faces = 0;
@@ -106,8 +108,8 @@ static void Fill(void *context, const WallLattice *wall, const PetscInt index[DI
   if (filling->domain->cell_rank[DomainCell(filling->domain, x)] != filling->rank) return;
   for (PetscInt d = 0; d < DIM; d++) {
     filling->arrays.real[FIELD_POSITION][DIM * a + d] = x[d];
-    parent[d] = PetscMax(-1, PetscMin(wall->box.n[d], index[d]));
-    layer     = PetscMax(layer, Depth(wall, d, index[d]));
+    parent[d]                                         = PetscMax(-1, PetscMin(wall->box.n[d], index[d]));
+    layer                                             = PetscMax(layer, Depth(wall, d, index[d]));
   }
   WallVelocity(filling->domain, wall, index, filling->arrays.real[FIELD_VELOCITY] + DIM * a);
   filling->arrays.integer[INT_ID][a]     = filling->first_id + WallOrdinal(wall, index);
@@ -126,7 +128,8 @@ void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[])
   WallVisit(domain, &wall, Weigh, &filling);
 }
 
-PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id, PetscInt *count)
+PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
+                                   PetscInt *count)
 {
   WallFilling filling = {.domain = domain, .first_id = first_id};
   WallLattice wall;

@@ -36,9 +36,7 @@ typedef enum {
   X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force") \
   X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B") \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid") \
-  X(COLORGRAD, "colorgrad", 3, PARITY_VECTOR, "1/m", "gradient of the volume fraction with the tension kernel, Eq. (6)") \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)") \
-  X(NEARNESS, "nearness", 1, PARITY_SCALAR, "1", "surface flag as a real, for the halo") \
   X(WORK1, "work1", 1, PARITY_SCALAR, "", "scratch") \
   X(WORK3, "work3", 3, PARITY_VECTOR, "", "scratch")
 

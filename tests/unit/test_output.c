@@ -1,16 +1,19 @@
-/* Gauges on shapes cut out of a lattice; run folder, series, snapshots; checkpoints there and back, and damaged ones. */
+/* Gauges on shapes cut out of a lattice; folder, series, snapshots; checkpoints there and back, and damaged ones. */
 #include "../../src/output/output.h"
 #include "refuse.h"
 #include <string.h>
 #include <sys/stat.h>
 
-#define D0     0.5e-3
-#define FILM   10e-3
-#define FOLDER "output/test_output"
-#define FULL   "-box_lower -12e-3,-12e-3,0 -box_upper 12e-3,12e-3,30e-3 -box_x periodic -box_y periodic -box_zmin wall "
+#define D0      0.5e-3
+#define FILM    10e-3
+#define FOLDER  "output/test_output"
+#define FULL    "-box_lower -12e-3,-12e-3,0 -box_upper 12e-3,12e-3,30e-3 " SIDES
+#define SIDES   "-box_x periodic -box_y periodic -box_zmin wall "
 #define QUARTER "-box_lower 0,0,0 -box_upper 12e-3,12e-3,30e-3 -box_xmin symmetry -box_ymin symmetry -box_zmin wall "
-#define PLANE  "-dimension 2 -box_lower -12e-3,0,0 -box_upper 12e-3,30e-3,0 -box_ymin wall "
-#define BODIES "-spacing 0.5e-3 -bodies film,drop -film_shape box -film_density 1100 -drop_shape sphere -drop_radius 2e-3 -drop_density 1000 "
+#define PLANE   "-dimension 2 -box_lower -12e-3,0,0 -box_upper 12e-3,30e-3,0 -box_ymin wall "
+#define BODIES                                                                                                         \
+  "-spacing 0.5e-3 -bodies film,drop -film_shape box -film_density 1100 -drop_shape sphere -drop_radius 2e-3 "         \
+  "-drop_density 1000 "
 #define BODIES_3D BODIES "-film_lower -1,-1,0 -film_upper 1,1,10e-3 -drop_center 0,0,14e-3 "
 #define BODIES_2D BODIES "-film_lower -1,0,-1 -film_upper 1,10e-3,1 -drop_center 0,14e-3,0 "
 
@@ -23,17 +26,19 @@ typedef struct {
   Output    output;
 } Run;
 
+static MPI_Comm world; /* of the runs: all ranks, or this one alone */
+
 static PetscErrorCode RunCreate(const char options[], Run *run)
 {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(run, sizeof(*run)));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(DomainCreate(PETSC_COMM_WORLD, &run->domain));
+  PetscCall(DomainCreate(world, &run->domain));
   PetscCall(DomainSetFromOptions(run->domain));
   PetscCall(SceneCreate(run->domain, &run->scene));
   PetscCall(SceneSetFromOptions(run->scene));
-  PetscCall(KernelCreate(PETSC_COMM_WORLD, run->domain->dim, &run->kernel));
+  PetscCall(KernelCreate(world, run->domain->dim, &run->kernel));
   PetscCall(KernelSetSmoothingLength(run->kernel, 1.3 * run->domain->spacing));
   PetscCall(DomainSetUp(run->domain, KernelSupport(run->kernel)));
   PetscCall(ParticlesCreate(run->domain, &run->particles));
@@ -55,7 +60,8 @@ static PetscErrorCode RunDestroy(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which liquid is there: r is the distance from the vertical axis, z the height over the bottom, m. Returns the body + 1, or 0. */
+/* Which liquid is there: r is the distance from the vertical axis, z the height over the bottom, m. Returns the body +
+ * 1, or 0. */
 typedef int (*Shape)(PetscReal r, PetscReal z);
 
 #define CRATER (6e-3)
@@ -88,6 +94,14 @@ static int Spray(PetscReal r, PetscReal z)
 static int Jet(PetscReal r, PetscReal z)
 {
   return r < 1.5e-3 && z < FILM + 8e-3 ? 2 : Bowl(r, z);
+}
+
+/* A jet with a cap that hides most of the crater from above. */
+static int Mushroom(PetscReal r, PetscReal z)
+{
+  const int jet = Jet(r, z);
+
+  return jet ? jet : r < 4e-3 && PetscAbsReal(z - FILM - 5e-3) < 1e-3;
 }
 
 /* Flat, with a void inside. */
@@ -142,10 +156,11 @@ static PetscErrorCode Fill(Run *run, Shape shape, PetscReal jitter)
         local++;
         continue;
       }
-      for (PetscInt d = 0; d < domain->dim; d++) x[d] += jitter * D0 * (2 * RandomUnit(7, DIM * (unsigned long long)id + d) - 1);
+      for (PetscInt d = 0; d < domain->dim; d++)
+        x[d] += jitter * D0 * (2 * RandomUnit(7, DIM * (unsigned long long)id + d) - 1);
       for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_POSITION][DIM * k + d] = x[d];
       for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_VELOCITY][DIM * k + d] = d == up ? 2.0 : 0;
-      arrays.real[FIELD_DENSITY][k]     = 1000 + id;
+      arrays.real[FIELD_DENSITY][k] = 1000 + id;
       arrays.integer[INT_ID][k]     = id - 1;
       arrays.integer[INT_PARENT][k] = id - 1;
       arrays.integer[INT_BODY][k++] = body - 1;
@@ -176,6 +191,7 @@ static const Case cases[] = {
   {"crown", FULL BODIES_3D "-gauge_level 10e-3 ", Crown, 0.1, 12, 23.6, 10, NAN, 0.6},
   {"spray", FULL BODIES_3D "-gauge_level 10e-3 ", Spray, 0.1, 12, 23.6, 10, NAN, 0.6},
   {"jet", FULL BODIES_3D "-gauge_level 10e-3 ", Jet, 0.1, 11.2, 24, NAN, 16, 0.6},
+  {"mushroom", FULL BODIES_3D "-gauge_level 10e-3 ", Mushroom, 0.1, 11.2, 24, 12, 16, 0.6},
   {"dry", FULL BODIES_3D "-gauge_level 10e-3 ", Dry, 0.1, 20, 24, NAN, NAN, 0.6},
 };
 
@@ -192,24 +208,29 @@ static PetscErrorCode CheckGauges(const Case *c)
   start = MPI_Wtime();
   PetscCall(OutputGauges(run.output, &g));
   start = MPI_Wtime() - start;
-#define CHECK_LENGTH(value, expected, what) \
-  do { \
-    (void)snprintf(name, sizeof(name), "gauges %s: %s", c->name, what); \
-    if (expected == expected) CHECK_CLOSE((value) / D0, expected, c->tolerance, name); \
+#define CHECK_LENGTH(value, expected, what)                                                                            \
+  do {                                                                                                                 \
+    (void)snprintf(name, sizeof(name), "gauges %s: %s", c->name, what);                                                \
+    if (expected == expected) CHECK_CLOSE((value) / D0, expected, c->tolerance, name);                                 \
   } while (0)
   CHECK_LENGTH(g.crater_depth, c->depth, "depth");
   CHECK_LENGTH(g.crater_diameter, c->diameter, "diameter");
   CHECK_LENGTH(g.crown_height, c->crown, "crown");
   CHECK_LENGTH(g.jet_height, c->jet, "jet");
 #undef CHECK_LENGTH
-  if (getenv("TEST_VERBOSE")) printf("%-15s D %g phi %g H %g jet %g top %g N %d KE %g, %.1f ms\n", c->name, g.crater_depth / D0, g.crater_diameter / D0, g.crown_height / D0, g.jet_height / D0, g.highest / D0, (int)g.particles, g.kinetic_energy, 1e3 * start);
+  if (getenv("TEST_VERBOSE"))
+    printf("%-15s D %g phi %g H %g jet %g top %g N %d KE %g, %.1f ms\n", c->name, g.crater_depth / D0,
+           g.crater_diameter / D0, g.crown_height / D0, g.jet_height / D0, g.highest / D0, (int)g.particles,
+           g.kinetic_energy, 1e3 * start);
   PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* --- run folder, series, snapshots, checkpoints --- */
 
-#define RUN_OPTIONS "-dimension 2 -box_lower 0,0,0 -box_upper 6e-3,6e-3,0 -spacing 0.5e-3 -bodies film -film_shape box -film_lower 0,0,-1 -film_upper 1,3e-3,1 -film_density 1100 -output_dir " FOLDER " "
+#define RUN_OPTIONS                                                                                                    \
+  "-dimension 2 -box_lower 0,0,0 -box_upper 6e-3,6e-3,0 -spacing 0.5e-3 -bodies film -film_shape box -film_lower "     \
+  "0,0,-1 -film_upper 1,3e-3,1 -film_density 1100 -output_dir " FOLDER " "
 #define STEPS 6
 
 static int Low(PetscReal r, PetscReal z)
@@ -245,7 +266,7 @@ static void SetState(StepState *state, PetscInt step)
 /* Whole text of a file, to be freed; "" when there is none. */
 static PetscErrorCode ReadFile(const char path[], char **text, size_t *size)
 {
-  FILE *file = fopen(path, "rb");
+  FILE *file   = fopen(path, "rb");
   long  length = 0;
 
   PetscFunctionBegin;
@@ -271,7 +292,8 @@ static PetscErrorCode WriteFile(const char path[], const char bytes[], size_t si
   if (!rank) {
     FILE *file = fopen(path, "wb");
 
-    PetscCheck(file && fwrite(bytes, 1, size, file) == size && !fclose(file), PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE, "%s", path);
+    PetscCheck(file && fwrite(bytes, 1, size, file) == size && !fclose(file), PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE,
+               "%s", path);
   }
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -314,8 +336,12 @@ static PetscErrorCode WriteRun(void)
   PetscCall(OutputStep(run.output, &state, PETSC_TRUE));
   PetscCall(RunDestroy(&run));
   CHECK(Lines(FOLDER "/series.csv") == STEPS + 2, "series has a line a step");
-  CHECK(Exists(FOLDER "/snapshot_000000.h5") && Exists(FOLDER "/snapshot_000002.h5") && !Exists(FOLDER "/snapshot_000003.h5"), "snapshots at 0, 1, 2 ms");
-  CHECK(!Exists(FOLDER "/checkpoint_000002.h5") && Exists(FOLDER "/checkpoint_000004.h5") && Exists(FOLDER "/checkpoint_000006.h5"), "two checkpoints kept");
+  CHECK(Exists(FOLDER "/snapshot_000000.h5") && Exists(FOLDER "/snapshot_000002.h5") &&
+          !Exists(FOLDER "/snapshot_000003.h5"),
+        "snapshots at 0, 1, 2 ms");
+  CHECK(!Exists(FOLDER "/checkpoint_000002.h5") && Exists(FOLDER "/checkpoint_000004.h5") &&
+          Exists(FOLDER "/checkpoint_000006.h5"),
+        "two checkpoints kept");
   CHECK(Exists(FOLDER "/snapshots.xdmf") && Exists(FOLDER "/version.txt"), "xdmf and version");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -341,8 +367,10 @@ static PetscErrorCode SameParticles(Run *run, PetscBool *same)
   PetscCall(ParticlesOpen(run->particles, &a));
   PetscCall(ParticlesOpen(other.particles, &b));
   *same = (PetscBool)(a.n == b.n);
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT && *same; f++) *same = (PetscBool)!memcmp(a.real[f], b.real[f], sizeof(PetscReal) * (size_t)(a.n * Fields[f].width));
-  for (PetscInt f = 0; f < INT_COUNT && *same; f++) *same = (PetscBool)!memcmp(a.integer[f], b.integer[f], sizeof(PetscInt) * (size_t)a.n);
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && *same; f++)
+    *same = (PetscBool)!memcmp(a.real[f], b.real[f], sizeof(PetscReal) * (size_t)(a.n * Fields[f].width));
+  for (PetscInt f = 0; f < INT_COUNT && *same; f++)
+    *same = (PetscBool)!memcmp(a.integer[f], b.integer[f], sizeof(PetscInt) * (size_t)a.n);
   PetscCall(ParticlesClose(other.particles, &b));
   PetscCall(ParticlesClose(run->particles, &a));
   PetscCall(RunDestroy(&other));
@@ -353,7 +381,7 @@ static PetscErrorCode CheckRestart(void)
 {
   Run       run;
   StepState state, expected;
-  PetscBool same;
+  PetscBool same = PETSC_FALSE;
 
   PetscFunctionBegin;
   SetState(&expected, 4);
@@ -362,7 +390,8 @@ static PetscErrorCode CheckRestart(void)
   PetscCall(SameParticles(&run, &same));
   CHECK(same, "restart: particles");
   CHECK(Lines(FOLDER "/series.csv") == 1 + 5, "restart: series cut behind the step");
-  CHECK(Exists(FOLDER "/snapshot_000001.h5") && !Exists(FOLDER "/snapshot_000002.h5"), "restart: snapshots cut behind the step");
+  CHECK(Exists(FOLDER "/snapshot_000001.h5") && !Exists(FOLDER "/snapshot_000002.h5"),
+        "restart: snapshots cut behind the step");
   PetscCall(OutputStep(run.output, &state, PETSC_FALSE)); /* the state of the restart is there already */
   CHECK(Lines(FOLDER "/series.csv") == 1 + 5, "restart: no line twice");
   for (PetscInt step = 5; step <= STEPS; step++) {
@@ -372,7 +401,53 @@ static PetscErrorCode CheckRestart(void)
   PetscCall(OutputCheckpoint(run.output, &state));
   PetscCall(RunDestroy(&run));
   CHECK(Lines(FOLDER "/series.csv") == STEPS + 2, "restart: series whole again");
-  CHECK(Exists(FOLDER "/snapshot_000002.h5") && !Exists(FOLDER "/snapshot_000003.h5"), "restart: snapshots whole again");
+  CHECK(Exists(FOLDER "/snapshot_000002.h5") && !Exists(FOLDER "/snapshot_000003.h5"),
+        "restart: snapshots whole again");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A checkpoint of one rank, continued on all: equal slabs. */
+static PetscErrorCode CheckOtherRanks(void)
+{
+  Run            one, all;
+  StepState      state;
+  ParticleArrays a, b;
+  PetscMPIInt    rank, size;
+  PetscInt       start = 0, n;
+  PetscBool      same;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  SetState(&state, 1);
+  world = PETSC_COMM_SELF;
+  PetscCall(RunCreate(RUN_OPTIONS "-output_overwrite ", &one));
+  PetscCall(Fill(&one, Low, 0.3));
+  if (!rank) {
+    PetscCall(OutputSetUp(one.output, PETSC_FALSE));
+    PetscCall(OutputCheckpoint(one.output, &state));
+  }
+  world = PETSC_COMM_WORLD;
+  PetscCallMPI(MPI_Barrier(world));
+  PetscCall(TryRestart(RUN_OPTIONS, FOLDER "/checkpoint_000001.h5", &all, &state));
+  PetscCall(ParticlesOpen(one.particles, &a));
+  PetscCall(ParticlesOpen(all.particles, &b));
+  PetscCallMPI(MPI_Exscan(&b.n, &start, 1, MPIU_INT, MPI_SUM, world));
+  PetscCallMPI(MPI_Allreduce(&b.n, &n, 1, MPIU_INT, MPI_SUM, world));
+  if (!rank) start = 0;
+  same = (PetscBool)(n == a.n && b.n >= n / size && b.n <= n / size + 1);
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && same; f++) {
+    const PetscInt width = Fields[f].width;
+
+    same = (PetscBool)!memcmp(a.real[f] + start * width, b.real[f], sizeof(PetscReal) * (size_t)(b.n * width));
+  }
+  for (PetscInt f = 0; f < INT_COUNT && same; f++)
+    same = (PetscBool)!memcmp(a.integer[f] + start, b.integer[f], sizeof(PetscInt) * (size_t)b.n);
+  CHECK(same, "restart: equal slabs on another number of ranks");
+  PetscCall(ParticlesClose(all.particles, &b));
+  PetscCall(ParticlesClose(one.particles, &a));
+  PetscCall(RunDestroy(&all));
+  PetscCall(RunDestroy(&one));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -385,7 +460,8 @@ static PetscErrorCode Refused(const char options[], const char file[], const cha
   PetscFunctionBegin;
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
   RefuseBegin();
-  if (file) code = TryRestart(options, file, &run, &state);
+  if (file)
+    code = TryRestart(options, file, &run, &state);
   else {
     code = RunCreate(options, &run);
     if (!code) code = OutputSetUp(run.output, PETSC_FALSE);
@@ -399,15 +475,18 @@ static PetscErrorCode CheckRefusals(void)
 {
   PetscFunctionBegin;
   PetscCall(Refused(RUN_OPTIONS, NULL, "holds a run already", "refuse: a folder with a run"));
-  PetscCall(Refused(RUN_OPTIONS "-output_dir " FOLDER "/series.csv/below", NULL, "Cannot write into the folder", "refuse: a folder below a file"));
+  PetscCall(Refused(RUN_OPTIONS "-output_dir " FOLDER "/series.csv/below", NULL, "Cannot write into the folder",
+                    "refuse: a folder below a file"));
   PetscCall(Refused(RUN_OPTIONS "-series_interval -1", NULL, "-series_interval", "refuse: a negative interval"));
   PetscCall(Refused(RUN_OPTIONS "-gauge_pool sea", NULL, "-gauge_pool", "refuse: a pool that is no body"));
   PetscCall(Refused(RUN_OPTIONS "-gauge_axis 0,0", NULL, "-gauge_axis", "refuse: an axis of two numbers in the plane"));
   PetscCall(Refused(RUN_OPTIONS, FOLDER "/none.h5", "no readable file", "refuse: a missing checkpoint"));
   PetscCall(Refused(RUN_OPTIONS, FOLDER "/series.csv", "not a checkpoint", "refuse: a text file"));
   PetscCall(Refused(RUN_OPTIONS, FOLDER "/snapshot_000000.h5", "not a checkpoint", "refuse: a snapshot"));
-  PetscCall(Refused(RUN_OPTIONS "-spacing 0.25e-3", FOLDER "/checkpoint_000006.h5", "spacing", "refuse: another spacing"));
-  PetscCall(Refused(RUN_OPTIONS "-dimension 3 -box_zmin open -box_upper 6e-3,6e-3,6e-3", FOLDER "/checkpoint_000006.h5", "dimensions", "refuse: another dimension"));
+  PetscCall(
+    Refused(RUN_OPTIONS "-spacing 0.25e-3", FOLDER "/checkpoint_000006.h5", "spacing", "refuse: another spacing"));
+  PetscCall(Refused(RUN_OPTIONS "-dimension 3 -box_zmin open -box_upper 6e-3,6e-3,6e-3", FOLDER "/checkpoint_000006.h5",
+                    "dimensions", "refuse: another dimension"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -443,8 +522,10 @@ static PetscErrorCode CheckDamage(void)
     harmful += code ? code != ISPH_USER_ERROR : !same || memcmp(&state, &expected, sizeof(state));
     PetscCall(RunDestroy(&run));
   }
-  CHECK(!harmful && refused > 10 * harmless, "damage: flipped bytes are noticed");
-  if (getenv("TEST_VERBOSE")) printf("flips: %d refused, %d harmless, %d harmful, size %d\n", (int)refused, (int)harmless, (int)harmful, (int)size);
+  CHECK(!harmful && refused > 100, "damage: flipped bytes are noticed");
+  if (getenv("TEST_VERBOSE"))
+    printf("flips: %d refused, %d harmless, %d harmful, size %d\n", (int)refused, (int)harmless, (int)harmful,
+           (int)size);
   for (size_t part = 1; part < 8; part++) {
     PetscCall(WriteFile(file, bytes, part == 7 ? size - 1 : size * part / 7));
     RefuseBegin();
@@ -471,7 +552,8 @@ static PetscErrorCode CheckOptions(void)
   PetscCall(RunCreate(RUN_OPTIONS "-output_overwrite -title \"two words\" -shift -20e-3,-1 -flag -negative -3 ", &run));
   PetscCall(OutputSetUp(run.output, PETSC_FALSE));
   PetscCall(RunDestroy(&run));
-  CHECK(!Exists(FOLDER "/checkpoint_000006.h5") && !Exists(FOLDER "/snapshots.xdmf") && Exists(FOLDER "/damaged.h5"), "overwrite removes what a run writes, and no more");
+  CHECK(!Exists(FOLDER "/checkpoint_000006.h5") && !Exists(FOLDER "/snapshots.xdmf") && Exists(FOLDER "/damaged.h5"),
+        "overwrite removes what a run writes, and no more");
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertFile(PETSC_COMM_WORLD, NULL, FOLDER "/options.opts", PETSC_TRUE));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-title", value, sizeof(value), &found));
@@ -490,6 +572,7 @@ static PetscErrorCode CheckOptions(void)
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  world = PETSC_COMM_WORLD;
   PetscCall(LogRegister());
   PetscCall(UserErrorHandlerPush());
   for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) PetscCall(CheckGauges(&cases[c]));
@@ -499,6 +582,7 @@ int main(int argc, char **argv)
   PetscCall(CheckRefusals());
   PetscCall(CheckDamage());
   PetscCall(CheckOptions());
+  PetscCall(CheckOtherRanks());
   PetscCall(RemoveFolder());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

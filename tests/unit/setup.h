@@ -1,0 +1,115 @@
+/* A cloud of particles from a text of options, for the tests of what works on one. */
+#ifndef ISPH_SETUP_H
+#define ISPH_SETUP_H
+
+#include "../../src/packing/packing.h"
+#include "../../src/pressure/pressure.h"
+#include "../../src/tension/tension.h"
+#include "../../src/operators/operators.h"
+
+typedef struct {
+  Domain    domain;
+  Kernel    kernel;
+  Scene     scene;
+  Tension   tension;
+  Particles particles;
+  Cloud     cloud;
+  Pressure  pressure; /* NULL until asked for */
+} Setup;
+
+/* SetupOpen - everything below the particles, as the program does it; the swarm is empty. */
+static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(PetscMemzero(s, sizeof(*s)));
+  PetscCall(DomainCreate(PETSC_COMM_WORLD, &s->domain));
+  PetscCall(DomainSetFromOptions(s->domain));
+  PetscCall(KernelCreate(PETSC_COMM_WORLD, s->domain->dim, &s->kernel));
+  PetscCall(KernelSetFromOptions(s->kernel, s->domain->spacing));
+  PetscCall(SceneCreate(s->domain, &s->scene));
+  PetscCall(SceneSetFromOptions(s->scene));
+  PetscCall(TensionCreate(s->domain, s->scene, s->kernel, &s->tension));
+  PetscCall(TensionSetFromOptions(s->tension));
+  PetscCall(ParticlesCreate(s->domain, &s->particles));
+  PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles,
+                        PetscMax(KernelSupport(s->kernel), TensionReach(s->tension)), &s->cloud));
+  PetscCall(CloudSetFromOptions(s->cloud));
+  PetscCall(DomainSetUp(s->domain, s->cloud->reach + s->cloud->slack));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SetupPack - fills the bodies and the walls by the packing the options name. */
+static inline PetscErrorCode SetupPack(const char options[], Setup *s)
+{
+  Packing       packing;
+  PackingReport report;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(options, s));
+  PetscCall(PackingCreate(s->cloud, &packing));
+  PetscCall(PackingSetFromOptions(packing));
+  PetscCall(PackingRun(packing, &report));
+  PetscCall(PackingDestroy(&packing));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SetupFill - n fluid particles of the first body at x ([n][3], m, the same on every rank), ids 0 .. n-1, and 'layers' layers of
+   wall particles behind them. */
+static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const PetscReal x[], PetscInt layers, Setup *s)
+{
+  ParticleArrays arrays;
+  PetscMPIInt    rank;
+  PetscInt       walls;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(options, s));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(ParticlesAppend(s->particles, rank ? 0 : n));
+  PetscCall(ParticlesOpen(s->particles, &arrays));
+  PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
+  for (PetscInt a = 0; a < arrays.n; a++) arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+  PetscCall(ParticlesClose(s->particles, &arrays));
+  if (layers) PetscCall(WallCreateParticles(s->particles, s->domain, layers, n, &walls));
+  PetscCall(CloudResync(s->cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SetupMoments - density, moments, surface flags, and the ghosts' densities. */
+static inline PetscErrorCode SetupMoments(Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(OperatorsMoments(s->cloud));
+  PetscCall(CloudUpdate(s->cloud, FIELD_DENSITY));
+  PetscCall(OperatorsFreeSurface(s->cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode SetupClose(Setup *s)
+{
+  PetscFunctionBegin;
+  if (s->pressure) PetscCall(PressureDestroy(&s->pressure));
+  PetscCall(CloudDestroy(&s->cloud));
+  PetscCall(ParticlesDestroy(&s->particles));
+  PetscCall(TensionDestroy(&s->tension));
+  PetscCall(SceneDestroy(&s->scene));
+  PetscCall(KernelDestroy(&s->kernel));
+  PetscCall(DomainDestroy(&s->domain));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SetupSum, SetupMax - over all ranks. */
+static inline PetscReal SetupSum(PetscReal value)
+{
+  (void)MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD);
+  return value;
+}
+
+static inline PetscReal SetupMax(PetscReal value)
+{
+  (void)MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD);
+  return value;
+}
+
+#endif
