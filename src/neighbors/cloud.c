@@ -5,6 +5,8 @@
 #define SORT_CELL 1.0
 /* Particles may stray outside their rank's cells by this share of the slack before they migrate. */
 #define STRAY_SHARE 0.6
+/* How far a stray particle is followed, in slacks: it moves less than one after the last look at it. */
+#define STRAY_LIMIT 2
 
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach, Cloud *cloud)
 {
@@ -67,7 +69,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
 static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
 {
   PetscFunctionBegin;
-  if (n <= cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  if (cloud->first && n <= cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS); /* also a rank without particles has the arrays */
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
@@ -134,11 +136,16 @@ static PetscErrorCode NumberRows(Cloud cloud)
 /* Chooses the ghosts from the positions of the moment and gives them all that does not change until the next choice. */
 static PetscErrorCode BuildHalo(Cloud cloud)
 {
-  PetscInt ghosts;
+  PetscMPIInt rank;
+  PetscInt    ghosts;
 
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
-  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION], cloud->reach + cloud->slack, &ghosts));
+  /* every particle wherever it is gets all within reach + slack, also one that has not been sent home or wrapped yet */
+  cloud->stray = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->stray, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION], cloud->reach + cloud->slack + cloud->stray, &ghosts));
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[f]));
@@ -205,8 +212,8 @@ PetscErrorCode CloudResync(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest displacement of an owned particle since the ghosts were chosen, over all ranks, m. Ghosts remain complete while twice it and the stray
-   fit into the slack. */
+/* Largest displacement of an owned particle since the ghosts were chosen, over all ranks, m. Ghosts remain complete while twice it
+   fits into the slack. */
 static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *r = cloud->reference;
@@ -228,7 +235,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
-  if (size > 1) local[0] = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], 2 * cloud->slack);
+  if (size > 1) local[0] = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
   PetscCallMPI(MPI_Allreduce(local, largest, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(&local[1], &total, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   cloud->stray = largest[0];
@@ -243,7 +250,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
 
 PetscErrorCode CloudBegin(Cloud cloud)
 {
-  const PetscBool sort = (PetscBool)(cloud->removed || ++cloud->since_sort >= cloud->sort_interval);
+  const PetscBool sort = (PetscBool)(++cloud->since_sort >= cloud->sort_interval);
 
   PetscFunctionBegin;
   PetscCall(Load(cloud));
@@ -252,9 +259,8 @@ PetscErrorCode CloudBegin(Cloud cloud)
     PetscReal moved;
 
     PetscCall(Displacement(cloud, &moved));
-    if (2 * moved + cloud->stray > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
+    if (2 * moved > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
   }
-  cloud->removed = PETSC_FALSE;
   PetscCall(UpdateGhosts(cloud));
   PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -266,7 +272,7 @@ PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
 
   PetscFunctionBegin;
   PetscCall(Displacement(cloud, &moved));
-  if (2 * moved + cloud->stray > cloud->slack) {
+  if (2 * moved > cloud->slack) {
     PetscCall(BuildHalo(cloud));
     PetscCall(UpdateGhosts(cloud));
     PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
@@ -308,7 +314,7 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
   PetscCallMPI(MPI_Allreduce(&local, &global, 1, MPIU_INT, MPI_SUM, cloud->comm));
   if (global) {
     PetscCall(ParticlesRemove(cloud->particles, keep));
-    cloud->removed = PETSC_TRUE;
+    PetscCall(CloudResync(cloud));
   }
   PetscCall(PetscFree(keep));
   *lost += global;

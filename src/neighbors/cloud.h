@@ -43,7 +43,6 @@ typedef struct _p_Cloud {
   PetscReal  stray;      /* m, how far particles were outside their rank's cells when the halo was built */
   PetscReal  rebalance;  /* imbalance that triggers METIS */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
-  PetscBool  removed;    /* particles were removed since the halo was built */
   PetscInt   layout;     /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
 } *Cloud;

@@ -287,6 +287,11 @@ PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool HasImages(FaceType face)
+{
+  return (PetscBool)(face == FACE_PERIODIC || face == FACE_SYMMETRY);
+}
+
 PetscReal HaloStray(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit)
 {
   const PetscBool inside[DIM] = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
@@ -297,6 +302,10 @@ PetscReal HaloStray(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal
     PetscInt         first[DIM], last[DIM];
     PetscReal        nearest = limit;
 
+    for (PetscInt d = 0; d < DIM; d++) {
+      if (HasImages(domain->face[d][0])) stray = PetscMax(stray, domain->lower[d] - p[d]);
+      if (HasImages(domain->face[d][1])) stray = PetscMax(stray, p[d] - domain->upper[d]);
+    }
     if (domain->cell_rank[DomainCell(domain, p)] == rank) continue;
     (void)CellRange(domain, p, limit, (PetscBool *)inside, first, last);
     for (PetscInt k = first[2]; k <= last[2]; k++)
@@ -316,5 +325,5 @@ PetscReal HaloStray(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal
         }
     stray = PetscMax(stray, nearest);
   }
-  return stray;
+  return PetscMin(stray, limit);
 }

@@ -62,6 +62,21 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Appends the points of a run whose squared distance is below radius2, a itself excluded; returns how many. Without a branch, and kept out of line so
+   that the counter stays in a register: this loop sees every candidate. */
+static __attribute__((noinline)) PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const PetscReal *restrict r2, PetscReal radius2, PetscInt a, PetscInt *restrict list)
+{
+  PetscInt found = 0;
+
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscInt b = order[k];
+
+    list[found] = b;
+    found += (r2[k] < radius2) & (b != a);
+  }
+  return found;
+}
+
 /* The neighbours of point a among sorted points: appends their indices to list, returns their number. s is [3][n], in the grid's order. */
 static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal *restrict s, const PetscReal p[DIM], PetscInt a, PetscReal radius2, PetscReal *restrict r2, PetscInt *restrict list)
 {
@@ -74,7 +89,6 @@ static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal 
     for (PetscInt ky = PetscMax(0, cy - 1); ky <= PetscMin(grid->n[1] - 1, cy + 1); ky++) {
       const PetscInt   line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0], count = grid->start[line + x1 + 1] - begin;
       const PetscReal *restrict sx = s + begin, *restrict sy = s + n + begin, *restrict sz = s + 2 * n + begin;
-      const PetscInt *restrict order = grid->order + begin;
 
       SIMD_LOOP()
       for (PetscInt k = 0; k < count; k++) {
@@ -82,10 +96,7 @@ static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal 
 
         r2[k] = dx * dx + dy * dy + dz * dz;
       }
-      for (PetscInt k = 0; k < count; k++) {
-        list[found] = order[k];
-        found += (r2[k] < radius2) & (order[k] != a);
-      }
+      found += KeepNear(count, grid->order + begin, r2, radius2, a, list + found);
     }
   return found;
 }

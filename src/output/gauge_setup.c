@@ -5,6 +5,8 @@
 #define JET_RADIUS 1.1
 /* Default size of the cells that decide what is connected, in spacings. */
 #define CELL_SIZE  1.25
+/* Neighbours within a sheet or thread are closer than this, in spacings; a drop that has left the rim is not. */
+#define CONNECTION 1.25
 #define CELL_LEAST 1.0
 #define CELL_MOST  4.0
 
@@ -44,6 +46,7 @@ PetscErrorCode GaugesDefaults(Output output)
   gauge->level        = NAN;
   gauge->jet_radius   = JET_RADIUS * half;
   gauge->cell         = CELL_SIZE;
+  gauge->connection   = CONNECTION;
   gauge->multiplicity = 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,8 +87,10 @@ PetscErrorCode GaugesSetFromOptions(Output output, PetscOptionItems *PetscOption
   gauge->crater_radius = CraterRadius(output);
   PetscCall(PetscOptionsReal("-gauge_crater_radius", "The crater is looked for within this distance of the axis, m",
                              "OutputGauges", gauge->crater_radius, &gauge->crater_radius, NULL));
-  PetscCall(PetscOptionsReal("-gauge_cell", "Cells that decide what is connected with the pool, in spacings",
+  PetscCall(PetscOptionsReal("-gauge_cell", "Cells that tell liquid from air for the crater's depth and diameter, in spacings",
                              "OutputGauges", gauge->cell, &gauge->cell, NULL));
+  PetscCall(PetscOptionsReal("-gauge_connection", "Particles closer than this hang together, for crown and jet, in spacings",
+                             "OutputGauges", gauge->connection, &gauge->connection, NULL));
   PetscCall(PetscOptionsReal("-gauge_multiplicity",
                              "Factor of energies and volume, 4 for a quarter of a symmetric scene", "OutputGauges",
                              gauge->multiplicity, &gauge->multiplicity, NULL));
@@ -110,6 +115,8 @@ PetscErrorCode GaugesCheck(Output output)
   PetscCheckUser(gauge->crater_radius >= 0, output->comm,
                  "-gauge_crater_radius is %g m; it must not be negative, and -gauge_axis must lie in the box.",
                  (double)gauge->crater_radius);
+  PetscCheckUser(gauge->connection > 0 && gauge->connection <= 2, output->comm,
+                 "-gauge_connection is %g spacings; it must lie in (0, 2]", (double)gauge->connection);
   PetscCheckUser(gauge->cell >= CELL_LEAST && gauge->cell <= CELL_MOST, output->comm,
                  "-gauge_cell is %g spacings; it must be from %g to %g.", (double)gauge->cell, CELL_LEAST, CELL_MOST);
   PetscCheckUser(gauge->multiplicity > 0, output->comm, "-gauge_multiplicity is %g; it must be positive.",

@@ -298,18 +298,28 @@ static PetscErrorCode Totals(Output output, const ParticleArrays *arrays, GaugeV
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Heights of crown and jet. */
-static PetscErrorCode Heights(Output output, const PoolList *list, GaugeValues *values)
+/* Heights of crown and jet: the highest particles that hang together with the pool. */
+static PetscErrorCode Heights(Output output, GaugeValues *values)
 {
-  const PetscReal half   = 0.5 * output->cloud->domain->spacing;
-  PetscReal       top[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL}; /* crown, jet */
+  const Cloud      cloud  = output->cloud;
+  const PetscReal  half   = 0.5 * cloud->domain->spacing;
+  const PetscReal *x      = cloud->field[FIELD_POSITION];
+  PetscReal        top[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL}; /* crown, jet */
+  PetscBool       *connected;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < list->n; a++) {
-    const PetscInt jet = list->radius[a] <= output->gauge.jet_radius;
+  PetscCall(PetscMalloc1(cloud->n_fluid, &connected));
+  PetscCall(GaugeConnected(output, output->gauge.connection * cloud->domain->spacing, connected));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal r[2];
+    PetscInt  jet;
 
-    top[jet] = PetscMax(top[jet], list->height[a]);
+    if (!connected[a]) continue;
+    FromAxis(output, x + DIM * a, r);
+    jet      = r[0] * r[0] + r[1] * r[1] <= PetscSqr(output->gauge.jet_radius);
+    top[jet] = PetscMax(top[jet], x[DIM * a + cloud->domain->dim - 1]);
   }
+  PetscCall(PetscFree(connected));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, 2, MPIU_REAL, MPIU_MAX, output->comm));
   values->crown_height = top[0] > -PETSC_MAX_REAL ? top[0] + half - output->gauge.level : NAN;
   values->jet_height   = top[1] > -PETSC_MAX_REAL ? top[1] + half - output->gauge.level : NAN;
@@ -333,12 +343,12 @@ PetscErrorCode OutputGauges(Output output, GaugeValues *values)
   if (PetscIsInfOrNanReal(output->gauge.level)) output->gauge.level = MeasureLevel(output, &grid, &map);
   values->crater_depth = CraterDepth(output, &grid, &map);
   PetscCall(CraterDiameter(output, &list, &values->crater_diameter));
-  PetscCall(Heights(output, &list, values));
   PetscCall(Totals(output, &arrays, values));
   PetscCall(SkyMapDestroy(&map));
   PetscCall(PoolListDestroy(&list));
   PetscCall(GaugeGridDestroy(&grid));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  PetscCall(Heights(output, values));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

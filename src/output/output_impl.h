@@ -30,7 +30,8 @@ typedef struct {
   PetscReal axis[DIM];     /* m, horizontal */
   PetscReal jet_radius;    /* m */
   PetscReal crater_radius; /* m, the crater is looked for inside */
-  PetscReal cell;          /* in spacings, of the grid that decides what is connected */
+  PetscReal cell;          /* in spacings, of the grid that tells liquid from air */
+  PetscReal connection;    /* in spacings, distance within which particles hang together */
   PetscReal multiplicity;  /* 1 */
 } GaugeSetup;
 
@@ -160,6 +161,9 @@ typedef struct {
   PetscInt      *queue;                  /* [count] */
 } GaugeGrid;
 
+/* GaugeConnected - connected[n_fluid of the cloud]: whether a chain of fluid particles, each closer than 'distance' (m) to the next, joins it with
+   the pool. The cloud must be in step with the swarm. Collective. */
+PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool connected[]);
 /* GaugeGridCreate - occupancy of the fluid of all ranks. Collective. */
 PetscErrorCode GaugeGridCreate(Output output, const ParticleArrays *arrays, GaugeGrid *grid);
 /* GaugeGridPool - marks CELL_POOL: the component (26 neighbours) with the most cells of the pool's body. Not

@@ -76,6 +76,11 @@ PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void HashText(unsigned long long *hash, const char text[])
+{
+  HashBytes(hash, text, strlen(text));
+}
+
 static unsigned long long Checksum(PetscInt n, const PetscReal x[], const PetscInt body[])
 {
   unsigned long long sum = HASH_START;

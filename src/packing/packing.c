@@ -42,6 +42,7 @@ PetscErrorCode PackingCreate(Cloud cloud, Packing *packing)
   PetscCall(PetscNew(packing));
   (*packing)->cloud = cloud;
   (*packing)->seed  = 1;
+  PetscCall(PetscStrncpy((*packing)->cache, "output/packing", sizeof((*packing)->cache)));
   PetscCall(PackingSetType(*packing, "lattice"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -59,6 +60,8 @@ PetscErrorCode PackingSetFromOptions(Packing packing)
   if (set) PetscCall(PackingSetType(packing, type));
   PetscCall(PetscOptionsInt("-packing_seed", "seed of the random numbers, 0 or more (1)", "PackingSetFromOptions",
                             packing->seed, &packing->seed, NULL));
+  PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none",
+                               "PackingSetFromOptions", packing->cache, packing->cache, sizeof(packing->cache), NULL));
   if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCheckUser(packing->seed >= 0, comm, "-packing_seed is %" PetscInt_FMT "; it must be 0 or more", packing->seed);
@@ -189,6 +192,59 @@ static PetscErrorCode SetVelocities(Packing packing)
                    arrays.real[FIELD_VELOCITY] + DIM * a);
   }
   PetscCall(ParticlesClose(packing->cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RelaxedHash(Packing packing, const char how[], unsigned long long *hash)
+{
+  PetscFunctionBegin;
+  PetscCall(PackingHash(packing, 0, NULL, hash));
+  HashText(hash, how);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingFindRelaxed(Packing packing, const char how[], PetscBool *found)
+{
+  const Cloud        cloud = packing->cloud;
+  ParticleArrays     arrays;
+  unsigned long long hash;
+  PetscInt           n = 0, *body;
+  PetscReal         *x;
+
+  PetscFunctionBegin;
+  PetscCall(RelaxedHash(packing, how, &hash));
+  if (packing->cache[0]) PetscCall(CacheRead(cloud->comm, packing->cache, hash, &n, &x, &body));
+  *found = (PetscBool)(n == packing->count);
+  if (*found) {
+    PetscCall(ParticlesOpen(cloud->particles, &arrays));
+    for (PetscInt a = 0; a < arrays.n; a++)
+      if (arrays.integer[INT_LAYER][a] == 0)
+        PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION] + DIM * a, x + DIM * arrays.integer[INT_ID][a], DIM));
+    PetscCall(ParticlesClose(cloud->particles, &arrays));
+  }
+  if (n) {
+    PetscCall(PetscFree(x));
+    PetscCall(PetscFree(body));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingKeepRelaxed(Packing packing, const char how[])
+{
+  unsigned long long hash;
+
+  PetscFunctionBegin;
+  if (!packing->cache[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RelaxedHash(packing, how, &hash));
+  PetscCall(CacheWrite(packing->cloud->particles, packing->cloud->comm, packing->cache, hash, packing->count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackingSetVelocities(Packing packing)
+{
+  PetscFunctionBegin;
+  PetscCall(SetVelocities(packing));
+  PetscCall(CloudResync(packing->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,6 +27,13 @@ PetscErrorCode PackingSetFromOptions(Packing packing);
    density; the same particles (by id and to the last bit of the position for the lattice) on any number of ranks; ends
    with CloudResync. Refuses a scene without a single fluid particle. Collective. */
 PetscErrorCode PackingRun(Packing packing, PackingReport *report);
+/* PackingFindRelaxed - if the cache holds this packing after a relaxation described by the text 'how', takes its
+   positions. PackingKeepRelaxed puts the present positions there. Both to be called after PackingRun. Collective. */
+PetscErrorCode PackingFindRelaxed(Packing packing, const char how[], PetscBool *found);
+PetscErrorCode PackingKeepRelaxed(Packing packing, const char how[]);
+/* PackingSetVelocities - gives every fluid particle the initial velocity of its body at its position; ends with
+   CloudResync. Collective. */
+PetscErrorCode PackingSetVelocities(Packing packing);
 PetscErrorCode PackingDestroy(Packing *packing);
 
 /* WallCreateParticles - dummy particles of all wall faces: layers on a lattice of the particle spacing outside the box,

@@ -4,7 +4,6 @@
 
 typedef struct {
   PetscReal          distance, tolerance; /* spacings; relative */
-  char               cache[PETSC_MAX_PATH_LEN];
   unsigned long long hash;
   PetscBool          cached;
   PetscInt           n;
@@ -22,8 +21,6 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, PetscOptionItems *
   PetscCall(PetscOptionsReal("-packing_tolerance",
                              "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)",
                              "PackingSetFromOptions", p->tolerance, &p->tolerance, NULL));
-  PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none",
-                               "PackingSetFromOptions", p->cache, p->cache, sizeof(p->cache), NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,7 +47,7 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(PackingHash(packing, PETSC_STATIC_ARRAY_LENGTH(numbers), numbers, &p->hash));
-  if (p->cache[0]) PetscCall(CacheRead(comm, p->cache, p->hash, &p->n, &p->x, &p->body));
+  if (packing->cache[0]) PetscCall(CacheRead(comm, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);
   if (rank == 0) PetscCall(PoissonSample(packing, &p->n, &p->x, &p->body));
@@ -87,8 +84,8 @@ static PetscErrorCode Improve_Poisson(Packing packing, PackingReport *report)
   PetscCall(PackingOptimise(cloud, &target));
   report->iterations = target.iterations;
   /* One that missed its goal is not kept: more iterations may be allowed next time. */
-  if (p->cache[0] && target.deviation <= p->tolerance)
-    PetscCall(CacheWrite(cloud->particles, cloud->comm, p->cache, p->hash, packing->count));
+  if (packing->cache[0] && target.deviation <= p->tolerance)
+    PetscCall(CacheWrite(cloud->particles, cloud->comm, packing->cache, p->hash, packing->count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,7 +108,6 @@ PetscErrorCode PackingCreate_Poisson(Packing packing)
   PetscCall(PetscNew(&p));
   p->distance  = 0.6;  /* reaches the tolerance of the paper; 0.7 stays at 1.5 times, 0.8 stalls */
   p->tolerance = 1e-4; /* Kuri et al.: 0.1 of 1100 kg/m3 */
-  PetscCall(PetscStrncpy(p->cache, "output/packing", sizeof(p->cache)));
   packing->data               = p;
   packing->ops.setfromoptions = SetFromOptions_Poisson;
   packing->ops.check          = Check_Poisson;

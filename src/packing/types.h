@@ -29,6 +29,7 @@ struct _p_Packing {
   void      *data; /* of the type */
   PetscInt   seed;
   PetscInt   count; /* samples of the scene, over all ranks */
+  char       cache[PETSC_MAX_PATH_LEN];
 };
 
 PetscErrorCode PackingCreate_Lattice(Packing packing);
@@ -76,6 +77,8 @@ PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscI
 /* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type.
    Not collective. */
 PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash);
+/* HashText - the hash continued with a text. Not collective. */
+void HashText(unsigned long long *hash, const char text[]);
 /* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash; n = 0 if there is no sound file. The
    caller frees by PetscFree. Collective. */
 PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,

@@ -165,7 +165,6 @@ static PetscErrorCode NumberNodes(CoarseGrid g)
   PetscCall(PetscSFReduceEnd(meet, MPIU_INT, owner, root, MPI_MIN));
   PetscCall(PetscSFBcastBegin(meet, MPIU_INT, root, owner, MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(meet, MPIU_INT, root, owner, MPI_REPLACE));
-  /* two local nodes have the same place only where a periodic direction has one cell or starts at another rank: the first of them counts */
   for (PetscInt k = 0; k < g->n_nodes; k++) g->n_own += owner[k] == rank;
   PetscCallMPI(MPI_Exscan(&g->n_own, &start, 1, MPIU_INT, MPI_SUM, g->comm));
   next = rank ? start : 0;
@@ -192,5 +191,184 @@ static PetscErrorCode NumberNodes(CoarseGrid g)
   PetscCall(PetscSFCreate(g->comm, &g->sf));
   PetscCall(PetscSFSetGraphLayout(g->sf, owned, g->n_nodes, NULL, PETSC_COPY_VALUES, g->number));
   PetscCall(PetscLayoutDestroy(&owned));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscBool skip[], PetscReal width, const PetscReal lower[DIM], const PetscReal upper[DIM], const PetscBool periodic[DIM], CoarseGrid *grid)
+{
+  CoarseGrid g;
+  PetscInt   first[DIM], size[DIM];
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&g));
+  g->comm = comm;
+  g->dim  = dim;
+  g->n    = n;
+  for (PetscInt d = 0; d < DIM; d++) g->periodic[d] = (PetscBool)(d < dim && periodic[d]);
+  PetscCall(PetscMalloc1(n, &g->cell));
+  PetscCall(PetscCalloc1(DIM * n, &g->t));
+  PetscCall(GridExtent(g, x, skip, width, lower, upper));
+  PetscCall(LocatePoints(g, x, skip, first, size));
+  PetscCall(TouchNodes(g, first, size));
+  PetscCall(NumberNodes(g));
+  *grid = g;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CoarseGridDestroy(CoarseGrid *grid)
+{
+  CoarseGrid g = *grid;
+
+  PetscFunctionBegin;
+  if (!g) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(g->cell));
+  PetscCall(PetscFree(g->t));
+  PetscCall(PetscFree(g->corner));
+  PetscCall(PetscFree(g->fill));
+  PetscCall(PetscFree(g->share));
+  PetscCall(PetscFree(g->key));
+  PetscCall(PetscFree(g->number));
+  PetscCall(PetscFree(g->value));
+  PetscCall(PetscSFDestroy(&g->sf));
+  PetscCall(PetscFree(*grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CoarseGridSizes(CoarseGrid g, PetscInt *local, PetscInt *global)
+{
+  PetscFunctionBegin;
+  if (local) *local = g->n_own;
+  if (global) PetscCallMPI(MPI_Allreduce(&g->n_own, global, 1, MPIU_INT, MPI_SUM, g->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Weights of the eight corners at place t. */
+static inline void CornerWeights(const PetscReal *restrict t, PetscReal *restrict w)
+{
+  const PetscReal x = t[0], y = t[1], z = t[2], xy = x * y, a = 1 - x - y + xy, b = x - xy, c = y - xy;
+
+  w[4] = a * z;
+  w[5] = b * z;
+  w[6] = c * z;
+  w[7] = xy * z;
+  w[0] = a - w[4];
+  w[1] = b - w[5];
+  w[2] = c - w[6];
+  w[3] = xy - w[7];
+}
+
+PetscErrorCode CoarseGridRestrict(CoarseGrid g, Vec fine, Vec coarse)
+{
+  const PetscScalar *f;
+  PetscScalar       *c;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(g->value, g->n_nodes));
+  PetscCall(VecGetArrayRead(fine, &f));
+  for (PetscInt a = 0; a < g->n; a++) {
+    const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
+    PetscReal       w[GRID_CORNERS];
+
+    if (g->cell[a] < 0) continue;
+    CornerWeights(g->t + DIM * a, w);
+    for (PetscInt m = 0; m < GRID_CORNERS; m++) g->value[corner[m]] += w[m] * PetscRealPart(f[a]);
+  }
+  PetscCall(VecRestoreArrayRead(fine, &f));
+  PetscCall(VecSet(coarse, 0));
+  PetscCall(VecGetArray(coarse, &c));
+  PetscCall(PetscSFReduceBegin(g->sf, MPIU_REAL, g->value, c, MPIU_SUM));
+  PetscCall(PetscSFReduceEnd(g->sf, MPIU_REAL, g->value, c, MPIU_SUM));
+  PetscCall(VecRestoreArray(coarse, &c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CoarseGridProlongAdd(CoarseGrid g, Vec coarse, Vec fine)
+{
+  const PetscScalar *c;
+  PetscScalar       *f;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(coarse, &c));
+  PetscCall(PetscSFBcastBegin(g->sf, MPIU_REAL, c, g->value, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(g->sf, MPIU_REAL, c, g->value, MPI_REPLACE));
+  PetscCall(VecRestoreArrayRead(coarse, &c));
+  PetscCall(VecGetArray(fine, &f));
+  for (PetscInt a = 0; a < g->n; a++) {
+    const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
+    PetscReal       w[GRID_CORNERS], sum = 0;
+
+    if (g->cell[a] < 0) continue;
+    CornerWeights(g->t + DIM * a, w);
+    for (PetscInt m = 0; m < GRID_CORNERS; m++) sum += w[m] * g->value[corner[m]];
+    f[a] += sum;
+  }
+  PetscCall(VecRestoreArray(fine, &f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the stencil of corner i holds corner j. */
+static inline PetscInt StencilPlace(PetscInt i, PetscInt j)
+{
+  return ((j >> 2 & 1) - (i >> 2 & 1) + 1) * 9 + ((j >> 1 & 1) - (i >> 1 & 1) + 1) * 3 + (j & 1) - (i & 1) + 1;
+}
+
+/* stencil ([n_nodes][27]) and the node each entry belongs to (same shape). */
+static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal surplus[], PetscReal stencil[], PetscInt node[])
+{
+  PetscReal capacity = 1 / volume; /* points that fit a cell */
+
+  for (PetscInt d = 0; d < g->dim; d++) capacity *= g->h[d];
+  for (PetscInt c = 0; c < g->n_cells; c++) {
+    const PetscInt *corner = g->corner + GRID_CORNERS * c;
+    const PetscReal points = g->fill[c] * PetscMin(1, capacity / g->share[c]);
+
+    for (PetscInt i = 0; i < GRID_CORNERS; i++)
+      for (PetscInt j = 0; j < GRID_CORNERS; j++) node[GRID_STENCIL * corner[i] + StencilPlace(i, j)] = corner[j];
+    for (PetscInt i = 0; i < 1 << g->dim; i++)
+      for (PetscInt d = 0; d < g->dim; d++) { /* each of the 2^(dim-1) edges in a direction stands for its share of the cell */
+        const PetscReal k = energy * points / (g->h[d] * g->h[d] * (1 << (g->dim - 1)));
+
+        stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i)] += k;
+        stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i ^ 1 << d)] -= k;
+      }
+  }
+  for (PetscInt a = 0; a < g->n; a++) {
+    const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
+    PetscReal       w[GRID_CORNERS];
+
+    if (g->cell[a] < 0 || surplus[a] <= 0) continue;
+    CornerWeights(g->t + DIM * a, w);
+    for (PetscInt i = 0; i < 1 << g->dim; i++)
+      for (PetscInt j = 0; j < 1 << g->dim; j++) stencil[GRID_STENCIL * corner[i] + StencilPlace(i, j)] += surplus[a] * w[i] * w[j];
+  }
+}
+
+PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal point_volume, const PetscReal surplus[], Mat *A)
+{
+  PetscReal *stencil;
+  PetscInt  *node, columns[GRID_STENCIL];
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(GRID_STENCIL * g->n_nodes, &stencil));
+  PetscCall(PetscMalloc1(GRID_STENCIL * g->n_nodes, &node));
+  FillStencils(g, point_energy, point_volume, surplus, stencil, node);
+  PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL, GRID_STENCIL, NULL, A));
+  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may go beyond the guess */
+  for (PetscInt k = 0; k < g->n_nodes; k++) {
+    PetscScalar values[GRID_STENCIL];
+    PetscInt    n = 0;
+
+    for (PetscInt s = 0; s < GRID_STENCIL; s++) {
+      if (stencil[GRID_STENCIL * k + s] == 0) continue;
+      columns[n]  = g->number[node[GRID_STENCIL * k + s]];
+      values[n++] = stencil[GRID_STENCIL * k + s];
+    }
+    PetscCall(MatSetValues(*A, 1, &g->number[k], n, columns, values, ADD_VALUES));
+  }
+  PetscCall(PetscFree(stencil));
+  PetscCall(PetscFree(node));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatSetOption(*A, MAT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

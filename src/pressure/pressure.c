@@ -6,6 +6,7 @@ static PetscErrorCode PressureRegisterAll(void)
 {
   PetscFunctionBegin;
   if (SourceList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCTwoLevelRegister());
   PetscCall(PetscFunctionListAdd(&SourceList, SOURCE_DENSITY, SourceDensity));
   PetscCall(PetscFunctionListAdd(&SourceList, SOURCE_DIVERGENCE, SourceDivergence));
   PetscCall(PetscFunctionListAdd(&ClosureList, CLOSURE_DOUBLED, ClosureDoubled));

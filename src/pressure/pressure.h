@@ -53,6 +53,14 @@ PetscErrorCode PressureAcceleration(Pressure pressure);
 const PetscReal *PressureDensity(Pressure pressure);
 /* PressureLatticeDiagonal - Lambda_0 of Nair & Tomar: the diagonal of Eq. (8) on a full lattice, for V = d0^dim and density 1; 1/m2. Not collective. */
 PetscReal PressureLatticeDiagonal(Cloud cloud);
+
+/* The PC type -pc_type twolevel: see pc_twolevel.c. */
+#define PCTWOLEVEL "twolevel"
+/* PCTwoLevelRegister - makes the type known. Not collective; as often as one likes. */
+PetscErrorCode PCTwoLevelRegister(void);
+/* PCTwoLevelSetGrid - particle spacing (m), box (m) and which directions are periodic; rows' places come by PCSetCoordinates, before each set-up.
+   Does nothing to a PC of another type. Collective. */
+PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3], const PetscBool periodic[3]);
 /* PressureForget - drops the preconditioner and the solver, as after a restart. Collective. */
 PetscErrorCode PressureForget(Pressure pressure);
 

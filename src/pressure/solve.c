@@ -67,6 +67,31 @@ PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Tells a preconditioner that works with places where the rows are. */
+static PetscErrorCode LocateRows(Pressure pressure)
+{
+  Cloud      cloud  = pressure->cloud;
+  Domain     domain = cloud->domain;
+  PetscBool  periodic[DIM], twolevel;
+  PetscReal *x = cloud->field[FIELD_POSITION];
+  PC         pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(pressure->ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCTWOLEVEL, &twolevel));
+  if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS); /* others would take the places for modes of elasticity */
+  for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
+  PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
+  if (domain->dim < DIM) {
+    PetscCall(PetscMalloc1(domain->dim * cloud->n_rows, &x));
+    for (PetscInt a = 0; a < cloud->n_rows; a++)
+      for (PetscInt d = 0; d < domain->dim; d++) x[domain->dim * a + d] = cloud->field[FIELD_POSITION][DIM * a + d];
+  }
+  PetscCall(PCSetCoordinates(pc, domain->dim, cloud->n_rows, x));
+  if (domain->dim < DIM) PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
 {
   Mat A = NULL;
@@ -74,6 +99,7 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
 
   PetscFunctionBegin;
   PetscCall(PressureAssemble(pressure, dt, &A, &b));
+  PetscCall(LocateRows(pressure));
   PetscCall(KSPSetOperators(pressure->ksp, A, A));
   PetscCall(KSPSetUp(pressure->ksp));
   PetscCall(KSPSetUpOnBlocks(pressure->ksp));
@@ -92,6 +118,7 @@ static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
     pressure->kept    = pressure->current;
     pressure->age     = 0;
     pressure->rebuild = PETSC_FALSE;
+    PetscCall(LocateRows(pressure));
   }
   result->rebuilt = (PetscBool)(pressure->age == 0);
   PetscCall(KSPSetOperators(pressure->ksp, A, pressure->store[pressure->kept].A));

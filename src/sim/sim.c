@@ -21,12 +21,12 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(PetscOptionsInt("-steps_max", "number of steps after which the run ends; 0: no bound", "SimSetFromOptions", sim->steps_max, &sim->steps_max, NULL));
   PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
   PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
-  PetscCall(PetscOptionsReal("-relaxation_time", "relax the packing at rest, without body force, for this long before the run (s); 0: not", "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
-  PetscCall(PetscOptionsReal("-relaxation_damping", "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5, &sim->relaxation_damping, &sim->has_damping));
+  PetscCall(PetscOptionsReal("-packing_relaxation_time", "relax the packing at rest, without body force, for this long before the run (s); 0: not", "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
+  PetscCall(PetscOptionsReal("-packing_relaxation_damping", "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5, &sim->relaxation_damping, &sim->has_damping));
   PetscOptionsEnd();
   if (!sim->has_damping) sim->relaxation_damping = 0.5;
-  PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-relaxation_time is %g s; it must not be negative", (double)sim->relaxation_time);
-  PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm, "-relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
+  PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative", (double)sim->relaxation_time);
+  PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm, "-packing_relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
   PetscCheckUser(sim->steps_max >= 0, sim->comm, "-steps_max is %" PetscInt_FMT "; it must not be negative", sim->steps_max);
   PetscCheckUser(sim->progress_interval >= 0, sim->comm, "-progress_interval is %g s; it must not be negative", (double)sim->progress_interval);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -61,36 +61,6 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm, "neither -time_end (s) nor -steps_max says when the run ends");
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm, "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Relaxation of the packing: no body force, damped, from rest; then the bodies get their initial velocities again. */
-static PetscErrorCode Relax(Sim sim)
-{
-  StepState      state = {0};
-  ParticleArrays arrays;
-  PetscReal     *initial;
-  PetscBool      failed;
-  char           why[FAREWELL_LENGTH];
-
-  PetscFunctionBegin;
-  PetscCall(StepperSetDamping(sim->stepper, sim->relaxation_damping));
-  PetscCall(ParticlesOpen(sim->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++)
-    if (!arrays.integer[INT_LAYER][a]) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));
-  PetscCall(ParticlesClose(sim->particles, &arrays));
-  while (state.time < sim->relaxation_time) {
-    PetscCall(StepperAdvance(sim->stepper, sim->relaxation_time, PETSC_FALSE, &state, &failed, why, sizeof(why)));
-    PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s", state.step, why);
-  }
-  PetscCall(StepperSetDamping(sim->stepper, 1));
-  PetscCall(StepperForget(sim->stepper));
-  PetscCall(ParticlesOpen(sim->particles, &arrays));
-  initial = arrays.real[FIELD_VELOCITY];
-  for (PetscInt a = 0; a < arrays.n; a++)
-    if (!arrays.integer[INT_LAYER][a]) BodyVelocity(SceneBody(sim->scene, arrays.integer[INT_BODY][a]), arrays.real[FIELD_POSITION] + DIM * a, initial + DIM * a);
-  PetscCall(ParticlesClose(sim->particles, &arrays));
-  PetscCall(CloudResync(sim->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

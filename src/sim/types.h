@@ -35,6 +35,8 @@ typedef struct {
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary. Collective. */
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
+/* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective. */
+PetscErrorCode Relax(Sim sim);
 /* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective. */
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);
 

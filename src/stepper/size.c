@@ -34,8 +34,9 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
     if (m->viscosity > 0) step = PetscMin(step, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
     if (m->tension > 0 && TensionReach(stepper->tension) > 0) step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
-  /* the first step takes the scene's own velocity for the one the particles will soon have */
-  if (state->previous_time_step == 0 && stepper->reference_velocity > 0) step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
+  /* the first step takes the scene's own velocity for the one the particles will soon have, and so
+     does a relaxation, which must use the steps of the run: pressure noise depends on them */
+  if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0) step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
   if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
   if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
   step = PetscMax(step, stepper->step_min);

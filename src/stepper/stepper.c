@@ -65,7 +65,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme == SchemeConsistent) PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions", s->shifting, &s->shifting, NULL));
   PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions", s->shifting_strength, &s->shifting_strength, NULL));
   PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "StepperSetFromOptions", s->shifting_cap, &s->shifting_cap, NULL));
-  PetscCall(PetscOptionsReal("-relaxation_ratio", "time in which the divergence source repairs density errors, over h/U of the scene (1)", "StepperSetFromOptions", s->relaxation_ratio, &s->relaxation_ratio, NULL));
+  PetscCall(PetscOptionsReal("-pressure_relaxation_ratio", "time in which the divergence source repairs density errors, over h/U of the scene (1)", "StepperSetFromOptions", s->relaxation_ratio, &s->relaxation_ratio, NULL));
   PetscCall(PetscOptionsReal("-time_cfl", "largest speed times time step over h (1)", "StepperSetFromOptions", s->cfl, &s->cfl, NULL));
   PetscCall(PetscOptionsReal("-time_step_min", "smallest time step chosen (s)", "StepperSetFromOptions", s->step_min, &s->step_min, NULL));
   PetscCall(PetscOptionsReal("-time_step_max", "largest time step chosen (s); 0: no bound", "StepperSetFromOptions", s->step_max, &s->step_max, NULL));
@@ -81,7 +81,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCheckUser(s->density_max > 1, comm, "-density_max is %g; it must be larger than 1", (double)s->density_max);
   PetscCheckUser(s->guard >= 0 && s->guard <= 0.5, comm, "-wall_guard is %g; it must lie between 0 and 0.5 spacings", (double)s->guard);
   PetscCheckUser(s->shifting_strength >= 0 && s->shifting_cap >= 0, comm, "-shifting_strength and -shifting_cap must not be negative");
-  PetscCheckUser(s->relaxation_ratio > 0, comm, "-relaxation_ratio is %g; it must be positive", (double)s->relaxation_ratio);
+  PetscCheckUser(s->relaxation_ratio > 0, comm, "-pressure_relaxation_ratio is %g; it must be positive", (double)s->relaxation_ratio);
   PetscCall(PressureSetFromOptions(s->pressure));
   {
     const PetscReal velocity = StepperReferenceVelocity(s), h = KernelSmoothingLength(s->cloud->kernel);

@@ -1,0 +1,366 @@
+/* PC type "twolevel": a two-level preconditioner for the pressure matrix of particles.
+
+   The rows of Eq. (8) have some 80 entries, so what is dear is to touch them: algebraic coarsening multiplies such rows with each other. But the matrix
+   is a Laplacian on points whose places are known, which makes its coarse form known beforehand:
+
+     M r:  x  = T r                         T = omega D^-1, D the diagonal: a damped Jacobi sweep from zero
+           x += P C P^T (r - A x)           correction from a grid of width ratio * spacing
+           x += T (r - A x)                 the same sweep again
+
+   P interpolates (bi/tri)linearly from the grid's nodes to the points. C is one cycle of an inner solver (-pc_twolevel_coarse_..., by default one V-cycle of
+   algebraic multigrid with SOR smoothing) for the REDISCRETISED problem: the 5/7-point Laplacian, each cell weighted with its fill by particles, no more than
+   full, plus P^T S P with S the surplus of the diagonal over the row's pair sum (what the closure at the free surface added). Its entries are those of the
+   Galerkin product P^T A P for smooth functions, without that product. Faces of the fill are natural Neumann boundaries: walls and symmetry need nothing,
+   and a free surface enters through S alone. Set-up reads the matrix as few times as an iteration or two; only the small grid is coarsened further.
+
+   Why the sweep suffices: the kernel's transform is close to nothing at wavelengths below the grid's width, so the symbol of D^-1 A is flat (between 0.7 and
+   1.4) there: damped Jacobi takes all that at once, and the grid takes the rest.
+
+   M is symmetric. It is positive if T alone is a convergent iteration, that is omega lambda_max(D^-1 A) < 2: lambda_max is estimated at set-up by a few
+   steps of Lanczos, and omega lowered where particles are so few that their rows alternate.
+
+   Rows without a pair (isolated particles) have no part in the grid. */
+#include <petsc/private/pcimpl.h>
+
+#include "coarse_grid.h"
+#include "pressure.h"
+
+#define DEFAULT_OMEGA    0.95
+#define DEFAULT_RATIO    (8 / 3.)
+#define TINY_GRID        500   /* nodes below which the coarse problem is solved directly */
+#define NO_PAIR          1e-10 /* part of the diagonal below which a row's pairs count as none */
+#define FULL_ROW         0.75  /* part of the largest pair sum above which a row counts as inside the liquid */
+#define WAVELENGTH       20.   /* spacings, of the wave that measures the matrix */
+
+typedef struct {
+  PetscReal  omega, ratio, spacing, lower[DIM], upper[DIM];
+  PetscBool  periodic[DIM];
+  PetscInt   dim, n; /* n: points given */
+  PetscReal *x;                /* [n][dim] m */
+  CoarseGrid grid;
+  PetscReal  point_energy;     /* [A] m2 */
+  Vec        weight, work, coarse_b, coarse_x; /* weight: diagonal of T */
+  Mat        A;                /* coarse */
+  KSP        ksp;
+} TwoLevel;
+
+static PetscErrorCode PCReset_TwoLevel(PC pc)
+{
+  TwoLevel *two = (TwoLevel *)pc->data;
+
+  PetscFunctionBegin;
+  PetscCall(CoarseGridDestroy(&two->grid));
+  PetscCall(VecDestroy(&two->weight));
+  PetscCall(VecDestroy(&two->work));
+  PetscCall(VecDestroy(&two->coarse_b));
+  PetscCall(VecDestroy(&two->coarse_x));
+  PetscCall(MatDestroy(&two->A));
+  PetscCall(KSPDestroy(&two->ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCSetCoordinates_TwoLevel(PC pc, PetscInt dim, PetscInt n, PetscReal x[])
+{
+  TwoLevel *two = (TwoLevel *)pc->data;
+
+  PetscFunctionBegin;
+  PetscCheck(dim == 2 || dim == 3, PetscObjectComm((PetscObject)pc), PETSC_ERR_ARG_OUTOFRANGE, "PC type " PCTWOLEVEL " works in 2 or 3 dimensions, not %" PetscInt_FMT, dim);
+  if (two->n != n || two->dim != dim) {
+    PetscCall(PetscFree(two->x));
+    PetscCall(PetscMalloc1(dim * n, &two->x));
+  }
+  two->dim = dim;
+  two->n   = n;
+  PetscCall(PetscArraycpy(two->x, x, dim * n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const PetscReal lower[], const PetscReal upper[], const PetscBool periodic[])
+{
+  TwoLevel *two = (TwoLevel *)pc->data;
+
+  PetscFunctionBegin;
+  two->spacing = spacing;
+  for (PetscInt d = 0; d < DIM; d++) {
+    two->lower[d]    = lower[d];
+    two->upper[d]    = upper[d];
+    two->periodic[d] = periodic[d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3], const PetscBool periodic[3])
+{
+  PetscFunctionBegin;
+  PetscTryMethod(pc, "PCTwoLevelSetGrid_C", (PC, PetscReal, const PetscReal[], const PetscReal[], const PetscBool[]), (pc, spacing, lower, upper, periodic));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* surplus ([n]) of the diagonal over the row's pairs; skip ([n]) rows without pairs; the largest pair sum of all rows; sets the weight to the diagonal. */
+static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], PetscBool skip[], PetscReal *largest)
+{
+  const PetscScalar *diagonal, *sum;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetDiagonal(pc->pmat, two->weight));
+  PetscCall(VecSet(two->work, 1));
+  {
+    Vec sums;
+
+    PetscCall(VecDuplicate(two->work, &sums));
+    PetscCall(MatMult(pc->pmat, two->work, sums));
+    PetscCall(VecCopy(sums, two->work));
+    PetscCall(VecDestroy(&sums));
+  }
+  PetscCall(VecGetArrayRead(two->weight, &diagonal));
+  PetscCall(VecGetArrayRead(two->work, &sum));
+  *largest = 0;
+  for (PetscInt a = 0; a < two->n; a++) {
+    const PetscReal d = PetscRealPart(diagonal[a]), s = PetscRealPart(sum[a]);
+
+    surplus[a] = s > NO_PAIR * d ? s : 0;
+    skip[a]    = (PetscBool)(d - s <= NO_PAIR * d);
+    *largest   = PetscMax(*largest, d - s);
+  }
+  PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
+  PetscCall(VecRestoreArrayRead(two->work, &sum));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPIU_MAX, PetscObjectComm((PetscObject)pc)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The wave vector: along the longest direction, WAVELENGTH spacings if the box allows. Returns the direction; 1/m. */
+static PetscInt WaveDirection(const TwoLevel *two, PetscReal *k)
+{
+  PetscInt  direction = 0;
+  PetscReal waves, length;
+
+  for (PetscInt d = 1; d < two->dim; d++)
+    if (two->upper[d] - two->lower[d] > two->upper[direction] - two->lower[direction]) direction = d;
+  length = two->upper[direction] - two->lower[direction];
+  waves  = PetscMax(1, PetscFloorReal(length / (WAVELENGTH * two->spacing)));
+  *k     = 2 * PETSC_PI * waves / length;
+  return direction;
+}
+
+/* What a point adds to the energy p'Ap = sum c |grad p|^2: from the symbol of A. With u = exp(ikx), Re(conj(u) A u) - surplus = sum_b K_ab (1 - cos k x_ab)
+   = c k^2 for small k: row by row from two products, for any type of matrix, however its rows are scaled. Average over rows inside the liquid. */
+static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplus[], PetscReal largest)
+{
+  Vec             wave, product;
+  PetscReal      *energy, k, sum[2] = {0, 0};
+  const PetscReal *x = two->x;
+  const PetscInt  direction = WaveDirection(two, &k), dim = two->dim;
+  const PetscScalar *diagonal, *Au;
+  PetscScalar    *u;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(two->work, &wave));
+  PetscCall(VecDuplicate(two->work, &product));
+  PetscCall(PetscCalloc1(two->n, &energy));
+  for (PetscInt part = 0; part < 2; part++) {
+    const PetscReal phase = part * PETSC_PI / 2;
+
+    PetscCall(VecGetArrayWrite(wave, &u));
+    for (PetscInt a = 0; a < two->n; a++) u[a] = PetscSinReal(k * x[dim * a + direction] + phase);
+    PetscCall(VecRestoreArrayWrite(wave, &u));
+    PetscCall(MatMult(pc->pmat, wave, product));
+    PetscCall(VecGetArray(wave, &u));
+    PetscCall(VecGetArrayRead(product, &Au));
+    for (PetscInt a = 0; a < two->n; a++) energy[a] += PetscRealPart(u[a] * Au[a]);
+    PetscCall(VecRestoreArrayRead(product, &Au));
+    PetscCall(VecRestoreArray(wave, &u));
+  }
+  PetscCall(VecGetArrayRead(two->weight, &diagonal));
+  for (PetscInt a = 0; a < two->n; a++) {
+    if (PetscRealPart(diagonal[a]) - surplus[a] < FULL_ROW * largest) continue;
+    sum[0] += energy[a] - surplus[a];
+    sum[1] += 1;
+  }
+  PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)pc)));
+  two->point_energy = sum[1] > 0 ? sum[0] / (sum[1] * k * k) : 0;
+  PetscCall(PetscFree(energy));
+  PetscCall(VecDestroy(&wave));
+  PetscCall(VecDestroy(&product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets an option of the inner solver unless the user did; marks it as read, for not every grid has levels to read it. */
+static PetscErrorCode CoarseDefault(KSP ksp, const char name[], const char value[])
+{
+  const char *prefix;
+  char        option[PETSC_MAX_PATH_LEN];
+  PetscBool   set;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetOptionsPrefix(ksp, &prefix));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name));
+  PetscCall(PetscOptionsHasName(NULL, NULL, option, &set));
+  if (!set) PetscCall(PetscOptionsSetValue(NULL, option, value));
+  PetscCall(PetscOptionsHasName(NULL, NULL, option, &set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateCoarseSolver(PC pc, TwoLevel *two, PetscInt nodes)
+{
+  MatNullSpace constant;
+  const char  *prefix;
+  PC           inner;
+  PetscBool    direct;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetNullSpace(pc->pmat, &constant));
+  direct = (PetscBool)(nodes <= TINY_GRID && !constant);
+  if (constant) {
+    PetscCall(MatNullSpaceCreate(PetscObjectComm((PetscObject)pc), PETSC_TRUE, 0, NULL, &constant));
+    PetscCall(MatSetNullSpace(two->A, constant));
+    PetscCall(MatNullSpaceDestroy(&constant));
+  } else PetscCall(MatSetOption(two->A, MAT_SPD, PETSC_TRUE));
+  PetscCall(KSPCreate(PetscObjectComm((PetscObject)pc), &two->ksp));
+  PetscCall(PetscObjectIncrementTabLevel((PetscObject)two->ksp, (PetscObject)pc, 1));
+  PetscCall(PCGetOptionsPrefix(pc, &prefix));
+  PetscCall(KSPSetOptionsPrefix(two->ksp, prefix));
+  PetscCall(KSPAppendOptionsPrefix(two->ksp, "twolevel_coarse_"));
+  PetscCall(KSPSetType(two->ksp, KSPPREONLY));
+  PetscCall(KSPSetOperators(two->ksp, two->A, two->A));
+  PetscCall(KSPGetPC(two->ksp, &inner));
+  PetscCall(PCSetType(inner, direct ? PCREDUNDANT : PCGAMG));
+  PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_type", KSPRICHARDSON));
+  PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_max_it", "1"));
+  PetscCall(CoarseDefault(two->ksp, "mg_levels_pc_type", PCSOR));
+  PetscCall(KSPSetFromOptions(two->ksp));
+  PetscCall(KSPSetUp(two->ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCSetUp_TwoLevel(PC pc)
+{
+  TwoLevel  *two = (TwoLevel *)pc->data;
+  PetscInt   n, local, nodes;
+  PetscReal *surplus, largest, volume = 1;
+  PetscBool *skip;
+
+  PetscFunctionBegin;
+  PetscCall(PCReset_TwoLevel(pc));
+  PetscCall(MatGetLocalSize(pc->pmat, &n, NULL));
+  PetscCheck(two->n == n && two->dim, PETSC_COMM_SELF, PETSC_ERR_ORDER, "PC type " PCTWOLEVEL " needs PCSetCoordinates with a point for each of the %" PetscInt_FMT " local rows", n);
+  PetscCheck(two->spacing > 0, PetscObjectComm((PetscObject)pc), PETSC_ERR_ORDER, "PC type " PCTWOLEVEL " needs PCTwoLevelSetGrid");
+  PetscCall(MatCreateVecs(pc->pmat, &two->work, &two->weight));
+  PetscCall(PetscMalloc1(n, &surplus));
+  PetscCall(PetscMalloc1(n, &skip));
+  PetscCall(SplitDiagonal(pc, two, surplus, skip, &largest));
+  PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, skip, two->ratio * two->spacing, two->lower, two->upper, two->periodic, &two->grid));
+  PetscCall(CoarseGridSizes(two->grid, &local, &nodes));
+  if (nodes > 0) {
+    for (PetscInt d = 0; d < two->dim; d++) volume *= two->spacing;
+    PetscCall(MeasureEnergy(pc, two, surplus, largest));
+    PetscCall(CoarseGridMatrix(two->grid, two->point_energy, volume, surplus, &two->A));
+    PetscCall(MatCreateVecs(two->A, &two->coarse_x, &two->coarse_b));
+    PetscCall(CreateCoarseSolver(pc, two, nodes));
+  }
+  PetscCall(PetscFree(surplus));
+  PetscCall(PetscFree(skip));
+  PetscCall(VecReciprocal(two->weight));
+  PetscCall(VecScale(two->weight, two->omega));
+  PetscCall(PetscInfo(pc, "%" PetscInt_FMT " nodes, point energy %g\n", nodes, (double)two->point_energy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCApply_TwoLevel(PC pc, Vec r, Vec x)
+{
+  TwoLevel     *two = (TwoLevel *)pc->data;
+  MatNullSpace  constant;
+
+  PetscFunctionBegin;
+  PetscCall(VecPointwiseMult(x, two->weight, r));
+  if (two->A) {
+    PetscCall(MatMult(pc->pmat, x, two->work));
+    PetscCall(VecAYPX(two->work, -1, r));
+    PetscCall(CoarseGridRestrict(two->grid, two->work, two->coarse_b));
+    PetscCall(MatGetNullSpace(two->A, &constant));
+    if (constant) PetscCall(MatNullSpaceRemove(constant, two->coarse_b));
+    PetscCall(KSPSolve(two->ksp, two->coarse_b, two->coarse_x));
+    PetscCall(CoarseGridProlongAdd(two->grid, two->coarse_x, x));
+  }
+  PetscCall(MatMult(pc->pmat, x, two->work));
+  PetscCall(VecAYPX(two->work, -1, r));
+  PetscCall(VecPointwiseMult(two->work, two->work, two->weight));
+  PetscCall(VecAXPY(x, 1, two->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#if PETSC_VERSION_LT(3, 23, 0)
+static PetscErrorCode PCSetFromOptions_TwoLevel(PC pc, PetscOptionItems *PetscOptionsObject)
+#else
+static PetscErrorCode PCSetFromOptions_TwoLevel(PC pc, PetscOptionItems PetscOptionsObject)
+#endif
+{
+  TwoLevel *two  = (TwoLevel *)pc->data;
+  MPI_Comm  comm = PetscObjectComm((PetscObject)pc);
+
+  PetscFunctionBegin;
+  PetscOptionsHeadBegin(PetscOptionsObject, "Two-level preconditioner of particles");
+  PetscCall(PetscOptionsReal("-pc_twolevel_omega", "factor of the Jacobi sweeps; positive whatever the matrix up to 1 (1)", "PCTwoLevelRegister", two->omega, &two->omega, NULL));
+  PetscCall(PetscOptionsReal("-pc_twolevel_ratio", "width of the grid's cells (spacings)", "PCTwoLevelRegister", two->ratio, &two->ratio, NULL));
+  PetscOptionsHeadEnd();
+  PetscCheckUser(two->omega > 0 && two->omega < 2, comm, "-pc_twolevel_omega is %g; it must be between 0 and 2", (double)two->omega);
+  PetscCheckUser(two->ratio >= 1, comm, "-pc_twolevel_ratio is %g; it must be at least 1", (double)two->ratio);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCView_TwoLevel(PC pc, PetscViewer viewer)
+{
+  TwoLevel *two = (TwoLevel *)pc->data;
+  PetscInt  nodes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  Jacobi sweeps with omega %g\n", (double)two->omega));
+  if (!two->grid) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CoarseGridSizes(two->grid, NULL, &nodes));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  grid of %g spacings, %" PetscInt_FMT " nodes\n", (double)two->ratio, nodes));
+  PetscCall(PetscViewerASCIIPushTab(viewer));
+  if (two->ksp) PetscCall(KSPView(two->ksp, viewer));
+  PetscCall(PetscViewerASCIIPopTab(viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCDestroy_TwoLevel(PC pc)
+{
+  TwoLevel *two = (TwoLevel *)pc->data;
+
+  PetscFunctionBegin;
+  PetscCall(PCReset_TwoLevel(pc));
+  PetscCall(PetscFree(two->x));
+  PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCSetCoordinates_C", NULL));
+  PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetGrid_C", NULL));
+  PetscCall(PetscFree(pc->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCCreate_TwoLevel(PC pc)
+{
+  TwoLevel *two;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&two));
+  two->omega               = DEFAULT_OMEGA;
+  two->ratio               = DEFAULT_RATIO;
+  pc->data                 = two;
+  pc->ops->setup           = PCSetUp_TwoLevel;
+  pc->ops->apply           = PCApply_TwoLevel;
+  pc->ops->applytranspose  = PCApply_TwoLevel;
+  pc->ops->setfromoptions  = PCSetFromOptions_TwoLevel;
+  pc->ops->view            = PCView_TwoLevel;
+  pc->ops->reset           = PCReset_TwoLevel;
+  pc->ops->destroy         = PCDestroy_TwoLevel;
+  PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCSetCoordinates_C", PCSetCoordinates_TwoLevel));
+  PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetGrid_C", PCTwoLevelSetGrid_TwoLevel));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PCTwoLevelRegister(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PCRegister(PCTWOLEVEL, PCCreate_TwoLevel));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
