@@ -8,6 +8,13 @@
   #define PETSC_SUCCESS 0
 #endif
 
+/* What PetscOptionsBegin opens and functions that read options inside a block take. */
+#if PETSC_VERSION_LT(3, 23, 0)
+typedef PetscOptionItems *OptionItems;
+#else
+typedef PetscOptionItems OptionItems;
+#endif
+
 #define ISPH_VERSION "0.1.0"
 
 /* Vectors are stored with three components in two dimensions too; the third is then zero. */

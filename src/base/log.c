@@ -2,6 +2,7 @@
 #include "base.h"
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #define MESSAGE_LENGTH 1024
 
@@ -60,12 +61,58 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
   return ISPH_USER_ERROR; /* bare: PetscError() would print a trace */
 }
 
+/* Whether 'word' is one of the words of 'text', which are separated by one of 'separators'. */
+static PetscBool HasWord(const char text[], const char word[], size_t length, const char separators[])
+{
+  for (const char *p = text; *p; p += strcspn(p, separators), p += strspn(p, separators))
+    if (strcspn(p, separators) == length && !strncmp(p, word, length)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* The option of the database, " -name value", that PETSc's complaint is about: one whose value, or a number of it, the complaint cites. */
+static void FindOption(const char complaint[], char option[], size_t length)
+{
+  char *all = NULL;
+
+  option[0] = 0;
+  if (PetscOptionsGetAll(NULL, &all)) return;
+  for (const char *name = all; *name && !option[0];) {
+    const size_t name_end = strcspn(name, " ");
+    const char  *value    = name + name_end + strspn(name + name_end, " ");
+
+    const size_t value_end = strcspn(value, " ");
+    PetscBool    cited     = HasWord(complaint, value, value_end, " ");
+
+    for (size_t at = 0; at < value_end && !cited; at += strcspn(value + at, ", ") + 1) cited = HasWord(complaint, value + at, strcspn(value + at, ", "), " ");
+    if (*name == '-' && value_end && cited) (void)snprintf(option, length, " (%.*s)", (int)(value + value_end - name), name);
+    name = value;
+  }
+  (void)PetscFree(all);
+}
+
+/* Values of options that PETSc itself cannot read or does not know: one sentence, as for the program's own checks. */
+static PetscBool ReportBadValue(const char function[], PetscErrorCode code, const char message[])
+{
+  PetscMPIInt rank = 0;
+  char        option[256];
+
+  if (!message || !function) return PETSC_FALSE;
+  if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) && code != PETSC_ERR_ARG_UNKNOWN_TYPE) return PETSC_FALSE;
+  FindOption(message, option, sizeof(option));
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (!rank) {
+    fprintf(stderr, "isph: error: %.*s%s\n", (int)strcspn(message, "\n"), message, option);
+    fflush(stderr);
+  }
+  return PETSC_TRUE;
+}
+
 /* An error that starts anew is PETSc's; the repeats of a user error, one a PetscCall on the way up, are not printed. */
 static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                        PetscErrorCode code, PetscErrorType type, const char *message, void *context)
 {
-  if (type == PETSC_ERROR_INITIAL) UserErrorRaised = PETSC_FALSE;
-  if (UserErrorRaised && code == ISPH_USER_ERROR) return code;
+  if (type == PETSC_ERROR_INITIAL) UserErrorRaised = ReportBadValue(function, code, message);
+  if (UserErrorRaised) return code;
   return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, context);
 }
 

@@ -20,7 +20,7 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DomainOptionsVector(Domain domain, PetscOptionItems *PetscOptionsObject, VectorKind kind,
+PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind,
                                    const char option[], const char help[], const char manual[], PetscReal value[DIM],
                                    PetscBool *set)
 {
@@ -50,7 +50,7 @@ PetscErrorCode DomainOptionsVector(Domain domain, PetscOptionItems *PetscOptions
 }
 
 /* One option of a face type, for the faces first .. last of direction d. */
-static PetscErrorCode ReadFaceType(Domain domain, PetscOptionItems *PetscOptionsObject, const char name[],
+static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[],
                                    const char what[], PetscInt d, PetscInt first, PetscInt last)
 {
   char      option[NAME_LENGTH], help[2 * NAME_LENGTH], value[NAME_LENGTH];
@@ -73,7 +73,7 @@ static PetscErrorCode ReadFaceType(Domain domain, PetscOptionItems *PetscOptions
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadFaceVelocity(Domain domain, PetscOptionItems *PetscOptionsObject, PetscInt d, PetscInt side)
+static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side)
 {
   char       option[NAME_LENGTH];
   PetscReal *velocity = domain->wall_velocity[d][side];
@@ -90,7 +90,7 @@ static PetscErrorCode ReadFaceVelocity(Domain domain, PetscOptionItems *PetscOpt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadFaces(Domain domain, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++) {

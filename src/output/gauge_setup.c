@@ -67,7 +67,7 @@ static PetscReal CraterRadius(Output output)
   return radius;
 }
 
-PetscErrorCode GaugesSetFromOptions(Output output, PetscOptionItems *PetscOptionsObject)
+PetscErrorCode GaugesSetFromOptions(Output output, OptionItems PetscOptionsObject)
 {
   const Domain domain = output->cloud->domain;
   GaugeSetup  *gauge  = &output->gauge;

@@ -4,17 +4,18 @@
 
    Crater depth: columns of cells; in each the highest liquid below the lowest air open to the sky, so that neither
    voids nor overhanging crowns nor spray count; means over patches of two by two columns; of these the mean of the
-   lowest few. Crater diameter: in sectors around the axis, the first gap in the liquid at the level, going outwards;
-   its outer edge in finer sectors. */
+   lowest few. Crater diameter: in the layer just below the level, the share of rings around the axis that liquid fills;
+   going outwards, where it begins again behind the first gap. */
 #include "output_impl.h"
 
 #define LOWEST_3D 5 /* patches averaged for the depth; half as many for each mirror through the axis */
 #define LOWEST_2D 3
-#define BAND      0.75 /* liquid is at the level when its distance is below this, in spacings */
-#define SECTORS   8    /* around the axis */
-#define FINE      8    /* finer sectors in one of them */
-#define GAP       3    /* bins of one spacing without liquid that make a crater, and that a wall may be rough by */
-#define SKIRT     2.0  /* the undisturbed level is measured beyond this many jet radii */
+#define SECTORS   8   /* around the axis */
+#define RING      0.5 /* width of a ring, in spacings */
+#define GAP       6   /* rings without liquid that make a crater */
+#define MARGIN    4   /* rings a wall may be rough by, to each side */
+#define FILLED    0.5 /* share of a ring that makes it liquid */
+#define SKIRT     2.0 /* the undisturbed level is measured beyond this many jet radii */
 
 /* Horizontal vector from the axis to the point x, m; through periodic faces by the shortest way. */
 static inline void FromAxis(Output output, const PetscReal x[], PetscReal r[2])
@@ -207,65 +208,60 @@ static PetscBool SectorExists(Output output, PetscInt sector)
   return domain->dim == 2 ? (PetscBool)(sector == 0 || sector == SECTORS / 2) : PETSC_TRUE;
 }
 
-/* Radius of the crater's wall in one sector, m: 0 without a crater, negative without liquid. innermost: [FINE][bins]
- * smallest radius of the liquid in a bin. */
-static PetscReal SectorRadius(Output output, PetscInt bins, const PetscReal innermost[])
+/* Share of a ring around the axis that lies in the box. */
+static PetscReal RingShare(Output output)
 {
-  const PetscReal half = 0.5 * output->cloud->domain->spacing;
-  PetscReal       sum  = 0;
-  PetscInt        gap = 0, wall, n = 0;
+  PetscInt sectors = 0, all = output->cloud->domain->dim == 2 ? 2 : SECTORS;
 
-  for (wall = 0; wall < bins; wall++) { /* the first liquid behind a gap, or any liquid when there is none */
-    PetscBool empty = PETSC_TRUE;
-
-    for (PetscInt f = 0; f < FINE; f++) empty = (PetscBool)(empty && innermost[f * bins + wall] == PETSC_MAX_REAL);
-    if (!empty && gap >= GAP) break;
-    n += !empty;
-    gap = empty ? gap + 1 : 0;
-  }
-  if (wall == bins) return n ? 0 : -1;
-  n = 0;
-  for (PetscInt f = 0; f < FINE; f++) {
-    for (PetscInt b = wall; b < PetscMin(wall + GAP, bins); b++) {
-      if (innermost[f * bins + b] == PETSC_MAX_REAL) continue;
-      sum += innermost[f * bins + b];
-      n++;
-      break;
-    }
-  }
-  return sum / n - half;
+  for (PetscInt s = 0; s < SECTORS; s++) sectors += SectorExists(output, s);
+  return (PetscReal)sectors / all;
 }
 
+/* Area (m2; m in two dimensions) of the ring from 'inner' to 'outer' (m). */
+static PetscReal RingArea(PetscInt dim, PetscReal inner, PetscReal outer)
+{
+  return dim == 2 ? 2 * (outer - inner) : PETSC_PI * (outer * outer - inner * inner);
+}
+
+/* Radius (m) at which the liquid begins, from the filled share of rings of width w: the first ring that is filled behind a gap; the shares around it
+   give the place within: what is missing there is as if it were missing at one radius. 0 without a gap, negative without liquid. */
+static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const PetscReal share[])
+{
+  PetscInt  gap = 0, wall, first, last;
+  PetscReal missing = 0;
+
+  for (wall = 0; wall < rings; wall++) {
+    if (share[wall] >= FILLED && gap >= GAP) break;
+    gap = share[wall] < FILLED ? gap + 1 : 0;
+  }
+  if (wall == rings) return gap == rings ? -1 : 0;
+  first = PetscMax(wall - MARGIN, 0);
+  last  = PetscMin(wall + MARGIN, rings - 1);
+  for (PetscInt k = first; k <= last; k++) missing += (1 - share[k]) * RingArea(dim, k * w, (k + 1) * w);
+  return dim == 2 ? first * w + missing / 2 : PetscSqrtReal(PetscSqr(first * w) + missing / PETSC_PI);
+}
+
+/* Twice the radius of the crater's wall at the level, from the share of rings that liquid fills in the layer of one spacing below it. */
 static PetscErrorCode CraterDiameter(Output output, const PoolList *list, PetscReal *diameter)
 {
-  const PetscReal d0 = output->cloud->domain->spacing, reach = PetscMin(2 * output->gauge.crater_radius, 1e6 * d0);
-  const PetscInt  bins = (PetscInt)PetscCeilReal(reach / d0) + 1;
-  PetscReal      *innermost, radius[SECTORS];
-  PetscInt        n = 0;
+  const Domain    domain = output->cloud->domain;
+  const PetscReal d0 = domain->spacing, w = RING * d0, reach = PetscMin(2 * output->gauge.crater_radius, 1e6 * d0);
+  const PetscInt  rings = (PetscInt)PetscCeilReal(reach / w) + 1;
+  const PetscReal full  = RingShare(output) * d0 / domain->volume; /* particles an area of a full ring */
+  PetscReal      *share, radius;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(SECTORS * FINE * bins, &innermost));
-  for (PetscInt k = 0; k < SECTORS * FINE * bins; k++) innermost[k] = PETSC_MAX_REAL;
+  PetscCall(PetscCalloc1(rings, &share));
   for (PetscInt a = 0; a < list->n; a++) {
-    const PetscInt bin = list->radius[a] < reach ? (PetscInt)(list->radius[a] / d0) : bins;
-    PetscReal      turn;
-    PetscInt       k;
+    const PetscInt ring = list->radius[a] < rings * w ? (PetscInt)(list->radius[a] / w) : rings;
 
-    if (bin >= bins || PetscAbsReal(list->height[a] - output->gauge.level) > BAND * d0) continue;
-    turn         = PetscAtan2Real(list->y[a], list->x[a]) / (2 * PETSC_PI);
-    k            = ((PetscInt)PetscFloorReal((turn + 1) * SECTORS * FINE)) % (SECTORS * FINE) * bins + bin;
-    innermost[k] = PetscMin(innermost[k], list->radius[a]);
+    if (ring < rings && PetscAbsReal(list->height[a] - output->gauge.level + 0.5 * d0) <= 0.5 * d0) share[ring] += 1;
   }
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, innermost, (PetscMPIInt)(SECTORS * FINE * bins), MPIU_REAL, MPIU_MIN, output->comm));
-  for (PetscInt s = 0; s < SECTORS; s++) {
-    if (!SectorExists(output, s)) continue;
-    radius[n] = SectorRadius(output, bins, innermost + s * FINE * bins);
-    if (radius[n] >= 0) n++;
-  }
-  PetscCall(PetscFree(innermost));
-  PetscCall(PetscSortReal(n, radius));
-  *diameter = n ? radius[n / 2] + radius[(n - 1) / 2] : NAN; /* twice the median */
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, output->comm));
+  for (PetscInt k = 0; k < rings; k++) share[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);
+  radius = WallRadius(domain->dim, rings, w, share);
+  PetscCall(PetscFree(share));
+  *diameter = radius >= 0 ? 2 * radius : NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -91,7 +91,7 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state);
 /* --- gauge_setup.c --- */
 PetscErrorCode GaugesDefaults(Output output);
 /* GaugesSetFromOptions - inside an options block; GaugesCheck - refuses bad values, after it. */
-PetscErrorCode GaugesSetFromOptions(Output output, PetscOptionItems *PetscOptionsObject);
+PetscErrorCode GaugesSetFromOptions(Output output, OptionItems PetscOptionsObject);
 PetscErrorCode GaugesCheck(Output output);
 /* GaugeBodyBounds - of a body, cut by the box, m. GaugeMirrors - how many symmetry faces hold the axis. Not collective.
  */

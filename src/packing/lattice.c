@@ -2,7 +2,7 @@
 #include "types.h"
 
 #define LEVEL_MAX 0.5 /* spacings */
-#define SHELL_SPLIT 64 /* points of equal distance that may be told apart */
+#define SHELL_SPLIT 0.5 /* share of the points near the surface: a larger shell of equal distance is a flat layer */
 #define SUBPOINTS 6   /* a direction, for the share of a lattice cell */
 
 typedef struct {
@@ -101,7 +101,7 @@ static PetscReal CellShare(Domain domain, const BoxLattice *lattice, Body body, 
 
 /* The level of the signed distance (m) below which lattice points fill a body, so that their number is its volume over
    that of a lattice cell: with the level 0 a small sphere would be up to a fifth too light or heavy. At most LEVEL_MAX
-   spacings from 0. A shell of equal distance is filled in part only if it is small; a layer of a film is whole. */
+   spacings from 0. A shell of equal distance may be filled in part unless it is a flat layer. */
 static PetscErrorCode FitLevel(Packing packing, PetscInt b, const BoxLattice *lattice, PetscReal *level)
 {
   const Domain    domain = packing->cloud->domain;
@@ -143,7 +143,7 @@ static PetscErrorCode FitLevel(Packing packing, PetscInt b, const BoxLattice *la
 
     if (!within) first = k;
     while (last < count && distance[last] - distance[first] < ROUNDING * d0) last++;
-    if (miss > best - 0.5 || (within && last - first > SHELL_SPLIT)) continue;
+    if (miss > best - 0.5 || (within && last - first >= SHELL_SPLIT * count)) continue;
     best   = miss;
     *level = low < 0 && high > 0 && !within ? 0 : 0.5 * (low + high);
   }
@@ -186,7 +186,7 @@ static PetscErrorCode Visit_Lattice(Packing packing, PackingVisitor visitor, voi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Lattice(Packing packing, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscOptionsObject)
 {
   Lattice *lattice = (Lattice *)packing->data;
 

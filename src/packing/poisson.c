@@ -11,7 +11,7 @@ typedef struct {
   PetscInt          *body; /* [n] */
 } Poisson;
 
-static PetscErrorCode SetFromOptions_Poisson(Packing packing, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscOptionsObject)
 {
   Poisson *p = (Poisson *)packing->data;
 

@@ -1,4 +1,5 @@
-/* A grid under a cloud of points: interpolation by cell and weights, never stored as a matrix, and the rediscretised Laplacian. */
+/* A grid under a cloud of points: interpolation by cell and weights, never stored as a matrix, and the rediscretised
+ * Laplacian. */
 #include "coarse_grid.h"
 
 struct _p_CoarseGrid {
@@ -7,20 +8,21 @@ struct _p_CoarseGrid {
   PetscInt   cells[DIM];               /* of the whole grid */
   PetscReal  lower[DIM], h[DIM];       /* m */
   PetscBool  periodic[DIM];
-  PetscInt  *cell;                     /* [n] touched cell of the point, -1: skipped */
-  PetscReal *t;                        /* [n][3] place in the cell, 0..1 */
-  PetscInt  *corner;                   /* [n_cells][8] local nodes; bit d of the corner's number: upper end in direction d */
-  PetscReal *fill;                     /* [n_cells] points of this rank */
-  PetscReal *share;                    /* [n_cells] points of all ranks */
-  PetscInt  *key;                      /* [n_nodes] place in the whole grid, periodic images united */
-  PetscInt  *number;                   /* [n_nodes] row of the coarse matrix */
+  PetscInt  *cell;   /* [n] touched cell of the point, -1: skipped */
+  PetscReal *t;      /* [n][3] place in the cell, 0..1 */
+  PetscInt  *corner; /* [n_cells][8] local nodes; bit d of the corner's number: upper end in direction d */
+  PetscReal *fill;   /* [n_cells] points of this rank */
+  PetscReal *share;  /* [n_cells] points of all ranks */
+  PetscInt  *key;    /* [n_nodes] place in the whole grid, periodic images united */
+  PetscInt  *number; /* [n_nodes] row of the coarse matrix */
   PetscInt   n_own;
-  PetscReal *value;                    /* [n_nodes] work */
-  PetscSF    sf;                       /* local nodes -> owned nodes */
+  PetscReal *value; /* [n_nodes] work */
+  PetscSF    sf;    /* local nodes -> owned nodes */
 };
 
 /* Range of the grid: the box in periodic directions, all points in the others. */
-static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscBool skip[], PetscReal width, const PetscReal lower[DIM], const PetscReal upper[DIM])
+static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscBool skip[], PetscReal width,
+                                 const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
   PetscReal range[2 * DIM]; /* lower ends, negative upper ends */
   PetscReal nodes = 1;
@@ -54,12 +56,16 @@ static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscB
     }
     nodes *= g->cells[d] + 1;
   }
-  PetscCheck(nodes < PETSC_MAX_INT, g->comm, PETSC_ERR_SUP, "The grid over all points would have %g nodes; PETSc with 64-bit indices could number them", (double)nodes);
+  PetscCheck(nodes < PETSC_MAX_INT, g->comm, PETSC_ERR_SUP,
+             "The grid over all points would have %g nodes; PETSc with 64-bit indices could number them",
+             (double)nodes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cell and place of each point: cell[a] becomes the cell's number in the box first..first+size of cells of this rank. */
-static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const PetscBool skip[], PetscInt first[DIM], PetscInt size[DIM])
+/* Cell and place of each point: cell[a] becomes the cell's number in the box first..first+size of cells of this rank.
+ */
+static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const PetscBool skip[], PetscInt first[DIM],
+                                   PetscInt size[DIM])
 {
   PetscInt *place, last[DIM];
 
@@ -76,15 +82,18 @@ static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const Pets
       PetscInt  i;
 
       if (g->periodic[d] && d < g->dim) u -= g->cells[d] * PetscFloorReal(u / g->cells[d]);
-      i                   = PetscMin(PetscMax((PetscInt)u, 0), g->cells[d] - 1);
-      g->t[DIM * a + d]   = PetscMin(PetscMax(u - i, 0.0), 1.0);
-      place[DIM * a + d]  = i;
-      first[d]            = PetscMin(first[d], i);
-      last[d]             = PetscMax(last[d], i);
+      i                  = PetscMin(PetscMax((PetscInt)u, 0), g->cells[d] - 1);
+      g->t[DIM * a + d]  = PetscMin(PetscMax(u - i, 0.0), 1.0);
+      place[DIM * a + d] = i;
+      first[d]           = PetscMin(first[d], i);
+      last[d]            = PetscMax(last[d], i);
     }
   }
   for (PetscInt d = 0; d < DIM; d++) size[d] = PetscMax(0, last[d] - first[d] + 1);
-  for (PetscInt a = 0; a < g->n; a++) g->cell[a] = skip[a] ? -1 : ((place[DIM * a + 2] - first[2]) * size[1] + place[DIM * a + 1] - first[1]) * size[0] + place[DIM * a] - first[0];
+  for (PetscInt a = 0; a < g->n; a++)
+    g->cell[a] = skip[a] ? -1
+                         : ((place[DIM * a + 2] - first[2]) * size[1] + place[DIM * a + 1] - first[1]) * size[0] +
+                             place[DIM * a] - first[0];
   PetscCall(PetscFree(place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -140,7 +149,8 @@ static PetscErrorCode TouchNodes(CoarseGrid g, const PetscInt first[DIM], const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ranks meet at the places of the whole grid: each learns the owner and the row of its nodes and the points in its cells. */
+/* Ranks meet at the places of the whole grid: each learns the owner and the row of its nodes and the points in its
+ * cells. */
 static PetscErrorCode NumberNodes(CoarseGrid g)
 {
   PetscSF     meet;
@@ -152,7 +162,8 @@ static PetscErrorCode NumberNodes(CoarseGrid g)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(g->comm, &rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &size));
-  PetscCall(PetscLayoutCreateFromSizes(g->comm, PETSC_DECIDE, (g->cells[0] + 1) * (g->cells[1] + 1) * (g->cells[2] + 1), 1, &whole));
+  PetscCall(PetscLayoutCreateFromSizes(g->comm, PETSC_DECIDE, (g->cells[0] + 1) * (g->cells[1] + 1) * (g->cells[2] + 1),
+                                       1, &whole));
   PetscCall(PetscSFCreate(g->comm, &meet));
   PetscCall(PetscSFSetGraphLayout(meet, whole, g->n_nodes, NULL, PETSC_COPY_VALUES, g->key));
   PetscCall(PetscMalloc1(whole->n, &root));
@@ -194,7 +205,9 @@ static PetscErrorCode NumberNodes(CoarseGrid g)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscBool skip[], PetscReal width, const PetscReal lower[DIM], const PetscReal upper[DIM], const PetscBool periodic[DIM], CoarseGrid *grid)
+PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscBool skip[],
+                                PetscReal width, const PetscReal lower[DIM], const PetscReal upper[DIM],
+                                const PetscBool periodic[DIM], CoarseGrid *grid)
 {
   CoarseGrid g;
   PetscInt   first[DIM], size[DIM];
@@ -313,7 +326,8 @@ static inline PetscInt StencilPlace(PetscInt i, PetscInt j)
 }
 
 /* stencil ([n_nodes][27]) and the node each entry belongs to (same shape). */
-static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal surplus[], PetscReal stencil[], PetscInt node[])
+static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal surplus[],
+                         PetscReal stencil[], PetscInt node[])
 {
   PetscReal capacity = 1 / volume; /* points that fit a cell */
 
@@ -325,7 +339,8 @@ static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const
     for (PetscInt i = 0; i < GRID_CORNERS; i++)
       for (PetscInt j = 0; j < GRID_CORNERS; j++) node[GRID_STENCIL * corner[i] + StencilPlace(i, j)] = corner[j];
     for (PetscInt i = 0; i < 1 << g->dim; i++)
-      for (PetscInt d = 0; d < g->dim; d++) { /* each of the 2^(dim-1) edges in a direction stands for its share of the cell */
+      for (PetscInt d = 0; d < g->dim;
+           d++) { /* each of the 2^(dim-1) edges in a direction stands for its share of the cell */
         const PetscReal k = energy * points / (g->h[d] * g->h[d] * (1 << (g->dim - 1)));
 
         stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i)] += k;
@@ -339,11 +354,13 @@ static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const
     if (g->cell[a] < 0 || surplus[a] <= 0) continue;
     CornerWeights(g->t + DIM * a, w);
     for (PetscInt i = 0; i < 1 << g->dim; i++)
-      for (PetscInt j = 0; j < 1 << g->dim; j++) stencil[GRID_STENCIL * corner[i] + StencilPlace(i, j)] += surplus[a] * w[i] * w[j];
+      for (PetscInt j = 0; j < 1 << g->dim; j++)
+        stencil[GRID_STENCIL * corner[i] + StencilPlace(i, j)] += surplus[a] * w[i] * w[j];
   }
 }
 
-PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal point_volume, const PetscReal surplus[], Mat *A)
+PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal point_volume, const PetscReal surplus[],
+                                Mat *A)
 {
   PetscReal *stencil;
   PetscInt  *node, columns[GRID_STENCIL];
@@ -352,8 +369,10 @@ PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal 
   PetscCall(PetscCalloc1(GRID_STENCIL * g->n_nodes, &stencil));
   PetscCall(PetscMalloc1(GRID_STENCIL * g->n_nodes, &node));
   FillStencils(g, point_energy, point_volume, surplus, stencil, node);
-  PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL, GRID_STENCIL, NULL, A));
-  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may go beyond the guess */
+  PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL,
+                         GRID_STENCIL, NULL, A));
+  PetscCall(
+    MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may go beyond the guess */
   for (PetscInt k = 0; k < g->n_nodes; k++) {
     PetscScalar values[GRID_STENCIL];
     PetscInt    n = 0;

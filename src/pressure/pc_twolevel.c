@@ -1,46 +1,51 @@
-/* PC type "twolevel": a two-level preconditioner for the pressure matrix of particles.
+/* PC type "twolevel": a two-level preconditioner for the pressure matrix of particles,
 
-   The rows of Eq. (8) have some 80 entries, so what is dear is to touch them: algebraic coarsening multiplies such rows with each other. But the matrix
-   is a Laplacian on points whose places are known, which makes its coarse form known beforehand:
+     M r = omega D^-1 r + P C P^T r,   D the diagonal of A.
 
-     M r:  x  = T r                         T = omega D^-1, D the diagonal: a damped Jacobi sweep from zero
-           x += P C P^T (r - A x)           correction from a grid of width ratio * spacing
-           x += T (r - A x)                 the same sweep again
+   The rows of Eq. (8) have some 80 entries, so what is dear is to touch them: algebraic coarsening multiplies such rows
+   with each other, and a multigrid cycle multiplies with A twice or more. But the matrix is a Laplacian on points whose
+   places are known, which makes its coarse form known beforehand.
 
-   P interpolates (bi/tri)linearly from the grid's nodes to the points. C is one cycle of an inner solver (-pc_twolevel_coarse_..., by default one V-cycle of
-   algebraic multigrid with SOR smoothing) for the REDISCRETISED problem: the 5/7-point Laplacian, each cell weighted with its fill by particles, no more than
-   full, plus P^T S P with S the surplus of the diagonal over the row's pair sum (what the closure at the free surface added). Its entries are those of the
-   Galerkin product P^T A P for smooth functions, without that product. Faces of the fill are natural Neumann boundaries: walls and symmetry need nothing,
-   and a free surface enters through S alone. Set-up reads the matrix as few times as an iteration or two; only the small grid is coarsened further.
+   P interpolates (bi/tri)linearly from a background grid, its cells 'ratio' particle spacings wide, to the points. C is
+   one cycle of an inner solver
+   (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type; by default one V-cycle of algebraic multigrid with SOR
+   smoothing, a direct solver for tiny grids) for the REDISCRETISED problem: the 5/7-point Laplacian, each cell weighted
+   with its fill by particles and no more than full, plus P^T S P with S the surplus of the diagonal over the row's pair
+   sum (what the closure at the free surface added). For smooth functions that is the Galerkin product P^T A P, without
+   the product. Edges of the fill are natural Neumann boundaries, so walls and symmetry faces need nothing, and a free
+   surface enters through S alone.
 
-   Why the sweep suffices: the kernel's transform is close to nothing at wavelengths below the grid's width, so the symbol of D^-1 A is flat (between 0.7 and
-   1.4) there: damped Jacobi takes all that at once, and the grid takes the rest.
+   Why it works: the kernel's Fourier transform is close to nothing at wavelengths below two cells, so D^-1 A is nearly
+   the identity there and Jacobi needs no second sweep; the grid takes the long waves. Both parts simply add (Bramble,
+   Pasciak, Xu, Math. Comp. 55, 1990): M is then symmetric and positive for every omega > 0, and an iteration multiplies
+   with A once, in the Krylov method, not in M. The form with a sweep before and after a correction of the residual
+   needs two thirds of the iterations but three products in each. Set-up costs three products and the grid, in time
+   about five iterations.
 
-   M is symmetric. It is positive if T alone is a convergent iteration, that is omega lambda_max(D^-1 A) < 2: lambda_max is estimated at set-up by a few
-   steps of Lanczos, and omega lowered where particles are so few that their rows alternate.
-
-   Rows without a pair (isolated particles) have no part in the grid. */
+   Rows without a pair (isolated particles) have no part in the grid. If A has the constant null space, so has the
+   coarse matrix. A must be symmetric and approximate c * (-laplacian) with one c inside the liquid; how its rows are
+   scaled is measured, not assumed. */
 #include <petsc/private/pcimpl.h>
 
 #include "coarse_grid.h"
 #include "pressure.h"
 
-#define DEFAULT_OMEGA    0.95
-#define DEFAULT_RATIO    (8 / 3.)
-#define TINY_GRID        500   /* nodes below which the coarse problem is solved directly */
-#define NO_PAIR          1e-10 /* part of the diagonal below which a row's pairs count as none */
-#define FULL_ROW         0.75  /* part of the largest pair sum above which a row counts as inside the liquid */
-#define WAVELENGTH       20.   /* spacings, of the wave that measures the matrix */
+#define DEFAULT_OMEGA 1.4
+#define DEFAULT_RATIO (8 / 3.)
+#define TINY_GRID     500   /* nodes below which the coarse problem is solved directly */
+#define NO_PAIR       1e-10 /* part of the diagonal below which a row's pairs count as none */
+#define FULL_ROW      0.75  /* part of the largest pair sum above which a row counts as inside the liquid */
+#define WAVELENGTH    20.   /* spacings, of the wave that measures the matrix */
 
 typedef struct {
   PetscReal  omega, ratio, spacing, lower[DIM], upper[DIM];
   PetscBool  periodic[DIM];
   PetscInt   dim, n; /* n: points given */
-  PetscReal *x;                /* [n][dim] m */
+  PetscReal *x;      /* [n][dim] m */
   CoarseGrid grid;
-  PetscReal  point_energy;     /* [A] m2 */
-  Vec        weight, work, coarse_b, coarse_x; /* weight: diagonal of T */
-  Mat        A;                /* coarse */
+  PetscReal  point_energy;               /* [A] m2 */
+  Vec        weight, coarse_b, coarse_x; /* weight: omega D^-1 */
+  Mat        A;                          /* coarse */
   KSP        ksp;
 } TwoLevel;
 
@@ -51,7 +56,6 @@ static PetscErrorCode PCReset_TwoLevel(PC pc)
   PetscFunctionBegin;
   PetscCall(CoarseGridDestroy(&two->grid));
   PetscCall(VecDestroy(&two->weight));
-  PetscCall(VecDestroy(&two->work));
   PetscCall(VecDestroy(&two->coarse_b));
   PetscCall(VecDestroy(&two->coarse_x));
   PetscCall(MatDestroy(&two->A));
@@ -64,7 +68,8 @@ static PetscErrorCode PCSetCoordinates_TwoLevel(PC pc, PetscInt dim, PetscInt n,
   TwoLevel *two = (TwoLevel *)pc->data;
 
   PetscFunctionBegin;
-  PetscCheck(dim == 2 || dim == 3, PetscObjectComm((PetscObject)pc), PETSC_ERR_ARG_OUTOFRANGE, "PC type " PCTWOLEVEL " works in 2 or 3 dimensions, not %" PetscInt_FMT, dim);
+  PetscCheck(dim == 2 || dim == 3, PetscObjectComm((PetscObject)pc), PETSC_ERR_ARG_OUTOFRANGE,
+             "PC type " PCTWOLEVEL " works in 2 or 3 dimensions, not %" PetscInt_FMT, dim);
   if (two->n != n || two->dim != dim) {
     PetscCall(PetscFree(two->x));
     PetscCall(PetscMalloc1(dim * n, &two->x));
@@ -75,7 +80,8 @@ static PetscErrorCode PCSetCoordinates_TwoLevel(PC pc, PetscInt dim, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const PetscReal lower[], const PetscReal upper[], const PetscBool periodic[])
+static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const PetscReal lower[],
+                                                 const PetscReal upper[], const PetscBool periodic[])
 {
   TwoLevel *two = (TwoLevel *)pc->data;
 
@@ -89,31 +95,29 @@ static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3], const PetscBool periodic[3])
+PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3],
+                                 const PetscBool periodic[3])
 {
   PetscFunctionBegin;
-  PetscTryMethod(pc, "PCTwoLevelSetGrid_C", (PC, PetscReal, const PetscReal[], const PetscReal[], const PetscBool[]), (pc, spacing, lower, upper, periodic));
+  PetscTryMethod(pc, "PCTwoLevelSetGrid_C", (PC, PetscReal, const PetscReal[], const PetscReal[], const PetscBool[]),
+                 (pc, spacing, lower, upper, periodic));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* surplus ([n]) of the diagonal over the row's pairs; skip ([n]) rows without pairs; the largest pair sum of all rows; sets the weight to the diagonal. */
+/* surplus ([n]) of the diagonal over the row's pairs; skip ([n]) rows without pairs; the largest pair sum of all rows;
+ * sets the weight to the diagonal. */
 static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], PetscBool skip[], PetscReal *largest)
 {
   const PetscScalar *diagonal, *sum;
+  Vec                ones, sums;
 
   PetscFunctionBegin;
   PetscCall(MatGetDiagonal(pc->pmat, two->weight));
-  PetscCall(VecSet(two->work, 1));
-  {
-    Vec sums;
-
-    PetscCall(VecDuplicate(two->work, &sums));
-    PetscCall(MatMult(pc->pmat, two->work, sums));
-    PetscCall(VecCopy(sums, two->work));
-    PetscCall(VecDestroy(&sums));
-  }
+  PetscCall(MatCreateVecs(pc->pmat, &ones, &sums));
+  PetscCall(VecSet(ones, 1));
+  PetscCall(MatMult(pc->pmat, ones, sums));
   PetscCall(VecGetArrayRead(two->weight, &diagonal));
-  PetscCall(VecGetArrayRead(two->work, &sum));
+  PetscCall(VecGetArrayRead(sums, &sum));
   *largest = 0;
   for (PetscInt a = 0; a < two->n; a++) {
     const PetscReal d = PetscRealPart(diagonal[a]), s = PetscRealPart(sum[a]);
@@ -123,7 +127,9 @@ static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], P
     *largest   = PetscMax(*largest, d - s);
   }
   PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
-  PetscCall(VecRestoreArrayRead(two->work, &sum));
+  PetscCall(VecRestoreArrayRead(sums, &sum));
+  PetscCall(VecDestroy(&ones));
+  PetscCall(VecDestroy(&sums));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPIU_MAX, PetscObjectComm((PetscObject)pc)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,20 +148,20 @@ static PetscInt WaveDirection(const TwoLevel *two, PetscReal *k)
   return direction;
 }
 
-/* What a point adds to the energy p'Ap = sum c |grad p|^2: from the symbol of A. With u = exp(ikx), Re(conj(u) A u) - surplus = sum_b K_ab (1 - cos k x_ab)
-   = c k^2 for small k: row by row from two products, for any type of matrix, however its rows are scaled. Average over rows inside the liquid. */
+/* What a point adds to the energy p'Ap = sum c |grad p|^2: from the symbol of A. With u = exp(ikx), Re(conj(u) A u) -
+   surplus = sum_b K_ab (1 - cos k x_ab) = c k^2 for small k: row by row from two products, for any type of matrix,
+   however its rows are scaled. Average over rows inside the liquid. */
 static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplus[], PetscReal largest)
 {
-  Vec             wave, product;
-  PetscReal      *energy, k, sum[2] = {0, 0};
-  const PetscReal *x = two->x;
-  const PetscInt  direction = WaveDirection(two, &k), dim = two->dim;
+  Vec                wave, product;
+  PetscReal         *energy, k, sum[2] = {0, 0};
+  const PetscReal   *x         = two->x;
+  const PetscInt     direction = WaveDirection(two, &k), dim = two->dim;
   const PetscScalar *diagonal, *Au;
-  PetscScalar    *u;
+  PetscScalar       *u;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(two->work, &wave));
-  PetscCall(VecDuplicate(two->work, &product));
+  PetscCall(MatCreateVecs(pc->pmat, &wave, &product));
   PetscCall(PetscCalloc1(two->n, &energy));
   for (PetscInt part = 0; part < 2; part++) {
     const PetscReal phase = part * PETSC_PI / 2;
@@ -185,7 +191,8 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets an option of the inner solver unless the user did; marks it as read, for not every grid has levels to read it. */
+/* Sets an option of the inner solver unless the user did; marks it as read, for not every grid has levels to read it.
+ */
 static PetscErrorCode CoarseDefault(KSP ksp, const char name[], const char value[])
 {
   const char *prefix;
@@ -215,7 +222,8 @@ static PetscErrorCode CreateCoarseSolver(PC pc, TwoLevel *two, PetscInt nodes)
     PetscCall(MatNullSpaceCreate(PetscObjectComm((PetscObject)pc), PETSC_TRUE, 0, NULL, &constant));
     PetscCall(MatSetNullSpace(two->A, constant));
     PetscCall(MatNullSpaceDestroy(&constant));
-  } else PetscCall(MatSetOption(two->A, MAT_SPD, PETSC_TRUE));
+  } else
+    PetscCall(MatSetOption(two->A, MAT_SPD, PETSC_TRUE));
   PetscCall(KSPCreate(PetscObjectComm((PetscObject)pc), &two->ksp));
   PetscCall(PetscObjectIncrementTabLevel((PetscObject)two->ksp, (PetscObject)pc, 1));
   PetscCall(PCGetOptionsPrefix(pc, &prefix));
@@ -243,13 +251,17 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
   PetscFunctionBegin;
   PetscCall(PCReset_TwoLevel(pc));
   PetscCall(MatGetLocalSize(pc->pmat, &n, NULL));
-  PetscCheck(two->n == n && two->dim, PETSC_COMM_SELF, PETSC_ERR_ORDER, "PC type " PCTWOLEVEL " needs PCSetCoordinates with a point for each of the %" PetscInt_FMT " local rows", n);
-  PetscCheck(two->spacing > 0, PetscObjectComm((PetscObject)pc), PETSC_ERR_ORDER, "PC type " PCTWOLEVEL " needs PCTwoLevelSetGrid");
-  PetscCall(MatCreateVecs(pc->pmat, &two->work, &two->weight));
+  PetscCheck(two->n == n && two->dim, PETSC_COMM_SELF, PETSC_ERR_ORDER,
+             "PC type " PCTWOLEVEL " needs PCSetCoordinates with a point for each of the %" PetscInt_FMT " local rows",
+             n);
+  PetscCheck(two->spacing > 0, PetscObjectComm((PetscObject)pc), PETSC_ERR_ORDER,
+             "PC type " PCTWOLEVEL " needs PCTwoLevelSetGrid");
+  PetscCall(MatCreateVecs(pc->pmat, &two->weight, NULL));
   PetscCall(PetscMalloc1(n, &surplus));
   PetscCall(PetscMalloc1(n, &skip));
   PetscCall(SplitDiagonal(pc, two, surplus, skip, &largest));
-  PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, skip, two->ratio * two->spacing, two->lower, two->upper, two->periodic, &two->grid));
+  PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, skip, two->ratio * two->spacing,
+                             two->lower, two->upper, two->periodic, &two->grid));
   PetscCall(CoarseGridSizes(two->grid, &local, &nodes));
   if (nodes > 0) {
     for (PetscInt d = 0; d < two->dim; d++) volume *= two->spacing;
@@ -268,24 +280,17 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
 
 static PetscErrorCode PCApply_TwoLevel(PC pc, Vec r, Vec x)
 {
-  TwoLevel     *two = (TwoLevel *)pc->data;
-  MatNullSpace  constant;
+  TwoLevel    *two = (TwoLevel *)pc->data;
+  MatNullSpace constant;
 
   PetscFunctionBegin;
   PetscCall(VecPointwiseMult(x, two->weight, r));
-  if (two->A) {
-    PetscCall(MatMult(pc->pmat, x, two->work));
-    PetscCall(VecAYPX(two->work, -1, r));
-    PetscCall(CoarseGridRestrict(two->grid, two->work, two->coarse_b));
-    PetscCall(MatGetNullSpace(two->A, &constant));
-    if (constant) PetscCall(MatNullSpaceRemove(constant, two->coarse_b));
-    PetscCall(KSPSolve(two->ksp, two->coarse_b, two->coarse_x));
-    PetscCall(CoarseGridProlongAdd(two->grid, two->coarse_x, x));
-  }
-  PetscCall(MatMult(pc->pmat, x, two->work));
-  PetscCall(VecAYPX(two->work, -1, r));
-  PetscCall(VecPointwiseMult(two->work, two->work, two->weight));
-  PetscCall(VecAXPY(x, 1, two->work));
+  if (!two->A) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CoarseGridRestrict(two->grid, r, two->coarse_b));
+  PetscCall(MatGetNullSpace(two->A, &constant));
+  if (constant) PetscCall(MatNullSpaceRemove(constant, two->coarse_b));
+  PetscCall(KSPSolve(two->ksp, two->coarse_b, two->coarse_x));
+  PetscCall(CoarseGridProlongAdd(two->grid, two->coarse_x, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -300,10 +305,12 @@ static PetscErrorCode PCSetFromOptions_TwoLevel(PC pc, PetscOptionItems PetscOpt
 
   PetscFunctionBegin;
   PetscOptionsHeadBegin(PetscOptionsObject, "Two-level preconditioner of particles");
-  PetscCall(PetscOptionsReal("-pc_twolevel_omega", "factor of the Jacobi sweeps; positive whatever the matrix up to 1 (1)", "PCTwoLevelRegister", two->omega, &two->omega, NULL));
-  PetscCall(PetscOptionsReal("-pc_twolevel_ratio", "width of the grid's cells (spacings)", "PCTwoLevelRegister", two->ratio, &two->ratio, NULL));
+  PetscCall(PetscOptionsReal("-pc_twolevel_omega", "factor of the Jacobi part against the grid's (1)",
+                             "PCTwoLevelRegister", two->omega, &two->omega, NULL));
+  PetscCall(PetscOptionsReal("-pc_twolevel_ratio", "width of the grid's cells (spacings)", "PCTwoLevelRegister",
+                             two->ratio, &two->ratio, NULL));
   PetscOptionsHeadEnd();
-  PetscCheckUser(two->omega > 0 && two->omega < 2, comm, "-pc_twolevel_omega is %g; it must be between 0 and 2", (double)two->omega);
+  PetscCheckUser(two->omega > 0, comm, "-pc_twolevel_omega is %g; it must be positive", (double)two->omega);
   PetscCheckUser(two->ratio >= 1, comm, "-pc_twolevel_ratio is %g; it must be at least 1", (double)two->ratio);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -314,10 +321,11 @@ static PetscErrorCode PCView_TwoLevel(PC pc, PetscViewer viewer)
   PetscInt  nodes;
 
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  Jacobi sweeps with omega %g\n", (double)two->omega));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  Jacobi with omega %g\n", (double)two->omega));
   if (!two->grid) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CoarseGridSizes(two->grid, NULL, &nodes));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  grid of %g spacings, %" PetscInt_FMT " nodes\n", (double)two->ratio, nodes));
+  PetscCall(
+    PetscViewerASCIIPrintf(viewer, "  grid of %g spacings, %" PetscInt_FMT " nodes\n", (double)two->ratio, nodes));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   if (two->ksp) PetscCall(KSPView(two->ksp, viewer));
   PetscCall(PetscViewerASCIIPopTab(viewer));
@@ -343,16 +351,16 @@ static PetscErrorCode PCCreate_TwoLevel(PC pc)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&two));
-  two->omega               = DEFAULT_OMEGA;
-  two->ratio               = DEFAULT_RATIO;
-  pc->data                 = two;
-  pc->ops->setup           = PCSetUp_TwoLevel;
-  pc->ops->apply           = PCApply_TwoLevel;
-  pc->ops->applytranspose  = PCApply_TwoLevel;
-  pc->ops->setfromoptions  = PCSetFromOptions_TwoLevel;
-  pc->ops->view            = PCView_TwoLevel;
-  pc->ops->reset           = PCReset_TwoLevel;
-  pc->ops->destroy         = PCDestroy_TwoLevel;
+  two->omega              = DEFAULT_OMEGA;
+  two->ratio              = DEFAULT_RATIO;
+  pc->data                = two;
+  pc->ops->setup          = PCSetUp_TwoLevel;
+  pc->ops->apply          = PCApply_TwoLevel;
+  pc->ops->applytranspose = PCApply_TwoLevel;
+  pc->ops->setfromoptions = PCSetFromOptions_TwoLevel;
+  pc->ops->view           = PCView_TwoLevel;
+  pc->ops->reset          = PCReset_TwoLevel;
+  pc->ops->destroy        = PCDestroy_TwoLevel;
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCSetCoordinates_C", PCSetCoordinates_TwoLevel));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetGrid_C", PCTwoLevelSetGrid_TwoLevel));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,7 +25,6 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   PetscCall(PetscNew(&p));
   p->cloud            = cloud;
   p->kept             = -1;
-  p->rebuild_interval = 50;
   p->rebuild_growth   = 1.5;
   p->relaxation_time  = 1e-3;
   PetscCall(PetscStrncpy(p->mat_type, MATAIJ, sizeof(p->mat_type)));
@@ -74,13 +73,13 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList, gradient, gradient, sizeof(gradient), NULL));
   PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed", "PressureSetTypes", choices, 2, choices[choice], &choice, NULL));
   PetscCall(PetscOptionsReal("-pressure_relaxation_time", "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h", "PressureSetRelaxationTime", pressure->relaxation_option, &pressure->relaxation_option, NULL));
-  PetscCall(PetscOptionsInt("-pressure_rebuild_interval", "steps after which the preconditioner is made anew", "PressureSetFromOptions", pressure->rebuild_interval, &pressure->rebuild_interval, NULL));
+  PetscCall(PetscOptionsInt("-pressure_rebuild_interval", "steps after which the preconditioner is made anew; 0: 10 for twolevel, 50 for dear ones", "PressureSetFromOptions", pressure->rebuild_interval, &pressure->rebuild_interval, NULL));
   PetscCall(PetscOptionsReal("-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)", "PressureSetFromOptions", pressure->rebuild_growth, &pressure->rebuild_growth, NULL));
   PetscCall(PetscOptionsFList("-mat_type", "PETSc type of the pressure matrix", "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm, "-pressure_relaxation_time is %g s; it must not be negative", (double)pressure->relaxation_option);
-  PetscCheckUser(pressure->rebuild_interval >= 1, cloud->comm, "-pressure_rebuild_interval is %" PetscInt_FMT "; it must be at least 1", pressure->rebuild_interval);
+  PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm, "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative", pressure->rebuild_interval);
   PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1", (double)pressure->rebuild_growth);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   pressure->lattice_diagonal = PressureLatticeDiagonal(cloud);

@@ -4,6 +4,8 @@
 #define DEFAULT_MAXITS        2000
 #define DEFAULT_GAMG_DROP     0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
 #define REBUILD_SLACK         3    /* iterations a kept preconditioner may always cost more */
+#define REBUILD_CHEAP         10   /* steps a preconditioner is kept whose set-up costs a few iterations */
+#define REBUILD_DEAR          50   /* steps any other is kept */
 
 static PetscErrorCode DefaultOption(const char name[], const char value[])
 {
@@ -15,12 +17,12 @@ static PetscErrorCode DefaultOption(const char name[], const char value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of this row layout: CG, algebraic multigrid with one smoothing, tolerance in the true residual; then the user's options. */
+/* The solver of this row layout: CG, the two-level preconditioner, tolerance in the true residual; then the user's options. */
 static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
   PC        pc;
-  PetscBool gamg;
+  PetscBool gamg, cheap;
 
   PetscFunctionBegin;
   PetscCall(PressureForget(pressure));
@@ -35,9 +37,12 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPSetTolerances(pressure->ksp, DEFAULT_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, DEFAULT_MAXITS));
   PetscCall(KSPSetInitialGuessNonzero(pressure->ksp, PETSC_TRUE));
   PetscCall(KSPGetPC(pressure->ksp, &pc));
-  PetscCall(PCSetType(pc, PCGAMG));
+  PetscCall(PCSetType(pc, PCTWOLEVEL));
   PetscCall(KSPSetFromOptions(pressure->ksp));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
+  pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
+  if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   if (gamg) {
     PetscReal threshold = DEFAULT_GAMG_DROP;
 
@@ -114,7 +119,7 @@ static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
   PetscScalar *x;
 
   PetscFunctionBegin;
-  if (pressure->rebuild || pressure->kept < 0 || pressure->age >= pressure->rebuild_interval) {
+  if (pressure->rebuild || pressure->kept < 0 || pressure->age >= pressure->kept_steps) {
     pressure->kept    = pressure->current;
     pressure->age     = 0;
     pressure->rebuild = PETSC_FALSE;

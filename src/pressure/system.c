@@ -228,6 +228,7 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   if (size == 1) PetscCall(MatCreateSeqAIJWithArrays(cloud->comm, cloud->n_rows, cloud->n_rows, s->i, s->j, s->a, &s->A));
   else PetscCall(MatCreateMPIAIJWithSplitArrays(cloud->comm, cloud->n_rows, cloud->n_rows, cloud->rows_global, cloud->rows_global, s->i, s->j, s->a, s->oi, s->oj, s->oa, &s->A));
   PetscCall(PetscStrcmp(pressure->mat_type, MATAIJ, &plain));
+  PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions ask for it */
   if (!plain) PetscCall(MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -44,7 +44,7 @@ struct _p_Pressure {
   Vec              b, x;
   PetscInt         solver_layout; /* the local order the solver was made for */
   PetscBool        constant_null;
-  PetscInt         age, rebuild_interval, first_iterations;
+  PetscInt         age, rebuild_interval, kept_steps, first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
   PetscReal        rebuild_growth;
   PetscBool        rebuild;
 };

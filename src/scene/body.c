@@ -34,7 +34,7 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode BodyOptionsLength(Body body, PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[],
                                  const char help[], PetscReal *length)
 {
   PetscBool       found;
@@ -62,7 +62,7 @@ static void ParseNumbers(const char text[], PetscInt most, PetscReal number[], P
   *count = -1;
 }
 
-PetscErrorCode BodyOptionsAxis(Body body, PetscOptionItems *PetscOptionsObject, const char option[], const char help[],
+PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
                                PetscBool normal_allowed, PetscReal axis[DIM])
 {
   Domain    domain = body->domain;
@@ -112,7 +112,7 @@ static PetscErrorCode ListNames(PetscFunctionList list, char names[], size_t len
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadShape(Body body, PetscOptionItems *PetscOptionsObject, PetscFunctionList shapes)
+static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
 {
   ShapeTable table;
   char       names[NAMES_LENGTH];
@@ -130,7 +130,7 @@ static PetscErrorCode ReadShape(Body body, PetscOptionItems *PetscOptionsObject,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadMaterial(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
 {
   Material *m    = &body->material;
   MPI_Comm  comm = body->domain->comm;
@@ -152,7 +152,7 @@ static PetscErrorCode ReadMaterial(Body body, PetscOptionItems *PetscOptionsObje
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadVelocity(Body body, PetscOptionItems *PetscOptionsObject, PetscFunctionList velocities)
+static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, PetscFunctionList velocities)
 {
   VelocityTable table;
   char          names[NAMES_LENGTH];

@@ -5,7 +5,7 @@ typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m */
 } Box;
 
-static PetscErrorCode BoxSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode BoxSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Domain domain = body->domain;
   Box   *box;

@@ -9,7 +9,7 @@ typedef struct {
   PetscReal half_height; /* m; PETSC_MAX_REAL: infinite */
 } Cylinder;
 
-static PetscErrorCode CylinderSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Domain    domain = body->domain;
   Cylinder *cylinder;

@@ -8,7 +8,7 @@ typedef struct {
   PetscReal radii[DIM];  /* m */
 } Ellipsoid;
 
-static PetscErrorCode EllipsoidSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode EllipsoidSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Domain     domain = body->domain;
   Ellipsoid *ellipsoid;

@@ -6,7 +6,7 @@ typedef struct {
   PetscReal normal[DIM]; /* unit vector */
 } HalfSpace;
 
-static PetscErrorCode HalfSpaceSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode HalfSpaceSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   HalfSpace *half;
 

@@ -33,7 +33,7 @@ typedef struct _p_Scene *Scene;
    the corners of a box that holds it. One file a shape, one registration line in scene.c. */
 typedef struct {
   PetscErrorCode (*setfromoptions)(Body              body,
-                                   PetscOptionItems *PetscOptionsObject); /* reads its sizes inside an options block */
+                                   OptionItems PetscOptionsObject); /* reads its sizes inside an options block */
   PetscReal (*distance)(Body body, const PetscReal x[DIM]);
   void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
 } ShapeOps;

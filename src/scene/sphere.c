@@ -6,7 +6,7 @@ typedef struct {
   PetscReal radius;      /* m */
 } Sphere;
 
-static PetscErrorCode SphereSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Sphere *sphere;
 

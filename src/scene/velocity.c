@@ -20,7 +20,7 @@ static void LinearAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
 }
 
 /* Reads up to 'most' finite numbers that must be given; count is how many there were. */
-static PetscErrorCode ReadNumbers(Body body, PetscOptionItems *PetscOptionsObject, const char option[],
+static PetscErrorCode ReadNumbers(Body body, OptionItems PetscOptionsObject, const char option[],
                                   const char help[], PetscInt most, PetscReal number[], PetscInt *count)
 {
   PetscBool found;
@@ -39,7 +39,7 @@ static PetscErrorCode ReadNumbers(Body body, PetscOptionItems *PetscOptionsObjec
 
 /* Rigid rotation v = omega x (x - center). The square patch v = omega (y, -x) of Colagrossi (2005) has the rate
    0,0,-omega. */
-static PetscErrorCode RotationSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode RotationSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Linear   *linear          = (Linear *)body->velocity_data;
   PetscReal number[DIM + 1] = {0}, rate[DIM] = {0, 0, 0};
@@ -68,7 +68,7 @@ static PetscErrorCode RotationSetFromOptions(Body body, PetscOptionItems *PetscO
 
 /* v = G (x - center), G diagonal or full, of zero trace. The stretching drop v = (-A x, A y) of Monaghan (1994) has the
    rates -A,A. */
-static PetscErrorCode StrainSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode StrainSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Linear        *linear                    = (Linear *)body->velocity_data;
   const PetscInt dim                       = body->domain->dim;
@@ -99,7 +99,7 @@ static PetscErrorCode StrainSetFromOptions(Body body, PetscOptionItems *PetscOpt
 }
 
 /* Simple shear v = rate (n . (x - center)) e with e normal to n; plane Couette flow. */
-static PetscErrorCode ShearSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode ShearSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Linear   *linear = (Linear *)body->velocity_data;
   PetscReal rate[2], e[DIM] = {1, 0, 0}, n[DIM] = {0, 0, 0};
@@ -128,7 +128,7 @@ typedef struct {
   PetscReal wavelength; /* m */
 } TaylorGreen;
 
-static PetscErrorCode TaylorGreenSetFromOptions(Body body, PetscOptionItems *PetscOptionsObject)
+static PetscErrorCode TaylorGreenSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   TaylorGreen *vortex = (TaylorGreen *)body->velocity_data;
   PetscReal    amplitude[2];

@@ -1,7 +1,8 @@
 #include "types.h"
 
-/* Cells have size H: the support reaches this many cells. */
-#define CELL_REACH 2
+/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that the particles of
+   one share the work of collecting them. */
+#define CELLS_A_SUPPORT 3
 
 /* Sorts the liquid (fluid particles, ghosts too) into cells. */
 static PetscErrorCode SortLiquid(Tension tension, Cloud cloud)
@@ -14,7 +15,9 @@ static PetscErrorCode SortLiquid(Tension tension, Cloud cloud)
     tension->capacity = cloud->n_total + cloud->n_total / 8;
     PetscCall(PetscFree(tension->sorted));
     PetscCall(PetscFree(tension->liquid));
+    PetscCall(PetscFree(tension->candidates));
     PetscCall(PetscMalloc1(9 * tension->capacity, &tension->sorted));
+    PetscCall(PetscMalloc1(9 * tension->capacity, &tension->candidates));
     PetscCall(PetscMalloc1(tension->capacity, &tension->liquid));
   }
   tension->count = 0;
@@ -23,18 +26,27 @@ static PetscErrorCode SortLiquid(Tension tension, Cloud cloud)
   PetscCall(PetscMalloc1(DIM * tension->count, &x));
   for (PetscInt k = 0; k < tension->count; k++)
     for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * tension->liquid[k] + d];
-  PetscCall(CellGridBuild(&tension->grid, cloud->domain->dim, tension->count, x, KernelSmoothingLength(tension->kernel)));
+  PetscCall(CellGridBuild(&tension->grid, cloud->domain->dim, tension->count, x, KernelSupport(tension->kernel) / CELLS_A_SUPPORT));
   for (PetscInt k = 0; k < tension->count; k++)
     for (PetscInt d = 0; d < DIM; d++) tension->sorted[d * tension->count + k] = x[DIM * tension->grid.order[k] + d];
   PetscCall(PetscFree(x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Marks the cells within the band of a cell that holds a surface particle, a direction after the other. */
+/* How many cells further along x may hold points within 'radius' of a cell that is dy, dz cells away; -1: none. */
+static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
+{
+  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size, rest = radius * radius - y * y - z * z;
+
+  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
+}
+
+/* Marks the cells within the band of a cell that holds a surface particle. */
 static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 {
-  const CellGrid *grid = &tension->grid;
-  const PetscInt  reach = (PetscInt)PetscCeilReal((tension->band * KernelSupport(tension->kernel) + tension->spacing) / grid->size), stride[DIM] = {1, grid->n[0], grid->n[0] * grid->n[1]};
+  const CellGrid *grid   = &tension->grid;
+  const PetscReal radius = tension->band * KernelSupport(tension->kernel) + tension->spacing;
+  const PetscInt  reach  = (PetscInt)(radius / grid->size) + 1;
 
   PetscFunctionBegin;
   if (grid->count > tension->near_capacity) {
@@ -42,41 +54,49 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
     PetscCall(PetscFree(tension->near));
     PetscCall(PetscMalloc1(tension->near_capacity, &tension->near));
   }
+  PetscCall(PetscArrayzero(tension->near, grid->count));
   for (PetscInt c = 0; c < grid->count; c++) {
-    tension->near[c] = 0;
-    for (PetscInt k = grid->start[c]; k < grid->start[c + 1] && !tension->near[c]; k++) tension->near[c] = (unsigned char)(cloud->integer[INT_SURFACE][tension->liquid[grid->order[k]]] == 1);
-  }
-  for (PetscInt d = 0; d < DIM; d++) {
-    for (PetscInt c = 0; c < grid->count; c++) {
-      PetscInt since = reach + 1;
+    const PetscInt x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
+    PetscBool      surface = PETSC_FALSE;
 
-      if ((c / stride[d]) % grid->n[d]) continue; /* c starts a line along d */
-      for (PetscInt k = 0; k < grid->n[d]; k++) { /* forwards: spread marks up to 'reach' ahead, as 2 */
-        unsigned char *cell = &tension->near[c + k * stride[d]];
+    for (PetscInt k = grid->start[c]; k < grid->start[c + 1] && !surface; k++) surface = (PetscBool)(cloud->integer[INT_SURFACE][tension->liquid[grid->order[k]]] == 1);
+    if (!surface) continue;
+    for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
+      for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
+        const PetscInt along = CellsAlong(grid->size, radius, dy, dz), line = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
 
-        since = *cell == 1 ? 0 : since + 1;
-        if (since && since <= reach) *cell = 2;
+        for (PetscInt k = PetscMax(0, x - along); along >= 0 && k <= PetscMin(grid->n[0] - 1, x + along); k++) tension->near[line + k] = 1;
       }
-      since = reach + 1;
-      for (PetscInt k = grid->n[d] - 1; k >= 0; k--) {
-        unsigned char *cell = &tension->near[c + k * stride[d]];
-
-        since = *cell == 1 ? 0 : since + 1;
-        if (since && since <= reach) *cell = 2;
-      }
-    }
-    for (PetscInt c = 0; c < grid->count; c++) tension->near[c] = tension->near[c] != 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Runs body(begin, count) over the rows of cells around cell c: contiguous sorted particles. */
-#define FOR_RUNS(grid, c, begin, n_run) \
-  for (PetscInt cx = (c) % (grid)->n[0], cy = ((c) / (grid)->n[0]) % (grid)->n[1], cz = (c) / ((grid)->n[0] * (grid)->n[1]), z = PetscMax(0, cz - CELL_REACH); z <= PetscMin((grid)->n[2] - 1, cz + CELL_REACH); z++) \
-    for (PetscInt y = PetscMax(0, cy - CELL_REACH); y <= PetscMin((grid)->n[1] - 1, cy + CELL_REACH); y++) \
-      for (PetscInt line = (z * (grid)->n[1] + y) * (grid)->n[0], begin = (grid)->start[line + PetscMax(0, cx - CELL_REACH)], n_run = (grid)->start[line + PetscMin((grid)->n[0] - 1, cx + CELL_REACH) + 1] - begin, once = 1; once; once = 0)
+/* Collects 'width' columns of the sorted particles within the support of cell c into candidates[width][n], one behind the other; returns n. */
+static PetscInt Collect(Tension tension, PetscInt c, PetscInt width)
+{
+  const CellGrid *grid = &tension->grid;
+  const PetscReal support = KernelSupport(tension->kernel);
+  const PetscInt  x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
+  const PetscInt  reach = (PetscInt)(support / grid->size) + 1;
+  PetscInt        n = 0;
 
-#define RUN_CHUNK 512
+  for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
+    for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
+      const PetscInt along = CellsAlong(grid->size, support, dy, dz), line = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
+
+      if (along < 0) continue;
+      {
+        const PetscInt begin = grid->start[line + PetscMax(0, x - along)], length = grid->start[line + PetscMin(grid->n[0] - 1, x + along) + 1] - begin;
+
+        for (PetscInt w = 0; w < width; w++)
+          for (PetscInt k = 0; k < length; k++) tension->candidates[w * tension->count + n + k] = tension->sorted[w * tension->count + begin + k];
+        n += length;
+      }
+    }
+  return n;
+}
+
+#define CHUNK 512
 
 /* grad phi of the walls around x: each wall face is a half-space full of liquid. */
 static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], PetscReal gradient[DIM])
@@ -93,104 +113,104 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
     }
 }
 
-/* grad phi, Eq. (6), and S, Eq. (7), of the owned liquid in near cells. All V are the same. */
-static PetscErrorCode StressPass(Tension tension, Cloud cloud)
+/* sum over the n collected candidates of V grad W^H at x (without V). */
+static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal gradient[DIM])
 {
-  const CellGrid  *grid = &tension->grid;
-  const PetscInt   n = tension->count;
-  const PetscReal *sx = tension->sorted, *sy = sx + n, *sz = sy + n, H = KernelSmoothingLength(tension->kernel);
-  PetscReal       *S = cloud->field[FIELD_STRESS], r2[RUN_CHUNK], F[RUN_CHUNK];
+  const PetscReal *restrict cx = tension->candidates, *restrict cy = cx + tension->count, *restrict cz = cy + tension->count;
+  PetscReal r2[CHUNK], F[CHUNK];
 
-  PetscFunctionBegin;
-  PetscCall(PetscArrayzero(S, 6 * cloud->n_owned));
-  for (PetscInt c = 0; c < grid->count; c++) {
-    if (!tension->near[c]) continue;
-    for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-      const PetscInt  a = tension->liquid[grid->order[p]];
-      const PetscReal x = sx[p], y0 = sy[p], z0 = sz[p];
-      PetscReal       g[DIM] = {0, 0, 0}, kappa, g2;
+  gradient[0] = gradient[1] = gradient[2] = 0;
+  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
+    const PetscInt  m  = PetscMin(CHUNK, n - begin);
+    const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+    PetscReal       gx = 0, gy = 0, gz = 0;
 
-      if (a >= cloud->n_owned) continue;
-      FOR_RUNS(grid, c, begin, length) {
-        for (PetscInt chunk = begin; chunk < begin + length; chunk += RUN_CHUNK) {
-          const PetscInt m  = PetscMin(RUN_CHUNK, begin + length - chunk);
-          PetscReal      gx = 0, gy = 0, gz = 0;
-
-          SIMD_LOOP()
-          for (PetscInt k = 0; k < m; k++) r2[k] = PetscSqr(x - sx[chunk + k]) + PetscSqr(y0 - sy[chunk + k]) + PetscSqr(z0 - sz[chunk + k]);
-          KernelEvaluate(tension->kernel, m, r2, NULL, F);
-          SIMD_LOOP(reduction(+ : gx, gy, gz))
-          for (PetscInt k = 0; k < m; k++) {
-            gx += F[k] * (x - sx[chunk + k]);
-            gy += F[k] * (y0 - sy[chunk + k]);
-            gz += F[k] * (z0 - sz[chunk + k]);
-          }
-          g[0] += gx;
-          g[1] += gy;
-          g[2] += gz;
-        }
-      }
-      for (PetscInt d = 0; d < DIM; d++) g[d] *= cloud->domain->volume;
-      {
-        const PetscReal position[DIM] = {x, y0, z0};
-
-        AddWalls(tension, cloud->domain, position, g);
-      }
-      kappa        = tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
-      g2           = Dot(g, g);
-      S[6 * a]     = kappa * (g2 - g[0] * g[0]);
-      S[6 * a + 1] = kappa * (g2 - g[1] * g[1]);
-      S[6 * a + 2] = kappa * (g2 - g[2] * g[2]);
-      S[6 * a + 3] = -kappa * g[0] * g[1];
-      S[6 * a + 4] = -kappa * g[0] * g[2];
-      S[6 * a + 5] = -kappa * g[1] * g[2];
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++) r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
+    KernelEvaluate(tension->kernel, m, r2, NULL, F);
+    SIMD_LOOP(reduction(+ : gx, gy, gz))
+    for (PetscInt k = 0; k < m; k++) {
+      gx += F[k] * (x0 - cx[begin + k]);
+      gy += F[k] * (y0 - cy[begin + k]);
+      gz += F[k] * (z0 - cz[begin + k]);
     }
+    gradient[0] += gx;
+    gradient[1] += gy;
+    gradient[2] += gz;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* acceleration += 1/rho_a sum_b V_b S_b grad W^H_ab, which equals the symmetric form of Eq. (1) because S_a . grad phi_a = 0. */
-static PetscErrorCode ForcePass(Tension tension, Cloud cloud)
+/* sum over the n collected candidates of S_b grad W^H at x (without V). */
+static void SumForce(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal force[DIM])
 {
-  const CellGrid  *grid = &tension->grid;
-  const PetscInt   n = tension->count;
-  const PetscReal *sx = tension->sorted, *sy = sx + n, *sz = sy + n, *xx = sz + n, *yy = xx + n, *zz = yy + n, *xy = zz + n, *xz = xy + n, *yz = xz + n;
-  PetscReal        r2[RUN_CHUNK], F[RUN_CHUNK];
+  const PetscInt stride = tension->count;
+  const PetscReal *restrict cx = tension->candidates, *restrict cy = cx + stride, *restrict cz = cy + stride;
+  const PetscReal *restrict xx = cz + stride, *restrict yy = xx + stride, *restrict zz = yy + stride, *restrict xy = zz + stride, *restrict xz = xy + stride, *restrict yz = xz + stride;
+  PetscReal r2[CHUNK], F[CHUNK];
+
+  force[0] = force[1] = force[2] = 0;
+  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
+    const PetscInt  m  = PetscMin(CHUNK, n - begin);
+    const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+    PetscReal       fx = 0, fy = 0, fz = 0;
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++) r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
+    KernelEvaluate(tension->kernel, m, r2, NULL, F);
+    SIMD_LOOP(reduction(+ : fx, fy, fz))
+    for (PetscInt k = 0; k < m; k++) {
+      const PetscInt  b  = begin + k;
+      const PetscReal dx = F[k] * (x0 - cx[b]), dy = F[k] * (y0 - cy[b]), dz = F[k] * (z0 - cz[b]);
+
+      fx += xx[b] * dx + xy[b] * dy + xz[b] * dz;
+      fy += xy[b] * dx + yy[b] * dy + yz[b] * dz;
+      fz += xz[b] * dx + yz[b] * dy + zz[b] * dz;
+    }
+    force[0] += fx;
+    force[1] += fy;
+    force[2] += fz;
+  }
+}
+
+/* S = kappa (|g|^2 I - g (x) g), Eq. (7). */
+static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
+{
+  const PetscReal g2 = Dot(g, g);
+
+  for (PetscInt d = 0; d < DIM; d++) S[d] = kappa * (g2 - g[d] * g[d]);
+  S[3] = -kappa * g[0] * g[1];
+  S[4] = -kappa * g[0] * g[2];
+  S[5] = -kappa * g[1] * g[2];
+}
+
+/* One pass over the owned liquid in near cells: grad phi, Eq. (6), and S; or, with S known everywhere, acceleration += 1/rho_a sum_b V_b S_b grad W^H_ab,
+   which equals the symmetric form of Eq. (1) because S_a . grad phi_a = 0. All V are the same. */
+static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
+{
+  const CellGrid *grid = &tension->grid;
+  const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++)
-    for (PetscInt i = 0; i < 6; i++) tension->sorted[(3 + i) * n + k] = cloud->field[FIELD_STRESS][6 * tension->liquid[grid->order[k]] + i];
   for (PetscInt c = 0; c < grid->count; c++) {
+    PetscInt n = -1;
+
     if (!tension->near[c]) continue;
     for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-      const PetscInt  a = tension->liquid[grid->order[p]];
-      const PetscReal x = sx[p], y0 = sy[p], z0 = sz[p], scale = cloud->domain->volume / cloud->rest_density[a];
-      PetscReal       f[DIM] = {0, 0, 0};
+      const PetscInt  a      = tension->liquid[grid->order[p]];
+      const PetscReal x[DIM] = {tension->sorted[p], tension->sorted[tension->count + p], tension->sorted[2 * tension->count + p]};
+      PetscReal       sum[DIM];
 
       if (a >= cloud->n_owned) continue;
-      FOR_RUNS(grid, c, begin, length) {
-        for (PetscInt chunk = begin; chunk < begin + length; chunk += RUN_CHUNK) {
-          const PetscInt m  = PetscMin(RUN_CHUNK, begin + length - chunk);
-          PetscReal      fx = 0, fy = 0, fz = 0;
-
-          SIMD_LOOP()
-          for (PetscInt k = 0; k < m; k++) r2[k] = PetscSqr(x - sx[chunk + k]) + PetscSqr(y0 - sy[chunk + k]) + PetscSqr(z0 - sz[chunk + k]);
-          KernelEvaluate(tension->kernel, m, r2, NULL, F);
-          SIMD_LOOP(reduction(+ : fx, fy, fz))
-          for (PetscInt k = 0; k < m; k++) {
-            const PetscInt  b  = chunk + k;
-            const PetscReal dx = F[k] * (x - sx[b]), dy = F[k] * (y0 - sy[b]), dz = F[k] * (z0 - sz[b]);
-
-            fx += xx[b] * dx + xy[b] * dy + xz[b] * dz;
-            fy += xy[b] * dx + yy[b] * dy + yz[b] * dz;
-            fz += xz[b] * dx + yz[b] * dy + zz[b] * dz;
-          }
-          f[0] += fx;
-          f[1] += fy;
-          f[2] += fz;
-        }
+      if (n < 0) n = Collect(tension, c, force ? 9 : 3);
+      if (force) {
+        SumForce(tension, n, x, sum);
+        for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += V / cloud->rest_density[a] * sum[d];
+      } else {
+        SumGradient(tension, n, x, sum);
+        for (PetscInt d = 0; d < DIM; d++) sum[d] *= V;
+        AddWalls(tension, cloud->domain, x, sum);
+        Stress(tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension, sum, cloud->field[FIELD_STRESS] + 6 * a);
       }
-      for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += scale * f[d];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -201,8 +221,11 @@ PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   PetscCall(SortLiquid(tension, cloud));
   PetscCall(MarkNear(tension, cloud));
-  PetscCall(StressPass(tension, cloud));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_STRESS], 6 * cloud->n_owned));
+  PetscCall(Pass(tension, cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_STRESS));
-  PetscCall(ForcePass(tension, cloud));
+  for (PetscInt i = 0; i < 6; i++)
+    for (PetscInt k = 0; k < tension->count; k++) tension->sorted[(3 + i) * tension->count + k] = cloud->field[FIELD_STRESS][6 * tension->liquid[tension->grid.order[k]] + i];
+  PetscCall(Pass(tension, cloud, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

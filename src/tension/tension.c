@@ -99,6 +99,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->kernel));
   PetscCall(CellGridReset(&(*tension)->grid));
   PetscCall(PetscFree((*tension)->sorted));
+  PetscCall(PetscFree((*tension)->candidates));
   PetscCall(PetscFree((*tension)->liquid));
   PetscCall(PetscFree((*tension)->near));
   PetscCall(PetscFree(*tension));

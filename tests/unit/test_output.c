@@ -167,6 +167,7 @@ static PetscErrorCode Fill(Run *run, Shape shape, PetscReal jitter)
     }
     if (pass) PetscCall(ParticlesClose(run->particles, &arrays));
   }
+  PetscCall(CloudResync(run->cloud)); /* the gauges follow the neighbour lists */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -392,6 +393,7 @@ static PetscErrorCode CheckRestart(void)
   CHECK(Lines(FOLDER "/series.csv") == 1 + 5, "restart: series cut behind the step");
   CHECK(Exists(FOLDER "/snapshot_000001.h5") && !Exists(FOLDER "/snapshot_000002.h5"),
         "restart: snapshots cut behind the step");
+  PetscCall(CloudResync(run.cloud));
   PetscCall(OutputStep(run.output, &state, PETSC_FALSE)); /* the state of the restart is there already */
   CHECK(Lines(FOLDER "/series.csv") == 1 + 5, "restart: no line twice");
   for (PetscInt step = 5; step <= STEPS; step++) {

@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+"""Bad input ends the program before the first step, in seconds, with a non-zero code and one line on standard error:
+'isph: error: <sentence>', no trace; and with nothing lost of what was there."""
+import hashlib
+import os
+import shutil
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+SECONDS = 20  # a refusal takes less than one; the machine may be busy
+BOX = "-spacing 1 -box_lower 0,0,0 -box_upper 10,10,20 -box_zmin wall -gravity 0,0,-1 -steps_max 2 -progress_interval 0 "
+POOL = "-bodies film -film_upper 10,10,5 "
+GOOD = BOX + POOL
+
+
+def refused(name, options, words, ranks=1, folder=None):
+    """The options must be refused with a sentence that holds all the words."""
+    path = folder or runs.scratch(name)
+    began = time.time()
+    process = runs.start(options + f" -output_dir {path}", ranks)
+    took = time.time() - began
+    lines = [line for line in process.stderr.splitlines() if line.strip()]
+    if ranks > 1:  # mpiexec adds its own farewell
+        lines = [line for line in lines if "isph: error:" in line or "PETSC" in line]
+    series = os.path.join(path, "series.csv")
+    steps = 0
+    if folder is None and os.path.exists(series):
+        with open(series, encoding="utf-8") as file:
+            steps = max(0, len(file.readlines()) - 1)
+    why = f"code {process.returncode}, {took:.1f} s, {steps} series lines, standard error: {process.stderr.strip()[:400]!r}"
+    good = process.returncode > 0 and len(lines) == 1 and lines[0].startswith("isph: error: ") and steps == 0
+    runs.check(good and took < SECONDS and all(word in lines[0] for word in words), name, why)
+
+
+def checksums(folder):
+    """A checksum of each file of a folder."""
+    sums = {}
+    for name in sorted(os.listdir(folder)):
+        with open(os.path.join(folder, name), "rb") as file:
+            sums[name] = hashlib.sha256(file.read()).hexdigest()
+    return sums
+
+
+refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
+refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
+refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_something_else"])
+refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
+refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
+refused("zero_spacing", GOOD + "-spacing 0", ["-spacing"])
+refused("text_for_number", GOOD + "-spacing abc", ["abc", "-spacing"])
+refused("text_for_number_parallel", GOOD + "-spacing abc", ["abc", "-spacing"], 2)
+refused("text_in_vector", GOOD + "-box_lower 0,x,0", ["x", "-box_lower"])
+refused("fraction_for_whole", GOOD + "-steps_max 1.5", ["1.5", "-steps_max"])
+refused("text_for_switch", GOOD + "-snapshot_double perhaps", ["perhaps", "-snapshot_double"])
+refused("unknown_choice", GOOD + "-pressure_density both", ["both", "-pressure_density", "rest", "summed"])
+refused("unknown_scheme", GOOD + "-scheme magic", ["magic", "consistent", "density_invariant"])
+refused("unknown_solver", GOOD + "-ksp_type magic", ["magic", "-ksp_type"])
+refused("unknown_preconditioner", GOOD + "-pc_type magic", ["magic", "-pc_type"])
+refused("missing_bodies", BOX, ["-bodies"])
+refused("overlapping_bodies", BOX + "-bodies a,b -a_upper 10,10,5 -b_lower 0,0,4 -b_upper 10,10,8", ["a", "b", "overlap"])
+refused("thin_periodic_box", GOOD + "-box_upper 2,10,20 -box_x periodic -film_upper 2,10,5", ["x"])
+refused("thin_symmetry_box", GOOD + "-box_upper 2,10,20 -box_x symmetry -film_upper 2,10,5", ["x"])
+refused("periodic_against_wall", GOOD + "-box_xmin periodic -box_xmax wall", ["periodic"])
+refused("empty_box", GOOD + "-box_upper 0,0,0", ["-box_upper"])
+refused("no_end", "-spacing 1 -box_lower 0,0,0 -box_upper 10,10,20 -gravity 0,0,-1 " + POOL, ["-time_end"])
+refused("end_before_start", GOOD + "-time_start 1 -time_end 0.5", ["-time_end", "-time_start"])
+refused("no_particles", BOX + "-bodies a -a_shape sphere -a_radius 1 -a_center 50,50,50", ["a"])
+refused("nothing_moves", GOOD + "-gravity 0,0,0", ["-time_step"])
+refused("negative_density", GOOD + "-film_density -1", ["-film_density"])
+
+# the output folder: what a former run left is not touched
+good = runs.run(GOOD, "good")
+before = checksums(good)
+refused("folder_of_a_run", GOOD, [good, "-output_overwrite"], folder=good)
+runs.check(checksums(good) == before, "folder_of_a_run_unchanged", "files differ")
+blocked = runs.scratch("blocked")
+with open(blocked, "w", encoding="utf-8") as file:
+    file.write("a file\n")
+refused("folder_is_a_file", GOOD, [blocked], folder=blocked)
+
+# checkpoints
+checkpoint = runs.numbered(good, "checkpoint")[-1]
+size = os.path.getsize(checkpoint)
+broken = runs.scratch("broken.h5")
+for share in (0, 0.1, 0.5, 0.99):
+    shutil.copy(checkpoint, broken)
+    os.truncate(broken, int(size * share))
+    refused(f"truncated_to_{share}", GOOD + f"-restart {broken}", [broken])
+shutil.copy(checkpoint, broken)
+with open(broken, "r+b") as file:
+    file.seek(size // 2)
+    byte = file.read(1)
+    file.seek(size // 2)
+    file.write(bytes([byte[0] ^ 1]))
+refused("one_bit_wrong", GOOD + f"-restart {broken}", [broken])
+refused("foreign_hdf5", GOOD + f"-restart {runs.numbered(good, 'snapshot')[-1]}", ["checkpoint"])
+refused("foreign_text", GOOD + f"-restart {os.path.join(good, 'series.csv')}", ["checkpoint"])
+refused("missing_checkpoint", GOOD + "-restart /nowhere/checkpoint_000001.h5", ["/nowhere/checkpoint_000001.h5"])
+refused("checkpoint_of_other_spacing", GOOD + f"-spacing 0.5 -restart {checkpoint}", ["spacing"])
+refused("checkpoint_of_other_bodies", BOX + f"-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -restart {checkpoint}", ["bodies"])
+refused("checkpoint_is_the_end", GOOD + f"-time_end 1e-9 -restart {checkpoint}", ["-time_end"])
+runs.check(checksums(good) == before, "checkpoint_folder_unchanged", "files differ")
+runs.done()

@@ -1,0 +1,83 @@
+#!/usr/bin/python3
+"""A run continued from a checkpoint equals the one that was not interrupted: to the last bit on as many ranks as wrote it,
+to round-off on another number."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+
+IMPACT = """-spacing 1e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box_x periodic -box_ymin symmetry
+ -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 12e-3,12e-3,0
+ -film_viscosity 3.5e-3 -film_tension 0.067 -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,5.8e-3
+ -drop_velocity 1,0.5,-3 -drop_tension 0.067 -snapshot_double -checkpoint_interval 7e-4 -series_interval 1e-4
+ -snapshot_interval 3e-4 """
+PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall -gravity 0,-9.81
+ -bodies film,drop -film_upper 1,0.4 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.62
+ -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -snapshot_double -checkpoint_interval 1e-2
+ -sort_interval 7 """
+STEPS = 24  # of the whole run; the checkpoint falls between
+ROUND_OFF = 1e-10  # on another number of ranks, spacings
+
+
+def same(a, b):
+    """The names of the fields in which two files differ in a bit."""
+    return [k for k in a if k not in b or not np.array_equal(a[k], b[k], equal_nan=a[k].dtype.kind == "f")]
+
+
+def compare_series(name, whole, rest):
+    """The lines of the continued run stand in the whole one too, but for the clock."""
+    columns = [c for c in whole.dtype.names if c != "wall_time"]
+    lines = {int(line["step"]): line for line in whole}
+    differing = [(int(line["step"]), c) for line in rest for c in columns
+                 if int(line["step"]) not in lines or not np.array_equal(line[c], lines[int(line["step"])][c], equal_nan=True)]
+    runs.check(len(rest) > 1 and not differing, name, f"{len(rest)} lines, differing: {differing[:5]}")
+
+
+def test(name, scene, spacing, ranks, others):
+    """Runs through on 'ranks'; continues from the first checkpoint on the same and on other numbers of ranks."""
+    a = runs.run(scene + f"-steps_max {STEPS}", name, ranks)
+    middle, end = runs.numbered(a, "checkpoint")[0], runs.numbered(a, "checkpoint")[-1]
+    step = int(runs.head(middle)["step"])
+    runs.check(0 < step < STEPS, name + "_checkpoint_between", f"it is at step {step} of {STEPS}")
+    final = runs.fields(end)
+    for n in [ranks] + others:
+        label = f"{name}_on_{n}"
+        extra = "-ksp_rtol 1e-12 " if n != ranks else ""
+        if extra:  # iterations end elsewhere on other ranks: compare with a tight solver
+            tight = runs.run(scene + extra + f"-steps_max {STEPS}", label + "_whole", ranks)
+            middle = runs.numbered(tight, "checkpoint")[0]
+            final = runs.fields(runs.numbered(tight, "checkpoint")[-1])
+            step = int(runs.head(middle)["step"])
+        b = runs.run(scene + extra + f"-steps_max {STEPS - step} -restart {middle}", label, n)
+        again = runs.fields(runs.numbered(b, "checkpoint")[-1])
+        if n == ranks:
+            runs.check(not same(final, again), label + "_bitwise", f"differing fields: {same(final, again)}")
+            heads = runs.head(end), runs.head(runs.numbered(b, "checkpoint")[-1])
+            other = [k for k in heads[0] if k != "wall_time" and heads[0][k] != heads[1].get(k)]
+            runs.check(not other, label + "_head", f"differing: {other}")
+            compare_series(label + "_series", runs.series(a), runs.series(b))
+            last = [runs.fields(runs.numbered(folder, "snapshot")[-1]) for folder in (a, b)]
+            runs.check(not same(*last), label + "_snapshot", f"differing fields: {same(*last)}")
+        else:
+            moved = np.abs(final["position"] - again["position"]).max() / spacing
+            print(f"{label}: positions differ by {moved:.2e} spacings")
+            runs.check_below(moved, ROUND_OFF, label + "_positions")
+
+
+test("impact", IMPACT, 1e-3, 1, [])
+test("impact_parallel", IMPACT, 1e-3, 2, [1, 3])
+test("plane", PLANE, 0.02, 1, [2])
+# in the folder of the checkpoint itself: the series goes on behind the restart
+folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
+before = runs.series(folder)
+middle = runs.numbered(folder, "checkpoint")[0]
+rest = STEPS - int(runs.head(middle)["step"])
+process = runs.start(PLANE + f"-steps_max {rest} -restart {middle} -output_dir {folder} -progress_interval 0")
+after = runs.series(folder)
+columns = [c for c in before.dtype.names if c != "wall_time"]
+runs.check(process.returncode == 0 and len(before) == len(after) and
+           all(np.array_equal(before[c], after[c], equal_nan=True) for c in columns), "series_goes_on",
+           f"code {process.returncode}, {len(before)} lines before, {len(after)} after; {process.stderr[-300:]}")
+runs.done()

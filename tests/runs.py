@@ -1,0 +1,87 @@
+"""Runs of ./isph for the tests: start, read back, judge. Tests are scripts that import this and end with done()."""
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PROGRAM = os.environ.get("ISPH", os.path.join(ROOT, "isph"))
+_scratch = tempfile.TemporaryDirectory(prefix="isph-test-")
+_failures = 0
+
+
+def scratch(name):
+    """A path in a folder that vanishes with the test."""
+    return os.path.join(_scratch.name, name)
+
+
+def check(passed, name, why=""):
+    """Prints 'ok name' or 'FAIL name: why'."""
+    global _failures
+    _failures += not passed
+    print(f"ok {name}" if passed else f"FAIL {name}: {why}", flush=True)
+    return bool(passed)
+
+
+def check_below(value, limit, name):
+    """value <= limit; a nan fails."""
+    return check(value <= limit, name, f"{value:.6g} is not at most {limit:.6g}")
+
+
+def check_within(value, low, high, name):
+    return check(low <= value <= high, name, f"{value:.6g} is not in [{low:.6g}, {high:.6g}]")
+
+
+def done():
+    """The exit code of the test."""
+    sys.exit(1 if _failures else 0)
+
+
+def start(options, ranks=1, timeout=300):
+    """Runs the program with a string or list of options; the finished process with its texts."""
+    if isinstance(options, str):
+        options = shlex.split(options)
+    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                       OMPI_MCA_rmaps_base_oversubscribe="1", OMP_NUM_THREADS="1")
+    command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + options
+    return subprocess.run(command, cwd=ROOT, env=environment, timeout=timeout, stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+
+
+def run(options, folder, ranks=1, timeout=300):
+    """Runs to the end into scratch folder 'folder'; ends the test if that fails. Returns the path of the folder."""
+    path = scratch(folder)
+    arguments = (shlex.split(options) if isinstance(options, str) else options) + ["-output_dir", path]
+    process = start(arguments + ["-progress_interval", "0"], ranks, timeout)
+    if process.returncode:
+        check(False, folder, f"the run failed with code {process.returncode}: {process.stderr.strip()[-600:]}")
+        done()
+    return path
+
+
+def numbered(folder, kind):
+    """Files <kind>_<number>.h5 of a run, in order."""
+    names = sorted(n for n in os.listdir(folder) if n.startswith(kind + "_") and n.endswith(".h5"))
+    return [os.path.join(folder, n) for n in names]
+
+
+def fields(path):
+    """The fields of a snapshot or checkpoint, sorted by particle id."""
+    with h5py.File(path, "r") as file:
+        order = np.argsort(file["id"][:], kind="stable")
+        return {name: file[name][:][order] for name in file if len(file[name]) == len(order) and name != "counts"}
+
+
+def head(path):
+    """The attributes of a snapshot or checkpoint."""
+    with h5py.File(path, "r") as file:
+        return {name: value for name, value in file.attrs.items()}
+
+
+def series(folder):
+    """series.csv as a structured array."""
+    return np.atleast_1d(np.genfromtxt(os.path.join(folder, "series.csv"), delimiter=",", names=True))
