@@ -10,7 +10,6 @@ static PetscErrorCode Run(void)
   PetscBool stop;
 
   PetscFunctionBegin;
-  PetscCall(UserErrorHandlerPush());
   PetscCall(LogRegister());
   PetscCall(SimCreate(PETSC_COMM_WORLD, &sim));
   PetscCall(SimSetFromOptions(sim, &stop));
@@ -27,6 +26,7 @@ int main(int argc, char **argv)
 {
   int code;
 
+  if (UserErrorHandlerPush()) return 2; /* before the options are read: a missing options file is the user's error too */
   if (PetscInitialize(&argc, &argv, NULL, help)) return 2;
   code = (int)Run();
   (void)PetscFinalize();

@@ -77,7 +77,8 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
 /* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler) that stays silent while the
    code of a UserError travels up through PetscCall, and hands every other error to PETSc's traceback. PETSc aborts
    when a PetscCall in main itself fails: let main call one function, test its code without PetscCall, finalize and
-   return it. Not collective; call once after PetscInitialize. */
+   return it. Values of options that PETSc itself cannot read become one sentence too, with the option. Not collective; call
+   once, before PetscInitialize if a missing options file shall be refused as politely. */
 PetscErrorCode UserErrorHandlerPush(void);
 
 /* RandomUnit - a uniform number in [0,1) from a seed and a counter (SplitMix64): the same on any number of ranks. */

@@ -97,7 +97,7 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
   char        option[256];
 
   if (!message || !function) return PETSC_FALSE;
-  if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) && code != PETSC_ERR_ARG_UNKNOWN_TYPE) return PETSC_FALSE;
+  if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) && strncmp(function, "PetscOptionsInsertFile", 22) && code != PETSC_ERR_ARG_UNKNOWN_TYPE) return PETSC_FALSE;
   FindOption(message, option, sizeof(option));
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (!rank) {

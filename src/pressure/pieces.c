@@ -96,7 +96,7 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
   Cloud cloud = pressure->cloud;
 
-  if (a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] >= LAMBDA_CLOSURE) return 0;
+  if (!pressure->free_surface || a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] >= LAMBDA_CLOSURE) return 0;
   return PetscMax(0, pressure->lattice_diagonal / PressureDensity(pressure)[a] * cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale - diagonal);
 }
 

@@ -234,6 +234,19 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether any particle anywhere is on a free surface: if none is, no row is closed, however disordered the particles are. */
+static PetscErrorCode FindFreeSurface(Pressure pressure)
+{
+  Cloud    cloud = pressure->cloud;
+  PetscInt flags = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid && !flags; a++) flags = cloud->integer[INT_SURFACE][a] == 1;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &flags, 1, MPIU_INT, MPI_MAX, cloud->comm));
+  pressure->free_surface = (PetscBool)(flags > 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
 {
   Cloud        cloud = pressure->cloud;
@@ -244,6 +257,7 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(MatDestroy(&s->A));
   PetscCall(SystemColumns(pressure));
+  PetscCall(FindFreeSurface(pressure));
   PetscCall(CountEntries(pressure, s));
   PetscCall(FillEntries(pressure, s, &closed));
   PetscCall(WrapMatrix(pressure, s));

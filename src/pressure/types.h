@@ -43,6 +43,7 @@ struct _p_Pressure {
   KSP              ksp;
   Vec              b, x;
   PetscInt         solver_layout; /* the local order the solver was made for */
+  PetscBool        free_surface;  /* any particle is on one */
   PetscBool        constant_null;
   PetscInt         age, rebuild_interval, kept_steps, first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
   PetscReal        rebuild_growth;
