@@ -21,6 +21,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(PetscOptionsInt("-steps_max", "number of steps after which the run ends; 0: no bound", "SimSetFromOptions", sim->steps_max, &sim->steps_max, NULL));
   PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
   PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
+  PetscCall(PetscOptionsReal("-wall_clock_limit", "wall-clock time after which the run writes a checkpoint and ends (s); 0: none", "SimSetFromOptions", sim->wall_clock_limit, &sim->wall_clock_limit, NULL));
   PetscCall(PetscOptionsReal("-packing_relaxation_time", "relax the packing at rest, without body force, for this long before the run (s); 0: not", "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
   PetscCall(PetscOptionsReal("-packing_relaxation_damping", "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5, &sim->relaxation_damping, &sim->has_damping));
   PetscOptionsEnd();
@@ -28,6 +29,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative", (double)sim->relaxation_time);
   PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm, "-packing_relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
   PetscCheckUser(sim->steps_max >= 0, sim->comm, "-steps_max is %" PetscInt_FMT "; it must not be negative", sim->steps_max);
+  PetscCheckUser(sim->wall_clock_limit >= 0, sim->comm, "-wall_clock_limit is %g s; it must not be negative", (double)sim->wall_clock_limit);
   PetscCheckUser(sim->progress_interval >= 0, sim->comm, "-progress_interval is %g s; it must not be negative", (double)sim->progress_interval);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,9 +129,11 @@ PetscErrorCode SimRun(Sim sim)
   Progress  progress = {0};
   PetscBool last     = PETSC_FALSE;
   PetscInt  steps    = 0;
+  const char *interrupted;
 
   PetscFunctionBegin;
   PetscCall(ProgressStart(sim, &progress));
+  PetscCall(InterruptWatch());
   if (!sim->restart[0]) PetscCall(WriteOutput(sim, PETSC_FALSE));
   PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
   while (!last) {
@@ -141,10 +145,12 @@ PetscErrorCode SimRun(Sim sim)
       PetscCall(Checkpoint(sim));
       PetscCheckUser(PETSC_FALSE, sim->comm, "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s", (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
-    last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max);
+    PetscCall(InterruptCheck(sim, &progress, &interrupted));
+    last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
     PetscCall(ProgressStep(sim, &progress, last));
+    if (interrupted) PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s; continue with -restart and the newest checkpoint in %s\n", interrupted, (double)sim->state.time, OutputFolder(sim->output)));
   }
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,7 +18,7 @@ struct _p_Sim {
   Output        output;
   StepState     state;
   PackingReport report;
-  PetscReal     time_end, progress_interval, relaxation_time, relaxation_damping;
+  PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping;
   PetscInt      steps_max;
   PetscBool     has_end, has_damping;
   char          restart[PETSC_MAX_PATH_LEN];
@@ -37,6 +37,10 @@ PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective. */
 PetscErrorCode Relax(Sim sim);
+/* InterruptWatch - from now on signals that end a program are noted instead. Not collective. */
+PetscErrorCode InterruptWatch(void);
+/* InterruptCheck - *reason: why the run should end now, or NULL; the same on every rank. Collective. */
+PetscErrorCode InterruptCheck(Sim sim, const Progress *progress, const char **reason);
 /* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective. */
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);
 

@@ -18,8 +18,8 @@ VOLUME = 40e-3 * 40e-3 * 10e-3 + 4 / 3 * np.pi * 2e-3**3  # m3
 folder = runs.run("""-options_file cases/drop_impact/case.opts -options_file options/quarter.opts
  -options_file options/spacing_1.0mm.opts -time_end 6e-3 """ + " ".join(sys.argv[1:]), "impact")
 s = runs.series(folder)
-reference = np.genfromtxt(os.path.join(runs.ROOT, "cases", "drop_impact", "reference.csv"), delimiter=",", names=True,
-                          comments="#", skip_header=0)
+with open(os.path.join(runs.ROOT, "cases", "drop_impact", "reference.csv"), encoding="utf-8") as file:
+    reference = np.genfromtxt([line for line in file if not line.startswith("#")], delimiter=",", names=True)
 for name, (low, high) in BANDS.items():
     value = np.interp(5e-3, s["time"], np.nan_to_num(s[name]))
     right = np.interp(5e-3, reference["time"], np.nan_to_num(reference[name]))
