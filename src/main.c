@@ -1,6 +1,7 @@
-static char help[] = "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
-                     "  ./isph -options_file cases/drop_impact/case.opts [-options_file options/quick.opts ...] [-name value ...]\n"
-                     "Later options win over earlier ones.\n\n";
+static char help[] =
+  "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
+  "  ./isph -options_file cases/drop_impact/case.opts [-options_file options/quick.opts ...] [-name value ...]\n"
+  "Later options win over earlier ones.\n\n";
 
 #include "sim/sim.h"
 
@@ -26,7 +27,8 @@ int main(int argc, char **argv)
 {
   int code;
 
-  if (UserErrorHandlerPush()) return 2; /* before the options are read: a missing options file is the user's error too */
+  if (UserErrorHandlerPush())
+    return 2; /* before the options are read: a missing options file is the user's error too */
   if (PetscInitialize(&argc, &argv, NULL, help)) return 2;
   code = (int)Run();
   (void)PetscFinalize();

@@ -45,7 +45,7 @@ typedef enum {
   EVENT_COUNT
 } EventId;
 
-typedef enum {STAGE_PACKING, STAGE_STEPS, STAGE_OUTPUT, STAGE_COUNT} StageId;
+typedef enum { STAGE_PACKING, STAGE_STEPS, STAGE_OUTPUT, STAGE_COUNT } StageId;
 
 /* LogRegister - registers events and stages. Collective; call once after PetscInitialize. */
 PetscErrorCode LogRegister(void);
@@ -63,13 +63,13 @@ static inline PetscReal Norm(const PetscReal a[DIM])
   return PetscSqrtReal(Dot(a, a));
 }
 
-/* UserError - the one way to refuse bad input: one sentence (what, where, what is allowed) on standard error and a non-zero exit
-   of all ranks through main's return. Collective in effect: every rank must reach it with the same message (options are the same
-   on every rank). Use as  PetscCheckUser(condition, comm, "format", ...). */
+/* UserError - the one way to refuse bad input: one sentence (what, where, what is allowed) on standard error and a
+   non-zero exit of all ranks through main's return. Collective in effect: every rank must reach it with the same
+   message (options are the same on every rank). Use as  PetscCheckUser(condition, comm, "format", ...). */
 PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
-#define PetscCheckUser(condition, comm, ...) \
-  do { \
-    if (PetscUnlikely(!(condition))) return UserError(comm, __VA_ARGS__); \
+#define PetscCheckUser(condition, comm, ...)                                                                           \
+  do {                                                                                                                 \
+    if (PetscUnlikely(!(condition))) return UserError(comm, __VA_ARGS__);                                              \
   } while (0)
 /* The code UserError returns: it travels up through PetscCallUser/PetscCall without a stack trace being printed. */
 #define ISPH_USER_ERROR PETSC_ERR_USER_INPUT
@@ -77,8 +77,8 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
 /* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler) that stays silent while the
    code of a UserError travels up through PetscCall, and hands every other error to PETSc's traceback. PETSc aborts
    when a PetscCall in main itself fails: let main call one function, test its code without PetscCall, finalize and
-   return it. Values of options that PETSc itself cannot read become one sentence too, with the option. Not collective; call
-   once, before PetscInitialize if a missing options file shall be refused as politely. */
+   return it. Values of options that PETSc itself cannot read become one sentence too, with the option. Not collective;
+   call once, before PetscInitialize if a missing options file shall be refused as politely. */
 PetscErrorCode UserErrorHandlerPush(void);
 
 /* RandomUnit - a uniform number in [0,1) from a seed and a counter (SplitMix64): the same on any number of ranks. */

@@ -11,16 +11,16 @@ static PetscLogStage Stages[STAGE_COUNT];
 static PetscBool UserErrorRaised = PETSC_FALSE; /* UserError has printed its sentence and its code is on its way up */
 
 static const char *const EventNames[EVENT_COUNT] = {
-    [EVENT_HALO] = "SphHalo",       [EVENT_MIGRATE] = "SphMigrate",   [EVENT_NEIGHBORS] = "SphNeighbors",
-    [EVENT_MOMENTS] = "SphMoments", [EVENT_SURFACE] = "SphSurface",   [EVENT_VISCOSITY] = "SphViscosity",
-    [EVENT_TENSION] = "SphTension", [EVENT_SOURCE] = "SphSource",     [EVENT_ASSEMBLE] = "SphAssemble",
-    [EVENT_SOLVE] = "SphSolve",     [EVENT_GRADIENT] = "SphGradient", [EVENT_SHIFT] = "SphShift",
-    [EVENT_GUARD] = "SphGuard",     [EVENT_PACKING] = "SphPacking",   [EVENT_OUTPUT] = "SphOutput",
-    [EVENT_GAUGES] = "SphGauges",
+  [EVENT_HALO] = "SphHalo",       [EVENT_MIGRATE] = "SphMigrate",   [EVENT_NEIGHBORS] = "SphNeighbors",
+  [EVENT_MOMENTS] = "SphMoments", [EVENT_SURFACE] = "SphSurface",   [EVENT_VISCOSITY] = "SphViscosity",
+  [EVENT_TENSION] = "SphTension", [EVENT_SOURCE] = "SphSource",     [EVENT_ASSEMBLE] = "SphAssemble",
+  [EVENT_SOLVE] = "SphSolve",     [EVENT_GRADIENT] = "SphGradient", [EVENT_SHIFT] = "SphShift",
+  [EVENT_GUARD] = "SphGuard",     [EVENT_PACKING] = "SphPacking",   [EVENT_OUTPUT] = "SphOutput",
+  [EVENT_GAUGES] = "SphGauges",
 };
 
 static const char *const StageNames[STAGE_COUNT] = {
-    [STAGE_PACKING] = "Packing", [STAGE_STEPS] = "Steps", [STAGE_OUTPUT] = "Output"};
+  [STAGE_PACKING] = "Packing", [STAGE_STEPS] = "Steps", [STAGE_OUTPUT] = "Output"};
 
 PetscErrorCode LogRegister(void)
 {
@@ -69,7 +69,8 @@ static PetscBool HasWord(const char text[], const char word[], size_t length, co
   return PETSC_FALSE;
 }
 
-/* The option of the database, " -name value", that PETSc's complaint is about: one whose value, or a number of it, the complaint cites. */
+/* The option of the database, " -name value", that PETSc's complaint is about: one whose value, or a number of it, the
+ * complaint cites. */
 static void FindOption(const char complaint[], char option[], size_t length)
 {
   char *all = NULL;
@@ -83,8 +84,10 @@ static void FindOption(const char complaint[], char option[], size_t length)
     const size_t value_end = strcspn(value, " ");
     PetscBool    cited     = HasWord(complaint, value, value_end, " ");
 
-    for (size_t at = 0; at < value_end && !cited; at += strcspn(value + at, ", ") + 1) cited = HasWord(complaint, value + at, strcspn(value + at, ", "), " ");
-    if (*name == '-' && value_end && cited) (void)snprintf(option, length, " (%.*s)", (int)(value + value_end - name), name);
+    for (size_t at = 0; at < value_end && !cited; at += strcspn(value + at, ", ") + 1)
+      cited = HasWord(complaint, value + at, strcspn(value + at, ", "), " ");
+    if (*name == '-' && value_end && cited)
+      (void)snprintf(option, length, " (%.*s)", (int)(value + value_end - name), name);
     name = value;
   }
   (void)PetscFree(all);
@@ -97,7 +100,9 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
   char        option[256];
 
   if (!message || !function) return PETSC_FALSE;
-  if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) && strncmp(function, "PetscOptionsInsertFile", 22) && code != PETSC_ERR_ARG_UNKNOWN_TYPE) return PETSC_FALSE;
+  if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) &&
+      strncmp(function, "PetscOptionsInsertFile", 22) && code != PETSC_ERR_ARG_UNKNOWN_TYPE)
+    return PETSC_FALSE;
   FindOption(message, option, sizeof(option));
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (!rank) {

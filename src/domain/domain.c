@@ -2,7 +2,7 @@
 #include "domain.h"
 
 #define NAME_LENGTH 64
-#define CELLS_MAX \
+#define CELLS_MAX                                                                                                      \
   200000 /* of the partition: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all */
 #define CELL_GROWTH     1.05  /* step of the search for a cell size that keeps to CELLS_MAX */
 #define LENGTH_ROUNDING 1e-12 /* relative; a box exactly one reach wide is allowed */
@@ -20,9 +20,8 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind,
-                                   const char option[], const char help[], const char manual[], PetscReal value[DIM],
-                                   PetscBool *set)
+PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
+                                   const char help[], const char manual[], PetscReal value[DIM], PetscBool *set)
 {
   const char *prefix          = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
   PetscReal   number[DIM + 1] = {value[0], value[1], value[2], 0}; /* one more than allowed, to notice too many */
@@ -50,8 +49,8 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
 }
 
 /* One option of a face type, for the faces first .. last of direction d. */
-static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[],
-                                   const char what[], PetscInt d, PetscInt first, PetscInt last)
+static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[], const char what[],
+                                   PetscInt d, PetscInt first, PetscInt last)
 {
   char      option[NAME_LENGTH], help[2 * NAME_LENGTH], value[NAME_LENGTH];
   PetscBool found, same = PETSC_FALSE;
@@ -132,29 +131,28 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscBool has_spacing, has_lower, has_upper;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Box", "Domain")
-    ;
-    PetscCall(PetscOptionsInt("-dimension", "Number of dimensions, 2 or 3", "DomainSetFromOptions", domain->dim,
-                              &domain->dim, NULL));
-    PetscCheckUser(domain->dim == 2 || domain->dim == 3, comm, "-dimension must be 2 or 3, not %" PetscInt_FMT,
-                   domain->dim);
-    PetscCall(PetscOptionsReal("-spacing", "Particle spacing d0 (m), required", "DomainSetFromOptions", domain->spacing,
-                               &domain->spacing, &has_spacing));
-    PetscCheckUser(has_spacing || domain->spacing > 0, comm,
-                   "-spacing is missing: the distance of the particles (m) must be given and positive");
-    PetscCheckUser(domain->spacing > 0 && !PetscIsInfOrNanReal(domain->spacing), comm,
-                   "-spacing must be positive and finite, not %g m", (double)domain->spacing);
-    PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
-                                  "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
-                                  &has_lower));
-    PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_upper",
-                                  "Upper corner of the box (m), required", "DomainSetFromOptions", domain->upper,
-                                  &has_upper));
-    PetscCheckUser(has_lower && has_upper, comm,
-                   "%s is missing: the corners of the box, -box_lower and -box_upper (m), must be given",
-                   has_lower ? "-box_upper" : "-box_lower");
-    PetscCall(CheckBox(domain));
-    PetscCall(ReadFaces(domain, PetscOptionsObject));
+  PetscOptionsBegin(comm, NULL, "Box", "Domain");
+  PetscCall(PetscOptionsInt("-dimension", "Number of dimensions, 2 or 3", "DomainSetFromOptions", domain->dim,
+                            &domain->dim, NULL));
+  PetscCheckUser(domain->dim == 2 || domain->dim == 3, comm, "-dimension must be 2 or 3, not %" PetscInt_FMT,
+                 domain->dim);
+  PetscCall(PetscOptionsReal("-spacing", "Particle spacing d0 (m), required", "DomainSetFromOptions", domain->spacing,
+                             &domain->spacing, &has_spacing));
+  PetscCheckUser(has_spacing || domain->spacing > 0, comm,
+                 "-spacing is missing: the distance of the particles (m) must be given and positive");
+  PetscCheckUser(domain->spacing > 0 && !PetscIsInfOrNanReal(domain->spacing), comm,
+                 "-spacing must be positive and finite, not %g m", (double)domain->spacing);
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
+                                "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
+                                &has_lower));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_upper",
+                                "Upper corner of the box (m), required", "DomainSetFromOptions", domain->upper,
+                                &has_upper));
+  PetscCheckUser(has_lower && has_upper, comm,
+                 "%s is missing: the corners of the box, -box_lower and -box_upper (m), must be given",
+                 has_lower ? "-box_upper" : "-box_lower");
+  PetscCall(CheckBox(domain));
+  PetscCall(ReadFaces(domain, PetscOptionsObject));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,9 +167,9 @@ static PetscErrorCode CheckReach(Domain domain, PetscReal reach)
       const FaceType type = domain->face[d][side];
 
       PetscCheckUser(
-          (type != FACE_PERIODIC && type != FACE_SYMMETRY) || width >= (1 - LENGTH_ROUNDING) * reach, domain->comm,
-          "a box too small for the kernel: it is %g m wide in %s, where -box_%s is %s and the kernel reaches %g m",
-          (double)width, AxisNames[d], FaceNames[d][side], FaceTypes[type], (double)reach);
+        (type != FACE_PERIODIC && type != FACE_SYMMETRY) || width >= (1 - LENGTH_ROUNDING) * reach, domain->comm,
+        "a box too small for the kernel: it is %g m wide in %s, where -box_%s is %s and the kernel reaches %g m",
+        (double)width, AxisNames[d], FaceNames[d][side], FaceTypes[type], (double)reach);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -184,8 +182,8 @@ static PetscReal CountCells(Domain domain, PetscReal size, PetscReal cells[DIM])
 
   for (PetscInt d = 0; d < DIM; d++) {
     cells[d] = d < domain->dim
-                   ? PetscMax(1, PetscFloorReal((1 + LENGTH_ROUNDING) * (domain->upper[d] - domain->lower[d]) / size))
-                   : 1;
+                 ? PetscMax(1, PetscFloorReal((1 + LENGTH_ROUNDING) * (domain->upper[d] - domain->lower[d]) / size))
+                 : 1;
     product *= cells[d];
   }
   return product;

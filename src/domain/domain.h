@@ -45,9 +45,8 @@ typedef enum { VECTOR_POINT, VECTOR_DIRECTION } VectorKind;
 /* DomainOptionsVector - reads an option of dim or three finite numbers inside an options block; value ([3], unit as in
    the help text) holds the default on entry and always has a zero third component in two dimensions on return. set may
    be NULL. Refuses (UserError) another count of numbers. Collective. */
-PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind,
-                                   const char option[], const char help[], const char manual[], PetscReal value[DIM],
-                                   PetscBool *set);
+PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
+                                   const char help[], const char manual[], PetscReal value[DIM], PetscBool *set);
 
 /* DomainCell - index of the cell that holds point x (m); points outside the box belong to the nearest cell, so that
    dummy particles of a wall live with the fluid next to them. Not collective. */

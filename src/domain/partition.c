@@ -6,8 +6,9 @@
 static PetscErrorCode PartitionCells(Domain domain, const PetscInt weight[], PetscMPIInt size, PetscMPIInt part[])
 {
   const PetscInt *n = domain->cells, count = n[0] * n[1] * n[2];
-  idx_t          *first, *neighbor, *vertex, *owner, options[METIS_NOPTIONS], vertices = count, constraints = 1, parts = size, cut, edges = 0;
-  int             status;
+  idx_t *first, *neighbor, *vertex, *owner, options[METIS_NOPTIONS], vertices = count, constraints = 1, parts = size,
+                                                                     cut, edges = 0;
+  int status;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc4(count + 1, &first, 2 * DIM * count, &neighbor, count, &vertex, count, &owner));
@@ -23,9 +24,10 @@ static PetscErrorCode PartitionCells(Domain domain, const PetscInt weight[], Pet
   }
   first[count] = edges;
   METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_SEED]   = 1;
+  options[METIS_OPTION_SEED]    = 1;
   options[METIS_OPTION_UFACTOR] = 10; /* allowed imbalance, 1/1000 */
-  status = METIS_PartGraphRecursive(&vertices, &constraints, first, neighbor, vertex, NULL, NULL, &parts, NULL, NULL, options, &cut, owner);
+  status = METIS_PartGraphRecursive(&vertices, &constraints, first, neighbor, vertex, NULL, NULL, &parts, NULL, NULL,
+                                    options, &cut, owner);
   PetscCheck(status == METIS_OK, PETSC_COMM_SELF, PETSC_ERR_LIB, "METIS failed with code %d", status);
   for (PetscInt c = 0; c < count; c++) part[c] = (PetscMPIInt)owner[c];
   PetscCall(PetscFree4(first, neighbor, vertex, owner));

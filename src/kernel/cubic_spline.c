@@ -1,4 +1,5 @@
-/* Cubic spline, support 2h: the paper's kernel, Eq. (3) of Kuri et al. (its printed form lacks h^-3 in three dimensions). */
+/* Cubic spline, support 2h: the paper's kernel, Eq. (3) of Kuri et al. (its printed form lacks h^-3 in three
+ * dimensions). */
 #include "types.h"
 
 static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restrict w, PetscReal *restrict f)
@@ -14,11 +15,15 @@ static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restric
   if (f) {
     SIMD_LOOP()
     for (PetscInt k = 0; k < n; k++) {
-      const PetscReal q = PetscSqrtReal(PetscMax(s[k], KERNEL_TINY)), u = PetscMax(2.0 - q, 0.0), t = PetscMax(1.0 - q, 0.0);
+      const PetscReal q = PetscSqrtReal(PetscMax(s[k], KERNEL_TINY)), u = PetscMax(2.0 - q, 0.0),
+                      t = PetscMax(1.0 - q, 0.0);
 
       f[k] = (3.0 * t * t - 0.75 * u * u) / q;
     }
   }
 }
 
-const KernelOps KernelCubicSpline = {.support = 2.0, .norm2 = 10.0 / (7.0 * PETSC_PI), .norm3 = 1.0 / PETSC_PI, .evaluate = Evaluate};
+const KernelOps KernelCubicSpline = {.support  = 2.0,
+                                     .norm2    = 10.0 / (7.0 * PETSC_PI),
+                                     .norm3    = 1.0 / PETSC_PI,
+                                     .evaluate = Evaluate};

@@ -12,10 +12,10 @@ static PetscFunctionList KernelList = NULL;
 
 /* PetscFunctionList holds functions: each type is wrapped in one that returns its table. */
 typedef const KernelOps *(*KernelTableFunction)(void);
-#define KERNEL_TABLE(type) \
-  static const KernelOps *Table##type(void) \
-  { \
-    return &Kernel##type; \
+#define KERNEL_TABLE(type)                                                                                             \
+  static const KernelOps *Table##type(void)                                                                            \
+  {                                                                                                                    \
+    return &Kernel##type;                                                                                              \
   }
 KERNEL_TABLE(CubicSpline)
 KERNEL_TABLE(WendlandC2)
@@ -58,7 +58,10 @@ PetscErrorCode KernelSetType(Kernel kernel, const char name[])
 
   PetscFunctionBegin;
   PetscCall(PetscFunctionListFind(KernelList, name, &table));
-  PetscCheckUser(table, kernel->comm, "-kernel_type %s is not a kernel; there are " KERNEL_CUBIC_SPLINE ", " KERNEL_WENDLAND_C2 " and " KERNEL_QUINTIC_SPLINE, name);
+  PetscCheckUser(table, kernel->comm,
+                 "-kernel_type %s is not a kernel; there are " KERNEL_CUBIC_SPLINE ", " KERNEL_WENDLAND_C2
+                 " and " KERNEL_QUINTIC_SPLINE,
+                 name);
   kernel->ops = table();
   PetscCall(PetscStrncpy(kernel->type, name, sizeof(kernel->type)));
   KernelScale(kernel);
@@ -82,11 +85,14 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
 
   PetscFunctionBegin;
   PetscOptionsBegin(kernel->comm, NULL, "Kernel", "Kernel");
-  PetscCall(PetscOptionsFList("-kernel_type", "smoothing kernel", "KernelSetType", KernelList, kernel->type, type, sizeof(type), &set));
-  PetscCall(PetscOptionsReal("-kernel_ratio", "smoothing length h over particle spacing d0 (1)", "KernelSetSmoothingLength", ratio, &ratio, NULL));
+  PetscCall(PetscOptionsFList("-kernel_type", "smoothing kernel", "KernelSetType", KernelList, kernel->type, type,
+                              sizeof(type), &set));
+  PetscCall(PetscOptionsReal("-kernel_ratio", "smoothing length h over particle spacing d0 (1)",
+                             "KernelSetSmoothingLength", ratio, &ratio, NULL));
   PetscOptionsEnd();
   if (set) PetscCall(KernelSetType(kernel, type));
-  PetscCheckUser(ratio >= 1.0 && ratio <= 3.0, kernel->comm, "-kernel_ratio is %g; smoothing length over spacing must lie between 1 and 3", (double)ratio);
+  PetscCheckUser(ratio >= 1.0 && ratio <= 3.0, kernel->comm,
+                 "-kernel_ratio is %g; smoothing length over spacing must lie between 1 and 3", (double)ratio);
   PetscCall(KernelSetSmoothingLength(kernel, ratio * spacing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,7 +100,8 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
 PetscErrorCode KernelView(Kernel kernel, PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Kernel: %s, %" PetscInt_FMT "-d, h = %g m, support %g m\n", kernel->type, kernel->dim, (double)kernel->h, (double)KernelSupport(kernel)));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Kernel: %s, %" PetscInt_FMT "-d, h = %g m, support %g m\n", kernel->type,
+                                   kernel->dim, (double)kernel->h, (double)KernelSupport(kernel)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,7 +133,8 @@ PetscReal KernelSelf(Kernel kernel)
 
 #define KERNEL_CHUNK 256
 
-void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal *restrict r2, PetscReal *restrict W, PetscReal *restrict F)
+void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal *restrict r2, PetscReal *restrict W,
+                    PetscReal *restrict F)
 {
   PetscReal s[KERNEL_CHUNK];
 
@@ -159,7 +167,8 @@ static PetscReal PlaneIntegral(Kernel kernel, PetscReal s)
 
   for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++) r2[k] = s2 + PetscSqr((k + 0.5) * dt);
   KernelEvaluate(kernel, HALF_SPACE_POINTS, r2, W, NULL);
-  for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++) sum += W[k] * (kernel->dim == 3 ? 2.0 * PETSC_PI * (k + 0.5) * dt : 2.0) * dt;
+  for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++)
+    sum += W[k] * (kernel->dim == 3 ? 2.0 * PETSC_PI * (k + 0.5) * dt : 2.0) * dt;
   return sum;
 }
 

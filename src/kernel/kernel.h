@@ -1,7 +1,7 @@
 /* Floor 1: smoothing kernels. W(r,h), normalised in two or three dimensions, as a registered type.
 
-   Pair loops hand over squared distances in short arrays (a row of neighbours) and get values back, so that one indirect call
-   serves about eighty pairs and the arithmetic vectorises. */
+   Pair loops hand over squared distances in short arrays (a row of neighbours) and get values back, so that one
+   indirect call serves about eighty pairs and the arithmetic vectorises. */
 #ifndef ISPH_KERNEL_H
 #define ISPH_KERNEL_H
 
@@ -13,11 +13,13 @@ typedef struct _p_Kernel *Kernel;
 #define KERNEL_WENDLAND_C2    "wendland_c2"
 #define KERNEL_QUINTIC_SPLINE "quintic_spline"
 
-/* What a kernel type provides (a new one: one file and one line in kernel.c), for unit normalisation (the class multiplies by it). */
+/* What a kernel type provides (a new one: one file and one line in kernel.c), for unit normalisation (the class
+ * multiplies by it). */
 typedef struct {
-  PetscReal support;                 /* radius of support over h */
-  PetscReal norm2, norm3;            /* W = norm/h^dim w(r/h) */
-  /* w[k] = w(q_k) and f[k] = w'(q_k)/q_k for k < n, q_k = r_k/h, from s[k] = q_k^2; w or f may be NULL. Zero outside the support. */
+  PetscReal support;      /* radius of support over h */
+  PetscReal norm2, norm3; /* W = norm/h^dim w(r/h) */
+  /* w[k] = w(q_k) and f[k] = w'(q_k)/q_k for k < n, q_k = r_k/h, from s[k] = q_k^2; w or f may be NULL. Zero outside
+   * the support. */
   void (*evaluate)(PetscInt n, const PetscReal s[], PetscReal w[], PetscReal f[]);
 } KernelOps;
 
@@ -31,16 +33,18 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing);
 PetscErrorCode KernelView(Kernel kernel, PetscViewer viewer);
 PetscErrorCode KernelDestroy(Kernel *kernel);
 
-/* KernelSmoothingLength (m), KernelSupport (radius beyond which W = 0, m), KernelSelf (W(0), m^-dim). Not collective. */
+/* KernelSmoothingLength (m), KernelSupport (radius beyond which W = 0, m), KernelSelf (W(0), m^-dim). Not collective.
+ */
 PetscReal KernelSmoothingLength(Kernel kernel);
 PetscReal KernelSupport(Kernel kernel);
 PetscReal KernelSelf(Kernel kernel);
-/* KernelEvaluate - for k < n: W[k] = W(r_k) (m^-dim) and F[k] = W'(r_k)/r_k (m^-dim-2), so that grad_a W_ab = F r_ab; r2[k] = r_k^2 (m^2).
-   W or F may be NULL. Not collective. */
+/* KernelEvaluate - for k < n: W[k] = W(r_k) (m^-dim) and F[k] = W'(r_k)/r_k (m^-dim-2), so that grad_a W_ab = F r_ab;
+   r2[k] = r_k^2 (m^2). W or F may be NULL. Not collective. */
 void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal W[], PetscReal F[]);
-/* KernelHalfSpace - a half-space of liquid whose surface is at distance s (m) above the point (s < 0: the point is outside):
-   plane = w1(s) = integral of W over the plane at distance s (1/m) = |int grad W| over the liquid; fraction = F(s) = integral of W over the liquid.
-   methods: surface-fraction-corrected density. Either may be NULL. Not collective. */
+/* KernelHalfSpace - a half-space of liquid whose surface is at distance s (m) above the point (s < 0: the point is
+   outside): plane = w1(s) = integral of W over the plane at distance s (1/m) = |int grad W| over the liquid; fraction =
+   F(s) = integral of W over the liquid. methods: surface-fraction-corrected density. Either may be NULL. Not
+   collective. */
 void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fraction);
 
 #endif

@@ -21,4 +21,7 @@ static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restric
   }
 }
 
-const KernelOps KernelWendlandC2 = {.support = 2.0, .norm2 = 7.0 / (4.0 * PETSC_PI), .norm3 = 21.0 / (16.0 * PETSC_PI), .evaluate = Evaluate};
+const KernelOps KernelWendlandC2 = {.support  = 2.0,
+                                    .norm2    = 7.0 / (4.0 * PETSC_PI),
+                                    .norm3    = 21.0 / (16.0 * PETSC_PI),
+                                    .evaluate = Evaluate};

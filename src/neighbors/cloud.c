@@ -8,7 +8,8 @@
 /* How far a stray particle is followed, in slacks: it moves less than one after the last look at it. */
 #define STRAY_LIMIT 2
 
-PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach, Cloud *cloud)
+PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
+                           Cloud *cloud)
 {
   Cloud c;
 
@@ -34,13 +35,21 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
 
   PetscFunctionBegin;
   PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
-  PetscCall(PetscOptionsReal("-halo_slack", "how far particles may move before the ghosts are chosen again (spacings)", "CloudSetFromOptions", slack, &slack, NULL));
-  PetscCall(PetscOptionsReal("-rebalance", "largest over mean number of particles a rank that triggers a new partition (1)", "CloudSetFromOptions", cloud->rebalance, &cloud->rebalance, NULL));
-  PetscCall(PetscOptionsInt("-sort_interval", "steps between two sorts of the particles along the cells", "CloudSetFromOptions", cloud->sort_interval, &cloud->sort_interval, NULL));
+  PetscCall(PetscOptionsReal("-halo_slack", "how far particles may move before the ghosts are chosen again (spacings)",
+                             "CloudSetFromOptions", slack, &slack, NULL));
+  PetscCall(PetscOptionsReal("-rebalance",
+                             "largest over mean number of particles a rank that triggers a new partition (1)",
+                             "CloudSetFromOptions", cloud->rebalance, &cloud->rebalance, NULL));
+  PetscCall(PetscOptionsInt("-sort_interval", "steps between two sorts of the particles along the cells",
+                            "CloudSetFromOptions", cloud->sort_interval, &cloud->sort_interval, NULL));
   PetscOptionsEnd();
-  PetscCheckUser(slack >= 0.1 && slack <= 20, cloud->comm, "-halo_slack is %g; it must lie between 0.1 and 20 spacings", (double)slack);
-  PetscCheckUser(cloud->rebalance > 1, cloud->comm, "-rebalance is %g; the imbalance that triggers a new partition must be larger than 1", (double)cloud->rebalance);
-  PetscCheckUser(cloud->sort_interval > 0, cloud->comm, "-sort_interval is %" PetscInt_FMT "; it must be at least 1", cloud->sort_interval);
+  PetscCheckUser(slack >= 0.1 && slack <= 20, cloud->comm, "-halo_slack is %g; it must lie between 0.1 and 20 spacings",
+                 (double)slack);
+  PetscCheckUser(cloud->rebalance > 1, cloud->comm,
+                 "-rebalance is %g; the imbalance that triggers a new partition must be larger than 1",
+                 (double)cloud->rebalance);
+  PetscCheckUser(cloud->sort_interval > 0, cloud->comm, "-sort_interval is %" PetscInt_FMT "; it must be at least 1",
+                 cloud->sort_interval);
   cloud->slack = slack * cloud->domain->spacing;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -69,10 +78,13 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
 static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
 {
   PetscFunctionBegin;
-  if (cloud->first && n <= cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS); /* also a rank without particles has the arrays */
+  if (cloud->first && n <= cloud->capacity)
+    PetscFunctionReturn(PETSC_SUCCESS); /* also a rank without particles has the arrays */
   cloud->capacity = n + n / 8 + 64;
-  for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
-  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
+  for (PetscInt f = 0; f < FIELD_COUNT; f++)
+    PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++)
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->row));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->volume));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
@@ -90,13 +102,15 @@ static PetscErrorCode Load(Cloud cloud)
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   cloud->n_owned = arrays.n;
   PetscCall(Reserve(cloud, PetscMax(arrays.n, cloud->n_total)));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscArraycpy(cloud->field[f], arrays.real[f], arrays.n * Fields[f].width));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    PetscCall(PetscArraycpy(cloud->field[f], arrays.real[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(cloud->integer[f], arrays.integer[f], arrays.n));
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the kinds, numbers the pressure rows; deeper wall particles get the row of their parent, which lives on the same rank. */
+/* Counts the kinds, numbers the pressure rows; deeper wall particles get the row of their parent, which lives on the
+ * same rank. */
 static PetscErrorCode NumberRows(Cloud cloud)
 {
   const PetscInt *layer = cloud->integer[INT_LAYER], *id = cloud->integer[INT_ID], *parent = cloud->integer[INT_PARENT];
@@ -124,7 +138,8 @@ static PetscErrorCode NumberRows(Cloud cloud)
       PetscInt place;
 
       PetscCall(PetscFindInt(parent[a], tops, top_id, &place));
-      PetscCheck(place >= 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "wall particle %" PetscInt_FMT " is on another rank than its parent %" PetscInt_FMT, id[a], parent[a]);
+      PetscCheck(place >= 0, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+                 "wall particle %" PetscInt_FMT " is on another rank than its parent %" PetscInt_FMT, id[a], parent[a]);
       cloud->row[a] = cloud->row_start + top_index[place];
     }
   }
@@ -143,9 +158,11 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
   /* every particle wherever it is gets all within reach + slack, also one that has not been sent home or wrapped yet */
-  cloud->stray = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
+  cloud->stray =
+    HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->stray, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION], cloud->reach + cloud->slack + cloud->stray, &ghosts));
+  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION],
+                      cloud->reach + cloud->slack + cloud->stray, &ghosts));
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[f]));
@@ -192,7 +209,8 @@ static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
   if (partition) {
     PetscCall(ParticlesRepartition(cloud->particles));
     cloud->repartitions++;
-  } else PetscCall(ParticlesMigrate(cloud->particles));
+  } else
+    PetscCall(ParticlesMigrate(cloud->particles));
   cloud->migrations++;
   PetscCall(ParticlesSort(cloud->particles, SORT_CELL * KernelSupport(cloud->kernel)));
   PetscCall(Load(cloud));
@@ -212,15 +230,17 @@ PetscErrorCode CloudResync(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest displacement of an owned particle since the ghosts were chosen, over all ranks, m. Ghosts remain complete while twice it
-   fits into the slack. */
+/* Largest displacement of an owned particle since the ghosts were chosen, over all ranks, m. Ghosts remain complete
+   while twice it fits into the slack. */
 static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *r = cloud->reference;
   PetscReal        largest2 = 0;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_owned; a++) largest2 = PetscMax(largest2, PetscSqr(x[3 * a] - r[3 * a]) + PetscSqr(x[3 * a + 1] - r[3 * a + 1]) + PetscSqr(x[3 * a + 2] - r[3 * a + 2]));
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    largest2 = PetscMax(largest2, PetscSqr(x[3 * a] - r[3 * a]) + PetscSqr(x[3 * a + 1] - r[3 * a + 1]) +
+                                    PetscSqr(x[3 * a + 2] - r[3 * a + 2]));
   PetscCallMPI(MPI_Allreduce(&largest2, moved, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   *moved = PetscSqrtReal(*moved);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -235,11 +255,13 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
-  if (size > 1) local[0] = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
+  if (size > 1)
+    local[0] = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
   PetscCallMPI(MPI_Allreduce(local, largest, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(&local[1], &total, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   cloud->stray = largest[0];
-  if (sort || cloud->stray > STRAY_SHARE * cloud->slack) PetscCall(Rehome(cloud, (PetscBool)(size > 1 && largest[1] * size > cloud->rebalance * total)));
+  if (sort || cloud->stray > STRAY_SHARE * cloud->slack)
+    PetscCall(Rehome(cloud, (PetscBool)(size > 1 && largest[1] * size > cloud->rebalance * total)));
   else if (size == 1) {
     PetscCall(WrapSwarm(cloud));
     PetscCall(Load(cloud));
@@ -254,7 +276,8 @@ PetscErrorCode CloudBegin(Cloud cloud)
 
   PetscFunctionBegin;
   PetscCall(Load(cloud));
-  if (sort) PetscCall(Renew(cloud, PETSC_TRUE));
+  if (sort)
+    PetscCall(Renew(cloud, PETSC_TRUE));
   else {
     PetscReal moved;
 
@@ -276,7 +299,8 @@ PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
     PetscCall(BuildHalo(cloud));
     PetscCall(UpdateGhosts(cloud));
     PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
-  } else PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  } else
+    PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   if (search) PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -304,10 +328,12 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_owned, &keep));
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(arrays.integer[f], cloud->integer[f], arrays.n));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] > 0 || !DomainOutside(cloud->domain, arrays.real[FIELD_POSITION] + DIM * a));
+    keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] > 0 ||
+                          !DomainOutside(cloud->domain, arrays.real[FIELD_POSITION] + DIM * a));
     local += !keep[a];
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));

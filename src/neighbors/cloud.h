@@ -1,9 +1,9 @@
-/* Floor 3: the cloud, what one rank sees of the particles: its own, then ghosts (of other ranks, of periodic images, of mirror
-   images behind symmetry faces), with a list of neighbours for every particle that has a row.
+/* Floor 3: the cloud, what one rank sees of the particles: its own, then ghosts (of other ranks, of periodic images, of
+   mirror images behind symmetry faces), with a list of neighbours for every particle that has a row.
 
-   The swarm holds the accepted state; the cloud's arrays hold the step in progress. CloudCommit writes back; not calling it
-   is the rollback. Local order: fluid [0,n_fluid), top wall layer [n_fluid,n_rows), deeper wall layers [n_rows,n_owned), ghosts
-   [n_owned,n_total). The pressure row of local particle a < n_rows is row_start + a. */
+   The swarm holds the accepted state; the cloud's arrays hold the step in progress. CloudCommit writes back; not
+   calling it is the rollback. Local order: fluid [0,n_fluid), top wall layer [n_fluid,n_rows), deeper wall layers
+   [n_rows,n_owned), ghosts [n_owned,n_total). The pressure row of local particle a < n_rows is row_start + a. */
 #ifndef ISPH_CLOUD_H
 #define ISPH_CLOUD_H
 
@@ -13,11 +13,12 @@
 
 typedef struct _p_Halo *Halo;
 
-/* Cells over a set of points: the points of cell c are order[start[c] .. start[c+1]); cells are row-major, x fastest. */
+/* Cells over a set of points: the points of cell c are order[start[c] .. start[c+1]); cells are row-major, x fastest.
+ */
 typedef struct {
-  PetscInt   n[DIM], count, capacity, point_capacity;
-  PetscReal  lower[DIM], size;
-  PetscInt  *start, *order, *of_point;
+  PetscInt  n[DIM], count, capacity, point_capacity;
+  PetscReal lower[DIM], size;
+  PetscInt *start, *order, *of_point;
 } CellGrid;
 
 typedef struct _p_Cloud {
@@ -31,36 +32,38 @@ typedef struct _p_Cloud {
   PetscInt   row_start, rows_global; /* of the pressure matrix */
   PetscReal *field[FIELD_COUNT];     /* [n_total][width], see the table in particles.h */
   PetscInt  *integer[INT_COUNT];     /* [n_total] */
-  PetscInt  *row;                    /* [n_total] global pressure row of the particle, of its parent for deeper wall layers */
-  PetscReal *volume;                 /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
-  PetscReal *rest_density;           /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
+  PetscInt  *row;          /* [n_total] global pressure row of the particle, of its parent for deeper wall layers */
+  PetscReal *volume;       /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
+  PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   /* Neighbours of a < n_owned: list[first[a] .. first[a+1]), local indices, the particle itself excluded. */
   PetscInt  *first, *list, list_capacity;
-  CellGrid   grid;       /* of the last search, over all n_total points */
-  PetscReal  slack;      /* m, how far particles may move before the halo is built again */
-  PetscReal  reach;      /* m, largest kernel support in use */
-  PetscReal *reference;  /* [n_owned][3] positions when the halo was built, m */
-  PetscReal  stray;      /* m, how far particles were outside their rank's cells when the halo was built */
-  PetscReal  rebalance;  /* imbalance that triggers METIS */
+  CellGrid   grid;      /* of the last search, over all n_total points */
+  PetscReal  slack;     /* m, how far particles may move before the halo is built again */
+  PetscReal  reach;     /* m, largest kernel support in use */
+  PetscReal *reference; /* [n_owned][3] positions when the halo was built, m */
+  PetscReal  stray;     /* m, how far particles were outside their rank's cells when the halo was built */
+  PetscReal  rebalance; /* imbalance that triggers METIS */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
-  PetscInt   layout;     /* counts changes of the local order: a preconditioner is valid for one layout */
+  PetscInt   layout; /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
-} *Cloud;
+} * Cloud;
 
 /* CloudCreate - borrows the four; reach = largest kernel support any operator will use (m). Collective. */
-PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach, Cloud *cloud);
+PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
+                           Cloud *cloud);
 /* CloudSetFromOptions - -halo_slack (in spacings), -rebalance. Collective. */
 PetscErrorCode CloudSetFromOptions(Cloud cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
 
-/* CloudResync - canonical state from the swarm: partition, migrate, sort, load, halo, neighbours. What happens afterwards depends on
-   the stored fields only, so a run continued from a checkpoint written right after this equals the uninterrupted one. Collective. */
+/* CloudResync - canonical state from the swarm: partition, migrate, sort, load, halo, neighbours. What happens
+   afterwards depends on the stored fields only, so a run continued from a checkpoint written right after this equals
+   the uninterrupted one. Collective. */
 PetscErrorCode CloudResync(Cloud cloud);
-/* CloudBegin - starts a step: loads the swarm's state, migrates when particles have strayed too far, chooses the ghosts again when the slack is used
-   up, and finds the neighbours. Collective. */
+/* CloudBegin - starts a step: loads the swarm's state, migrates when particles have strayed too far, chooses the ghosts
+   again when the slack is used up, and finds the neighbours. Collective. */
 PetscErrorCode CloudBegin(Cloud cloud);
-/* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's start if they had to be chosen
-   again) and, when search is true, the neighbours. Collective. */
+/* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
+   start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
 /* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image. Collective. */
 PetscErrorCode CloudUpdate(Cloud cloud, FieldId field);
@@ -71,7 +74,8 @@ PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
    an open face are removed; their number is added to *lost (global). Collective. */
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
 
-/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size. In two dimensions one layer of cells. Not collective. */
+/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size. In two dimensions one layer of
+ * cells. Not collective. */
 PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size);
 PetscErrorCode CellGridReset(CellGrid *grid);
 

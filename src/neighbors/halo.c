@@ -2,7 +2,7 @@
 #include <petscsf.h>
 
 /* Images of one direction; an image of a point is one of these in each direction. */
-enum {IMAGE_SAME, IMAGE_UP, IMAGE_DOWN, IMAGE_MIRROR_LOWER, IMAGE_MIRROR_UPPER, IMAGE_COUNT};
+enum { IMAGE_SAME, IMAGE_UP, IMAGE_DOWN, IMAGE_MIRROR_LOWER, IMAGE_MIRROR_UPPER, IMAGE_COUNT };
 
 typedef struct {
   PetscReal sign[DIM], offset[DIM]; /* x' = sign x + offset */
@@ -34,17 +34,18 @@ PetscErrorCode HaloCreate(Domain domain, Halo *halo)
   PetscCallMPI(MPI_Comm_rank(domain->comm, &h->rank));
   PetscCallMPI(MPI_Comm_size(domain->comm, &h->size));
   for (PetscInt code = 0; code < IMAGE_COUNT * IMAGE_COUNT * IMAGE_COUNT; code++) {
-    const PetscInt part[DIM] = {code % IMAGE_COUNT, (code / IMAGE_COUNT) % IMAGE_COUNT, code / (IMAGE_COUNT * IMAGE_COUNT)};
+    const PetscInt part[DIM] = {code % IMAGE_COUNT, (code / IMAGE_COUNT) % IMAGE_COUNT,
+                                code / (IMAGE_COUNT * IMAGE_COUNT)};
 
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal length = domain->upper[d] - domain->lower[d];
 
       h->images[code].sign[d]   = part[d] == IMAGE_MIRROR_LOWER || part[d] == IMAGE_MIRROR_UPPER ? -1 : 1;
-      h->images[code].offset[d] = part[d] == IMAGE_UP             ? length :
-                                  part[d] == IMAGE_DOWN           ? -length :
-                                  part[d] == IMAGE_MIRROR_LOWER ? 2 * domain->lower[d] :
-                                  part[d] == IMAGE_MIRROR_UPPER ? 2 * domain->upper[d] :
-                                                                  0;
+      h->images[code].offset[d] = part[d] == IMAGE_UP             ? length
+                                  : part[d] == IMAGE_DOWN         ? -length
+                                  : part[d] == IMAGE_MIRROR_LOWER ? 2 * domain->lower[d]
+                                  : part[d] == IMAGE_MIRROR_UPPER ? 2 * domain->upper[d]
+                                                                  : 0;
     }
   }
   PetscCallMPI(MPI_Type_contiguous(3, MPIU_REAL, &h->vector));
@@ -82,12 +83,15 @@ static PetscErrorCode SendListAdd(SendList *list, PetscInt target, PetscInt inde
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells within radius of x: first and last index a direction. False if an image lies too far outside the box to be seen by anyone. */
-static PetscBool CellRange(Domain domain, const PetscReal x[DIM], PetscReal radius, PetscBool inside[DIM], PetscInt first[DIM], PetscInt last[DIM])
+/* The cells within radius of x: first and last index a direction. False if an image lies too far outside the box to be
+ * seen by anyone. */
+static PetscBool CellRange(Domain domain, const PetscReal x[DIM], PetscReal radius, PetscBool inside[DIM],
+                           PetscInt first[DIM], PetscInt last[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal low = (x[d] - radius - domain->lower[d]) / domain->cell_size[d], high = (x[d] + radius - domain->lower[d]) / domain->cell_size[d];
-    const PetscReal n = (PetscReal)domain->cells[d];
+    const PetscReal low  = (x[d] - radius - domain->lower[d]) / domain->cell_size[d],
+                    high = (x[d] + radius - domain->lower[d]) / domain->cell_size[d];
+    const PetscReal n    = (PetscReal)domain->cells[d];
 
     if (!inside[d] && (high < 0 || low > n)) return PETSC_FALSE;
     first[d] = (PetscInt)PetscMax(0, PetscMin(n - 1, PetscFloorReal(low)));
@@ -97,10 +101,12 @@ static PetscBool CellRange(Domain domain, const PetscReal x[DIM], PetscReal radi
 }
 
 /* The ranks that own a cell within radius of image 'code' (at x) of owned point 'index' get it. */
-static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], PetscReal radius, SendList *list)
+static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], PetscReal radius,
+                                SendList *list)
 {
-  Domain         domain = halo->domain;
-  const PetscInt part[DIM] = {code % IMAGE_COUNT, (code / IMAGE_COUNT) % IMAGE_COUNT, code / (IMAGE_COUNT * IMAGE_COUNT)};
+  Domain         domain    = halo->domain;
+  const PetscInt part[DIM] = {code % IMAGE_COUNT, (code / IMAGE_COUNT) % IMAGE_COUNT,
+                              code / (IMAGE_COUNT * IMAGE_COUNT)};
   PetscBool      inside[DIM];
   PetscInt       first[DIM], last[DIM], begin = list->count;
 
@@ -136,14 +142,15 @@ static PetscErrorCode MarkInnerCells(Halo halo, PetscReal radius, PetscBool *inn
     inner[c] = (PetscBool)(domain->cell_rank[c] == halo->rank);
     for (PetscInt k = PetscMax(0, at[2] - width[2]); k <= PetscMin(n[2] - 1, at[2] + width[2]) && inner[c]; k++)
       for (PetscInt j = PetscMax(0, at[1] - width[1]); j <= PetscMin(n[1] - 1, at[1] + width[1]) && inner[c]; j++)
-        for (PetscInt i = PetscMax(0, at[0] - width[0]); i <= PetscMin(n[0] - 1, at[0] + width[0]) && inner[c]; i++) inner[c] = (PetscBool)(domain->cell_rank[(k * n[1] + j) * n[0] + i] == halo->rank);
+        for (PetscInt i = PetscMax(0, at[0] - width[0]); i <= PetscMin(n[0] - 1, at[0] + width[0]) && inner[c]; i++)
+          inner[c] = (PetscBool)(domain->cell_rank[(k * n[1] + j) * n[0] + i] == halo->rank);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, SendList *list)
 {
-  Domain    domain = halo->domain;
+  Domain     domain = halo->domain;
   PetscBool *inner;
 
   PetscFunctionBegin;
@@ -156,7 +163,7 @@ static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], P
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal below = p[d] - domain->lower[d], above = domain->upper[d] - p[d];
 
-      options[d]                = 0;
+      options[d]              = 0;
       option[d][options[d]++] = IMAGE_SAME;
       if (domain->face[d][0] == FACE_PERIODIC && below < radius) option[d][options[d]++] = IMAGE_UP;
       if (domain->face[d][0] == FACE_PERIODIC && above < radius) option[d][options[d]++] = IMAGE_DOWN;
@@ -180,15 +187,18 @@ static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells each receiver which of our particles, under which image, are its ghosts. Received pairs (index, image) come sorted by owner. */
-static PetscErrorCode ExchangeLists(Halo halo, const SendList *list, PetscInt *ghosts, PetscMPIInt **owner, PetscInt **pairs)
+/* Tells each receiver which of our particles, under which image, are its ghosts. Received pairs (index, image) come
+ * sorted by owner. */
+static PetscErrorCode ExchangeLists(Halo halo, const SendList *list, PetscInt *ghosts, PetscMPIInt **owner,
+                                    PetscInt **pairs)
 {
   MPI_Comm     comm = halo->domain->comm;
   PetscInt    *place, *packed, received = 0;
   PetscMPIInt *count, *start, *from_count, *from_start;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc4(halo->size, &count, halo->size + 1, &start, halo->size, &from_count, halo->size + 1, &from_start));
+  PetscCall(
+    PetscCalloc4(halo->size, &count, halo->size + 1, &start, halo->size, &from_count, halo->size + 1, &from_start));
   PetscCall(PetscMalloc2(halo->size, &place, 2 * list->count, &packed));
   for (PetscInt s = 0; s < list->count; s++) count[list->target[s]] += 2;
   for (PetscMPIInt r = 0; r < halo->size; r++) {
@@ -268,11 +278,12 @@ static void ApplyImages(Halo halo, PetscInt width, Parity parity, PetscReal *gho
 
 PetscErrorCode HaloUpdate(Halo halo, PetscInt width, Parity parity, PetscReal array[])
 {
-  const MPI_Datatype unit = width == 1 ? MPIU_REAL : width == 3 ? halo->vector : halo->tensor;
+  const MPI_Datatype unit  = width == 1 ? MPIU_REAL : width == 3 ? halo->vector : halo->tensor;
   PetscReal         *ghost = array + halo->n * width;
 
   PetscFunctionBegin;
-  PetscCheck(width == 1 || width == 3 || width == 6, PETSC_COMM_SELF, PETSC_ERR_SUP, "fields have width 1, 3 or 6, not %" PetscInt_FMT, width);
+  PetscCheck(width == 1 || width == 3 || width == 6, PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "fields have width 1, 3 or 6, not %" PetscInt_FMT, width);
   PetscCall(PetscSFBcastBegin(halo->sf, unit, array, ghost, MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(halo->sf, unit, array, ghost, MPI_REPLACE));
   if (parity != PARITY_SCALAR) ApplyImages(halo, width, parity, ghost);
@@ -295,7 +306,7 @@ static PetscBool HasImages(FaceType face)
 PetscReal HaloStray(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit)
 {
   const PetscBool inside[DIM] = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
-  PetscReal       stray = 0;
+  PetscReal       stray       = 0;
 
   for (PetscInt a = 0; a < n; a++) {
     const PetscReal *p = x + DIM * a;

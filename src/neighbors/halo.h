@@ -1,5 +1,6 @@
-/* Private to neighbors/: ghosts. A ghost is an owned particle of some rank (this one too) under an image: identity, a shift by the period, a
-   mirror in a symmetry face, or their products. A PetscSF brings the values, the image changes their signs. */
+/* Private to neighbors/: ghosts. A ghost is an owned particle of some rank (this one too) under an image: identity, a
+   shift by the period, a mirror in a symmetry face, or their products. A PetscSF brings the values, the image changes
+   their signs. */
 #ifndef ISPH_HALO_H
 #define ISPH_HALO_H
 
@@ -8,10 +9,12 @@
 /* HaloCreate - no ghosts yet; domain is borrowed. Collective. */
 PetscErrorCode HaloCreate(Domain domain, Halo *halo);
 PetscErrorCode HaloDestroy(Halo *halo);
-/* HaloBuild - finds the ghosts of all points within 'radius' (m) of any cell of another rank or image, from the n owned positions x ([n][3], m);
-   *ghosts = their number on this rank. Ghosts come in the order of their owner's rank, then its local order. Collective. */
+/* HaloBuild - finds the ghosts of all points within 'radius' (m) of any cell of another rank or image, from the n owned
+ *positions x ([n][3], m); ghosts = their number on this rank. Ghosts come in the order of their owner's rank, then its
+ *local order. Collective. */
 PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, PetscInt *ghosts);
-/* HaloUpdate - values of owned particles, array[0..n)[width], to the ghosts' places behind them, changed as the image demands. Collective. */
+/* HaloUpdate - values of owned particles, array[0..n)[width], to the ghosts' places behind them, changed as the image
+ * demands. Collective. */
 PetscErrorCode HaloUpdate(Halo halo, PetscInt width, Parity parity, PetscReal array[]);
 /* HaloUpdateInt - the same for integers, unchanged. Collective. */
 PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[]);

@@ -29,10 +29,12 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   }
   for (grid->size = size;; grid->size *= 1.25) {
     cells = 1;
-    for (PetscInt d = 0; d < DIM; d++) cells *= d < dim ? PetscFloorReal((upper[d] - grid->lower[d]) / grid->size) + 1 : 1;
+    for (PetscInt d = 0; d < DIM; d++)
+      cells *= d < dim ? PetscFloorReal((upper[d] - grid->lower[d]) / grid->size) + 1 : 1;
     if (cells <= CELLS_PER_POINT * (PetscReal)n + 1000) break;
   }
-  for (PetscInt d = 0; d < DIM; d++) grid->n[d] = d < dim ? (PetscInt)((upper[d] - grid->lower[d]) / grid->size) + 1 : 1;
+  for (PetscInt d = 0; d < DIM; d++)
+    grid->n[d] = d < dim ? (PetscInt)((upper[d] - grid->lower[d]) / grid->size) + 1 : 1;
   grid->count = grid->n[0] * grid->n[1] * grid->n[2];
   if (grid->count + 1 > grid->capacity) {
     grid->capacity = grid->count + 1 + grid->count / 4;
@@ -51,7 +53,8 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   for (PetscInt a = 0; a < n; a++) {
     PetscInt cell[DIM] = {0, 0, 0};
 
-    for (PetscInt d = 0; d < dim; d++) cell[d] = PetscMin(grid->n[d] - 1, (PetscInt)((x[DIM * a + d] - grid->lower[d]) / grid->size));
+    for (PetscInt d = 0; d < dim; d++)
+      cell[d] = PetscMin(grid->n[d] - 1, (PetscInt)((x[DIM * a + d] - grid->lower[d]) / grid->size));
     grid->of_point[a] = (cell[2] * grid->n[1] + cell[1]) * grid->n[0] + cell[0];
     grid->start[grid->of_point[a] + 1]++;
   }
@@ -62,9 +65,11 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the points of a run whose squared distance is below radius2, a itself excluded; returns how many. Without a branch, and kept out of line so
-   that the counter stays in a register: this loop sees every candidate. */
-static __attribute__((noinline)) PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const PetscReal *restrict r2, PetscReal radius2, PetscInt a, PetscInt *restrict list)
+/* Appends the points of a run whose squared distance is below radius2, a itself excluded; returns how many. Without a
+   branch, and kept out of line so that the counter stays in a register: this loop sees every candidate. */
+static __attribute__((noinline)) PetscInt KeepNear(PetscInt count, const PetscInt *restrict order,
+                                                   const PetscReal *restrict r2, PetscReal radius2, PetscInt a,
+                                                   PetscInt *restrict list)
 {
   PetscInt found = 0;
 
@@ -77,17 +82,21 @@ static __attribute__((noinline)) PetscInt KeepNear(PetscInt count, const PetscIn
   return found;
 }
 
-/* The neighbours of point a among sorted points: appends their indices to list, returns their number. s is [3][n], in the grid's order. */
-static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal *restrict s, const PetscReal p[DIM], PetscInt a, PetscReal radius2, PetscReal *restrict r2, PetscInt *restrict list)
+/* The neighbours of point a among sorted points: appends their indices to list, returns their number. s is [3][n], in
+ * the grid's order. */
+static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal *restrict s, const PetscReal p[DIM],
+                              PetscInt a, PetscReal radius2, PetscReal *restrict r2, PetscInt *restrict list)
 {
-  const PetscInt  cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1], cz = cell / (grid->n[0] * grid->n[1]);
+  const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
+                 cz  = cell / (grid->n[0] * grid->n[1]);
   const PetscInt  x0 = PetscMax(0, cx - 1), x1 = PetscMin(grid->n[0] - 1, cx + 1);
   const PetscReal px = p[0], py = p[1], pz = p[2];
   PetscInt        found = 0;
 
   for (PetscInt kz = PetscMax(0, cz - 1); kz <= PetscMin(grid->n[2] - 1, cz + 1); kz++)
     for (PetscInt ky = PetscMax(0, cy - 1); ky <= PetscMin(grid->n[1] - 1, cy + 1); ky++) {
-      const PetscInt   line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0], count = grid->start[line + x1 + 1] - begin;
+      const PetscInt line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0],
+                     count         = grid->start[line + x1 + 1] - begin;
       const PetscReal *restrict sx = s + begin, *restrict sy = s + n + begin, *restrict sz = s + 2 * n + begin;
 
       SIMD_LOOP()
@@ -104,13 +113,15 @@ static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal 
 /* Number of points in the cells around point a: the room its neighbours may need. */
 static PetscInt CountCandidates(const CellGrid *grid, PetscInt a, PetscInt *longest)
 {
-  const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1], cz = cell / (grid->n[0] * grid->n[1]);
+  const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
+                 cz = cell / (grid->n[0] * grid->n[1]);
   const PetscInt x0 = PetscMax(0, cx - 1), x1 = PetscMin(grid->n[0] - 1, cx + 1);
   PetscInt       total = 0;
 
   for (PetscInt kz = PetscMax(0, cz - 1); kz <= PetscMin(grid->n[2] - 1, cz + 1); kz++)
     for (PetscInt ky = PetscMax(0, cy - 1); ky <= PetscMin(grid->n[1] - 1, cy + 1); ky++) {
-      const PetscInt line = (kz * grid->n[1] + ky) * grid->n[0], count = grid->start[line + x1 + 1] - grid->start[line + x0];
+      const PetscInt line  = (kz * grid->n[1] + ky) * grid->n[0],
+                     count = grid->start[line + x1 + 1] - grid->start[line + x0];
 
       *longest = PetscMax(*longest, count);
       total += count;
@@ -128,7 +139,8 @@ PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius));
-  for (PetscInt c = 0; c < cloud->grid.count; c++) longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
+  for (PetscInt c = 0; c < cloud->grid.count; c++)
+    longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
   r2_capacity = 3 * longest;
   PetscCall(PetscMalloc2(DIM * n, &sorted, r2_capacity, &r2));
   for (PetscInt k = 0; k < n; k++)
@@ -142,8 +154,10 @@ PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius)
     }
     cloud->first[a] = used;
     used += FindNeighbors(&cloud->grid, n, sorted, x + DIM * a, a, radius * radius, r2, cloud->list + used);
-    PetscCheck(used - cloud->first[a] <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped", cloud->integer[INT_ID][a],
-               (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], used - cloud->first[a]);
+    PetscCheck(used - cloud->first[a] <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+               "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
+               cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2],
+               used - cloud->first[a]);
   }
   cloud->first[cloud->n_owned] = used;
   PetscCall(PetscFree2(sorted, r2));

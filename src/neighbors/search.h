@@ -4,7 +4,8 @@
 
 #include "cloud.h"
 
-/* NeighborsFind - the list of all points within radius (m) of each owned particle, from the positions of the cloud. Not collective. */
+/* NeighborsFind - the list of all points within radius (m) of each owned particle, from the positions of the cloud. Not
+ * collective. */
 PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius);
 
 #endif

@@ -71,7 +71,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = volume[a] * self, nx = 0, ny = 0, nz = 0, xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, *B = cloud->field[FIELD_MOMENT] + 6 * a;
+    PetscReal sum = volume[a] * self, nx = 0, ny = 0, nz = 0, xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0,
+              *B = cloud->field[FIELD_MOMENT] + 6 * a;
 
     PairRowLoad(cloud, x, a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, row.F);
@@ -98,7 +99,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
       cloud->field[FIELD_NORMAL][DIM * a]     = nx;
       cloud->field[FIELD_NORMAL][DIM * a + 1] = ny;
       cloud->field[FIELD_NORMAL][DIM * a + 2] = nz;
-      if (lambda > MOMENT_MINIMUM) InvertMoment(dim, M, B);
+      if (lambda > MOMENT_MINIMUM)
+        InvertMoment(dim, M, B);
       else {
         B[0] = B[1] = B[2] = 1;
         B[3] = B[4] = B[5] = 0;

@@ -1,5 +1,6 @@
-/* Floor 4: particle operators. Sums over the neighbours of owned particles at the positions of the cloud; ghosts must be current for the
-   fields a function reads, and are not updated by it unless it says so. None is collective unless it says so. */
+/* Floor 4: particle operators. Sums over the neighbours of owned particles at the positions of the cloud; ghosts must
+   be current for the fields a function reads, and are not updated by it unless it says so. None is collective unless it
+   says so. */
 #ifndef ISPH_OPERATORS_H
 #define ISPH_OPERATORS_H
 
@@ -27,21 +28,24 @@ static inline void TensorApply(const PetscReal B[6], PetscReal x, PetscReal y, P
 /* SymmetricSmallestEigenvalue - of M (xx yy zz xy xz yz), of its upper left 2 x 2 block if dim is 2. */
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6]);
 
-/* OperatorsDensity - FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one liquid Eq. (4) of Kuri et al. */
+/* OperatorsDensity - FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one
+ * liquid Eq. (4) of Kuri et al. */
 PetscErrorCode OperatorsDensity(Cloud cloud);
-/* OperatorsMoments - one pass over the pairs: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab; FIELD_LAMBDA its smallest eigenvalue;
-   FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM; FIELD_NORMAL = sum V grad W (1/m). Marrone et al. 2010, Randles & Libersky 1996. */
+/* OperatorsMoments - one pass over the pairs: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab; FIELD_LAMBDA its
+   smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM; FIELD_NORMAL = sum V grad W
+   (1/m). Marrone et al. 2010, Randles & Libersky 1996. */
 PetscErrorCode OperatorsMoments(Cloud cloud);
-/* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan of a cone), 2 near it,
-   0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle within 1.5 spacings. Needs OperatorsMoments; updates
-   INT_SURFACE of the ghosts. Collective. */
+/* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan
+   of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle
+   within 1.5 spacings. Needs OperatorsMoments; updates INT_SURFACE of the ghosts. Collective. */
 PetscErrorCode OperatorsFreeSurface(Cloud cloud);
-/* OperatorsViscosity - adds the viscous term of Eq. (1) of Kuri et al. (Cleary & Ha) to FIELD_ACCELERATION of the fluid, m/s2; zeta = dim + 2 (5 in
-   3-d as in the paper; its 5 would be 25 % too viscous in 2-d). density: [n_total] kg/m3. Walls have the viscosity of their neighbour and their own
-   velocity (no slip). */
+/* OperatorsViscosity - adds the viscous term of Eq. (1) of Kuri et al. (Cleary & Ha) to FIELD_ACCELERATION of the
+   fluid, m/s2; zeta = dim + 2 (5 in 3-d as in the paper; its 5 would be 25 % too viscous in 2-d). density: [n_total]
+   kg/m3. Walls have the viscosity of their neighbour and their own velocity (no slip). */
 PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[]);
-/* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or the identity for the fluid; walls always take the
-   identity and only pairs with fluid count. velocity: [n_total][3]. */
+/* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
+   the identity for the fluid; walls always take the identity and only pairs with fluid count. velocity: [n_total][3].
+ */
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[]);
 
 #endif

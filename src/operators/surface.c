@@ -14,9 +14,10 @@ static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], Pe
   const PetscInt   dim = cloud->domain->dim;
 
   for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-    const PetscReal *q = x + DIM * cloud->list[k];
-    const PetscReal  r[DIM] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, t[DIM] = {r[0] - s * n[0], r[1] - s * n[1], r[2] - s * n[2]};
-    const PetscReal  distance2 = Dot(r, r), height = Dot(r, n);
+    const PetscReal *q        = x + DIM * cloud->list[k];
+    const PetscReal  r[DIM]   = {q[0] - p[0], q[1] - p[1], q[2] - p[2]},
+                    t[DIM]    = {r[0] - s * n[0], r[1] - s * n[1], r[2] - s * n[2]};
+    const PetscReal distance2 = Dot(r, r), height = Dot(r, n);
 
     if (distance2 >= 2 * s * s) {
       if (Dot(t, t) < s * s) return PETSC_FALSE;
@@ -36,7 +37,7 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
   const PetscReal  s = CONE_SCALE * cloud->domain->spacing, near2 = PetscSqr(NEAR_DISTANCE * cloud->domain->spacing);
   const PetscReal *lambda = cloud->field[FIELD_LAMBDA], *x = cloud->field[FIELD_POSITION];
   const PetscInt  *layer = cloud->integer[INT_LAYER];
-  PetscInt        *flag = cloud->integer[INT_SURFACE];
+  PetscInt        *flag  = cloud->integer[INT_SURFACE];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
@@ -48,7 +49,8 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
     if (a >= cloud->n_rows || lambda[a] >= LAMBDA_INNER) continue;
     TensorApply(B, -g[0], -g[1], -g[2], n);
     length = Norm(n);
-    if (lambda[a] <= LAMBDA_SURFACE || length <= 0) flag[a] = 1;
+    if (lambda[a] <= LAMBDA_SURFACE || length <= 0)
+      flag[a] = 1;
     else {
       for (PetscInt d = 0; d < DIM; d++) n[d] /= length;
       flag[a] = ConeIsEmpty(cloud, a, n, s) ? 1 : 0;

@@ -14,17 +14,19 @@ static PetscErrorCode CollectViscosity(Cloud cloud, PetscReal mu[])
 
 PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], *volume = cloud->volume, *rest = cloud->rest_density;
-  const PetscReal  zeta = (PetscReal)(cloud->domain->dim + 2), eta2 = EtaSquared(cloud->kernel);
-  PetscReal       *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION];
-  PairRow          row;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], *volume = cloud->volume,
+                  *rest = cloud->rest_density;
+  const PetscReal zeta = (PetscReal)(cloud->domain->dim + 2), eta2 = EtaSquared(cloud->kernel);
+  PetscReal      *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION];
+  PairRow         row;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscCall(CollectViscosity(cloud, mu));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal mu_a = mu[a], inverse_a = 1 / (density[a] * density[a]), vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
-    PetscReal       ax = 0, ay = 0, az = 0;
+    const PetscReal mu_a = mu[a], inverse_a = 1 / (density[a] * density[a]), vx = v[3 * a], vy = v[3 * a + 1],
+                    vz = v[3 * a + 2];
+    PetscReal ax = 0, ay = 0, az = 0;
 
     if (mu_a <= 0) continue;
     PairRowLoad(cloud, x, a, &row);
@@ -34,8 +36,10 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[])
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b    = row.index[k];
       const PetscReal mu_b = mu[b] < 0 ? mu_a : mu[b];
-      const PetscReal vr   = (vx - v[3 * b]) * row.dx[k] + (vy - v[3 * b + 1]) * row.dy[k] + (vz - v[3 * b + 2]) * row.dz[k];
-      const PetscReal c    = volume[b] * rest[b] * zeta * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b / (mu_a + mu_b) * vr / (row.r2[k] + eta2) * row.F[k];
+      const PetscReal vr =
+        (vx - v[3 * b]) * row.dx[k] + (vy - v[3 * b + 1]) * row.dy[k] + (vz - v[3 * b + 2]) * row.dz[k];
+      const PetscReal c = volume[b] * rest[b] * zeta * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b /
+                          (mu_a + mu_b) * vr / (row.r2[k] + eta2) * row.F[k];
 
       ax += c * row.dx[k];
       ay += c * row.dy[k];
@@ -57,8 +61,9 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal *B = cloud->field[FIELD_MOMENT] + 6 * a, *v = velocity, vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
-    PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
+    const PetscReal *B = cloud->field[FIELD_MOMENT] + 6 * a, *v = velocity, vx = v[3 * a], vy = v[3 * a + 1],
+                    vz = v[3 * a + 2];
+    PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
 
     PairRowLoad(cloud, x, a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, NULL, row.F);
@@ -67,7 +72,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
       SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yx, yz, zx, zy))
       for (PetscInt k = 0; k < row.n; k++) {
         const PetscInt  b = row.index[k];
-        const PetscReal f = volume[b] * row.F[k], ux = (v[3 * b] - vx) * f, uy = (v[3 * b + 1] - vy) * f, uz = (v[3 * b + 2] - vz) * f;
+        const PetscReal f = volume[b] * row.F[k], ux = (v[3 * b] - vx) * f, uy = (v[3 * b + 1] - vy) * f,
+                        uz = (v[3 * b + 2] - vz) * f;
 
         xx += ux * row.dx[k];
         xy += ux * row.dy[k];

@@ -1,5 +1,5 @@
-/* Which liquid hangs together with the pool, particle by particle: chains of neighbours closer than a given distance. The cells of gauge_grid.c
-   are too coarse for the crown, whose rim sheds drops a spacing or two away. */
+/* Which liquid hangs together with the pool, particle by particle: chains of neighbours closer than a given distance.
+   The cells of gauge_grid.c are too coarse for the crown, whose rim sheds drops a spacing or two away. */
 #include "output_impl.h"
 
 /* The representative of a's set; paths are halved on the way. */
@@ -15,7 +15,7 @@ static PetscInt Find(PetscInt parent[], PetscInt a)
 /* Sets of particles, ghosts too, that chains of this rank's particles join. */
 static void JoinNeighbors(Cloud cloud, PetscReal distance, PetscInt parent[])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const PetscReal *x     = cloud->field[FIELD_POSITION];
   const PetscInt  *layer = cloud->integer[INT_LAYER];
 
   for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = a;
@@ -33,10 +33,11 @@ static void JoinNeighbors(Cloud cloud, PetscReal distance, PetscInt parent[])
   }
 }
 
-/* Spreads the smallest id of each set through the ghosts until every chain has one label: FIELD_WORK1 (ids are exact as reals). */
+/* Spreads the smallest id of each set through the ghosts until every chain has one label: FIELD_WORK1 (ids are exact as
+ * reals). */
 static PetscErrorCode LabelSets(Cloud cloud, PetscInt parent[], PetscReal smallest[])
 {
-  PetscReal *label = cloud->field[FIELD_WORK1];
+  PetscReal *label   = cloud->field[FIELD_WORK1];
   PetscBool  changed = PETSC_TRUE;
 
   PetscFunctionBegin;
@@ -72,7 +73,7 @@ PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool conne
   struct {
     double value;
     int    rank;
-  } deepest = {.value = PETSC_MAX_REAL};
+  } deepest         = {.value = PETSC_MAX_REAL};
   PetscReal   label = -1;
   PetscMPIInt rank;
 

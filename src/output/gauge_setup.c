@@ -4,7 +4,7 @@
 /* Default of the jet radius, in half widths of the last body. */
 #define JET_RADIUS 1.1
 /* Default size of the cells that decide what is connected, in spacings. */
-#define CELL_SIZE  1.25
+#define CELL_SIZE 1.25
 /* Neighbours within a sheet or thread are closer than this, in spacings; a drop that has left the rim is not. */
 #define CONNECTION 1.25
 #define CELL_LEAST 1.0
@@ -87,10 +87,12 @@ PetscErrorCode GaugesSetFromOptions(Output output, OptionItems PetscOptionsObjec
   gauge->crater_radius = CraterRadius(output);
   PetscCall(PetscOptionsReal("-gauge_crater_radius", "The crater is looked for within this distance of the axis, m",
                              "OutputGauges", gauge->crater_radius, &gauge->crater_radius, NULL));
-  PetscCall(PetscOptionsReal("-gauge_cell", "Cells that tell liquid from air for the crater's depth and diameter, in spacings",
+  PetscCall(PetscOptionsReal("-gauge_cell",
+                             "Cells that tell liquid from air for the crater's depth and diameter, in spacings",
                              "OutputGauges", gauge->cell, &gauge->cell, NULL));
-  PetscCall(PetscOptionsReal("-gauge_connection", "Particles closer than this hang together, for crown and jet, in spacings",
-                             "OutputGauges", gauge->connection, &gauge->connection, NULL));
+  PetscCall(PetscOptionsReal("-gauge_connection",
+                             "Particles closer than this hang together, for crown and jet, in spacings", "OutputGauges",
+                             gauge->connection, &gauge->connection, NULL));
   PetscCall(PetscOptionsReal("-gauge_multiplicity",
                              "Factor of energies and volume, 4 for a quarter of a symmetric scene", "OutputGauges",
                              gauge->multiplicity, &gauge->multiplicity, NULL));

@@ -223,11 +223,12 @@ static PetscReal RingArea(PetscInt dim, PetscReal inner, PetscReal outer)
   return dim == 2 ? 2 * (outer - inner) : PETSC_PI * (outer * outer - inner * inner);
 }
 
-/* Radius (m) at which the liquid begins, from the filled share of rings of width w: the first ring that is filled behind a gap; the shares around it
-   give the place within: what is missing there is as if it were missing at one radius. 0 without a gap, negative without liquid. */
+/* Radius (m) at which the liquid begins, from the filled share of rings of width w: the first ring that is filled
+   behind a gap; the shares around it give the place within: what is missing there is as if it were missing at one
+   radius. 0 without a gap, negative without liquid. */
 static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const PetscReal share[])
 {
-  PetscInt  gap = 0, wall, first, last;
+  PetscInt  gap     = 0, wall, first, last;
   PetscReal missing = 0;
 
   for (wall = 0; wall < rings; wall++) {
@@ -241,7 +242,8 @@ static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const Pet
   return dim == 2 ? first * w + missing / 2 : PetscSqrtReal(PetscSqr(first * w) + missing / PETSC_PI);
 }
 
-/* Twice the radius of the crater's wall at the level, from the share of rings that liquid fills in the layer of one spacing below it. */
+/* Twice the radius of the crater's wall at the level, from the share of rings that liquid fills in the layer of one
+ * spacing below it. */
 static PetscErrorCode CraterDiameter(Output output, const PoolList *list, PetscReal *diameter)
 {
   const Domain    domain = output->cloud->domain;

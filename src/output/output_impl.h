@@ -161,8 +161,8 @@ typedef struct {
   PetscInt      *queue;                  /* [count] */
 } GaugeGrid;
 
-/* GaugeConnected - connected[n_fluid of the cloud]: whether a chain of fluid particles, each closer than 'distance' (m) to the next, joins it with
-   the pool. The cloud must be in step with the swarm. Collective. */
+/* GaugeConnected - connected[n_fluid of the cloud]: whether a chain of fluid particles, each closer than 'distance' (m)
+   to the next, joins it with the pool. The cloud must be in step with the swarm. Collective. */
 PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool connected[]);
 /* GaugeGridCreate - occupancy of the fluid of all ranks. Collective. */
 PetscErrorCode GaugeGridCreate(Output output, const ParticleArrays *arrays, GaugeGrid *grid);

@@ -16,7 +16,7 @@
 #define RADIUS_SMALLEST 0.6  /* spacings; a body that does not hold its samples then is too thin for the skin */
 #define SKIN            0.5  /* depth of the surface samples, spacings */
 #define SKIN_SMALLEST   0.05
-#define SUBCELLS        6    /* a direction, to measure cells that the surface crosses */
+#define SUBCELLS        6 /* a direction, to measure cells that the surface crosses */
 #define NOBODY          (-1)
 
 typedef struct {

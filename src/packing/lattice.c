@@ -1,9 +1,9 @@
 /* Bodies filled from a lattice of the particle spacing, with a jitter. */
 #include "types.h"
 
-#define LEVEL_MAX 0.5 /* spacings */
+#define LEVEL_MAX   0.5 /* spacings */
 #define SHELL_SPLIT 0.5 /* share of the points near the surface: a larger shell of equal distance is a flat layer */
-#define SUBPOINTS 6   /* a direction, for the share of a lattice cell */
+#define SUBPOINTS   6   /* a direction, for the share of a lattice cell */
 
 typedef struct {
   PetscReal jitter; /* largest displacement a component, in spacings */
@@ -30,8 +30,9 @@ void BoxLatticeSetUp(Domain domain, BoxLattice *lattice)
   }
 }
 
-/* The part of the lattice that may be inside a body, and one layer more. Where the body touches a closed face it is the box's, which the
-   walls and images continue; elsewhere it has the spacing and is symmetric about the middle of the body. */
+/* The part of the lattice that may be inside a body, and one layer more. Where the body touches a closed face it is the
+   box's, which the walls and images continue; elsewhere it has the spacing and is symmetric about the middle of the
+   body. */
 static void BodyLattice(Domain domain, const BoxLattice *box, Body body, BoxLattice *lattice)
 {
   const PetscReal tiny = ROUNDING * domain->spacing;
@@ -125,7 +126,8 @@ static PetscErrorCode FitLevel(Packing packing, PetscInt b, const BoxLattice *la
         s = PointDistance(packing, b, (k * lattice->n[1] + j) * lattice->n[0] + i, x);
         target += s < -reach ? inside : s > reach ? 0 : CellShare(domain, lattice, body, x);
         if (!inside || s > bound) continue;
-        if (s < -bound) sure++;
+        if (s < -bound)
+          sure++;
         else {
           if (count == capacity) PetscCall(PetscRealloc((capacity *= 2) * sizeof(*distance), &distance));
           distance[count++] = s;
@@ -137,9 +139,10 @@ static PetscErrorCode FitLevel(Packing packing, PetscInt b, const BoxLattice *la
   *level = 0;
   for (PetscInt k = 0, first = 0; k <= count; k++) { /* the first k of them */
     const PetscReal low = k > 0 ? distance[k - 1] : -bound, high = k < count ? distance[k] : bound;
-    const PetscReal miss   = PetscAbsReal((PetscReal)(sure + k) - target);
-    const PetscBool within = (PetscBool)(k > 0 && k < count && high - low < ROUNDING * d0); /* in the middle of a shell */
-    PetscInt        last   = k;
+    const PetscReal miss = PetscAbsReal((PetscReal)(sure + k) - target);
+    const PetscBool within =
+      (PetscBool)(k > 0 && k < count && high - low < ROUNDING * d0); /* in the middle of a shell */
+    PetscInt last = k;
 
     if (!within) first = k;
     while (last < count && distance[last] - distance[first] < ROUNDING * d0) last++;

@@ -195,9 +195,10 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
   PetscCall(TaoGetIterationNumber(tao, done));
   *remaining -= *done;
   PetscCall(Evaluate(tao, y, &f, gradient, o)); /* the last point tried need not be the best */
-  PetscCall(PetscInfo(
-    tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n", *done,
-    TaoConvergedReasons[*reason], (double)o->deviation, (double)(o->closest / cloud->domain->spacing)));
+  PetscCall(
+    PetscInfo(tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n",
+              *done, TaoConvergedReasons[*reason], (double)o->deviation,
+              (double)(o->closest / cloud->domain->spacing)));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) PackingConfine(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a);
   PetscCall(CloudCommit(cloud, &lost));
   PetscCall(CloudResync(cloud));

@@ -12,10 +12,10 @@ typedef void (*PackingVisitor)(void *context, PetscInt id, PetscInt body, const 
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
-  PetscErrorCode (*setfromoptions)(Packing           packing,
+  PetscErrorCode (*setfromoptions)(Packing     packing,
                                    OptionItems PetscOptionsObject); /* reads, inside an options block */
-  PetscErrorCode (*check)(Packing packing);                               /* refuses bad numbers */
-  PetscErrorCode (*setup)(Packing packing, PackingReport *report);        /* before the visits; collective */
+  PetscErrorCode (*check)(Packing packing);                         /* refuses bad numbers */
+  PetscErrorCode (*setup)(Packing packing, PackingReport *report);  /* before the visits; collective */
   /* Shows every sample of the scene to the visitor, in the order of the ids 0, 1, ...; all of them on each rank. */
   PetscErrorCode (*visit)(Packing packing, PackingVisitor visitor, void *context);
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */

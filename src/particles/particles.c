@@ -31,8 +31,10 @@ PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
   PetscCall(DMSetDimension(p->swarm, domain->dim));
   PetscCall(DMSwarmSetType(p->swarm, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(p->swarm));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, Fields[f].name, Fields[f].width, PETSC_REAL));
-  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, IntFieldNames[f], 1, PETSC_INT));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, Fields[f].name, Fields[f].width, PETSC_REAL));
+  for (PetscInt f = 0; f < INT_COUNT; f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, IntFieldNames[f], 1, PETSC_INT));
   PetscCall(DMSwarmFinalizeFieldRegister(p->swarm));
   PetscCall(DMSwarmSetLocalSizes(p->swarm, 0, SWARM_BUFFER));
   *particles = p;
@@ -56,7 +58,8 @@ PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(particles->comm, &size));
   PetscCall(ParticlesGlobalSize(particles, &global));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Particles: %" PetscInt_FMT " in a DMSwarm on %d rank%s\n", global, size, size > 1 ? "s" : ""));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Particles: %" PetscInt_FMT " in a DMSwarm on %d rank%s\n", global, size,
+                                   size > 1 ? "s" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,7 +72,8 @@ PetscErrorCode ParticlesAppend(Particles particles, PetscInt count)
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &n));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, n + count, SWARM_BUFFER));
   PetscCall(ParticlesOpen(particles, &arrays));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscArrayzero(arrays.real[f] + n * Fields[f].width, count * Fields[f].width));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    PetscCall(PetscArrayzero(arrays.real[f] + n * Fields[f].width, count * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArrayzero(arrays.integer[f] + n, count));
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCall(ParticlesGlobalSize(particles, &particles->global));
@@ -80,16 +84,20 @@ PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays)
 {
   PetscFunctionBegin;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &arrays->n));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(DMSwarmGetField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
-  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(DMSwarmGetField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    PetscCall(DMSwarmGetField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++)
+    PetscCall(DMSwarmGetField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ParticlesClose(Particles particles, ParticleArrays *arrays)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(DMSwarmRestoreField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
-  for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(DMSwarmRestoreField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    PetscCall(DMSwarmRestoreField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  for (PetscInt f = 0; f < INT_COUNT; f++)
+    PetscCall(DMSwarmRestoreField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,7 +177,9 @@ PetscErrorCode ParticlesMigrate(Particles particles)
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
   PetscCall(ParticlesGlobalSize(particles, &global));
-  PetscCheck(global == particles->global, particles->comm, PETSC_ERR_PLIB, "migration changed the number of particles from %" PetscInt_FMT " to %" PetscInt_FMT, particles->global, global);
+  PetscCheck(global == particles->global, particles->comm, PETSC_ERR_PLIB,
+             "migration changed the number of particles from %" PetscInt_FMT " to %" PetscInt_FMT, particles->global,
+             global);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MIGRATE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -223,7 +233,8 @@ PetscErrorCode ParticlesSort(Particles particles, PetscReal cell_size)
     PetscInt       cell[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal x = (arrays.real[FIELD_POSITION][DIM * a + d] - domain->lower[d]) / (domain->upper[d] - domain->lower[d]);
+      const PetscReal x =
+        (arrays.real[FIELD_POSITION][DIM * a + d] - domain->lower[d]) / (domain->upper[d] - domain->lower[d]);
 
       cell[d] = PetscMax(0, PetscMin(n[d] - 1, (PetscInt)PetscMin(x * n[d], (PetscReal)n[d])));
     }

@@ -1,8 +1,8 @@
 /* Floor 2: the particles, held by a DMSwarm (DMSWARM_BASIC). The one folder that touches DMSwarm.
 
-   THE field table. Stored fields live in the swarm: they migrate, are written to checkpoints and define the state completely.
-   Work fields live only in the Cloud (floor 3), over owned particles and ghosts, during a step.
-   A line: identifier, name, width (numbers a particle), parity under a mirror, unit, meaning. */
+   THE field table. Stored fields live in the swarm: they migrate, are written to checkpoints and define the state
+   completely. Work fields live only in the Cloud (floor 3), over owned particles and ghosts, during a step. A line:
+   identifier, name, width (numbers a particle), parity under a mirror, unit, meaning. */
 #ifndef ISPH_PARTICLES_H
 #define ISPH_PARTICLES_H
 
@@ -16,34 +16,38 @@ typedef enum {
   PARITY_TENSOR  /* symmetric, xx yy zz xy xz yz: off-diagonals change sign with each mirror they are normal to */
 } Parity;
 
-#define STORED_REALS(X) \
-  X(POSITION, "position", 3, PARITY_POINT, "m", "position") \
-  X(VELOCITY, "velocity", 3, PARITY_VECTOR, "m/s", "velocity") \
-  X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection; start value of the next") \
-  X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.") \
+#define STORED_REALS(X)                                                                                                \
+  X(POSITION, "position", 3, PARITY_POINT, "m", "position")                                                            \
+  X(VELOCITY, "velocity", 3, PARITY_VECTOR, "m/s", "velocity")                                                         \
+  X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection; start value of the next")          \
+  X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
   X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")
 
-#define STORED_INTS(X) \
-  X(ID, "id", "identity, unique and permanent") \
-  X(BODY, "body", "index of the body in -bodies; -1 for a dummy particle of a wall") \
-  X(LAYER, "layer", "0: fluid; 1: top layer of a wall, solved; 2, 3, ...: deeper layers, slaved") \
+#define STORED_INTS(X)                                                                                                 \
+  X(ID, "id", "identity, unique and permanent")                                                                        \
+  X(BODY, "body", "index of the body in -bodies; -1 for a dummy particle of a wall")                                   \
+  X(LAYER, "layer", "0: fluid; 1: top layer of a wall, solved; 2, 3, ...: deeper layers, slaved")                      \
   X(PARENT, "parent", "id of the top-layer particle a deeper wall particle takes its pressure from; own id otherwise") \
   X(SURFACE, "surface", "1: on the free surface, 2: near it, 0: inside")
 
-#define WORK_REALS(X) \
-  X(START, "start", 3, PARITY_POINT, "m", "position at the start of the step") \
-  X(PREDICTED, "predicted", 3, PARITY_VECTOR, "m/s", "velocity after stage one") \
-  X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force") \
-  X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B") \
-  X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid") \
-  X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)") \
-  X(WORK1, "work1", 1, PARITY_SCALAR, "", "scratch") \
+#define WORK_REALS(X)                                                                                                  \
+  X(START, "start", 3, PARITY_POINT, "m", "position at the start of the step")                                         \
+  X(PREDICTED, "predicted", 3, PARITY_VECTOR, "m/s", "velocity after stage one")                                       \
+  X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force")                \
+  X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                               \
+  X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
+  X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
+  X(WORK1, "work1", 1, PARITY_SCALAR, "", "scratch")                                                                   \
   X(WORK3, "work3", 3, PARITY_VECTOR, "", "scratch")
 
 #define FIELD_ENUM_REAL(id, name, width, parity, unit, meaning) FIELD_##id,
 #define FIELD_ENUM_INT(id, name, meaning)                       INT_##id,
-typedef enum {STORED_REALS(FIELD_ENUM_REAL) FIELD_STORED_COUNT, FIELD_STORED_LAST = FIELD_STORED_COUNT - 1, WORK_REALS(FIELD_ENUM_REAL) FIELD_COUNT} FieldId;
-typedef enum {STORED_INTS(FIELD_ENUM_INT) INT_COUNT} IntFieldId;
+typedef enum {
+  STORED_REALS(FIELD_ENUM_REAL) FIELD_STORED_COUNT,
+  FIELD_STORED_LAST = FIELD_STORED_COUNT - 1,
+  WORK_REALS(FIELD_ENUM_REAL) FIELD_COUNT
+} FieldId;
+typedef enum { STORED_INTS(FIELD_ENUM_INT) INT_COUNT } IntFieldId;
 
 typedef struct {
   const char *name;
@@ -59,7 +63,8 @@ extern const char *const IntFieldMeanings[INT_COUNT];
 
 typedef struct _p_Particles *Particles;
 
-/* The stored fields, opened: arrays over the n owned particles of this rank. real[f] is [n][width], integer[f] is [n]. */
+/* The stored fields, opened: arrays over the n owned particles of this rank. real[f] is [n][width], integer[f] is [n].
+ */
 typedef struct {
   PetscInt   n;
   PetscReal *real[FIELD_STORED_COUNT];
@@ -70,23 +75,24 @@ typedef struct {
 PetscErrorCode ParticlesCreate(Domain domain, Particles *particles);
 PetscErrorCode ParticlesDestroy(Particles *particles);
 PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer);
-/* ParticlesAppend - makes room for count more particles on this rank, at the end; their fields are zero, to be filled through ParticlesOpen
-   (also id, body, layer, parent). Collective. */
+/* ParticlesAppend - makes room for count more particles on this rank, at the end; their fields are zero, to be filled
+   through ParticlesOpen (also id, body, layer, parent). Collective. */
 PetscErrorCode ParticlesAppend(Particles particles, PetscInt count);
-/* ParticlesOpen / ParticlesClose - the one accessor. Between the two no other call on the swarm is allowed. Not collective. */
+/* ParticlesOpen / ParticlesClose - the one accessor. Between the two no other call on the swarm is allowed. Not
+ * collective. */
 PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays);
 PetscErrorCode ParticlesClose(Particles particles, ParticleArrays *arrays);
 PetscErrorCode ParticlesLocalSize(Particles particles, PetscInt *n);
 PetscErrorCode ParticlesGlobalSize(Particles particles, PetscInt *n);
 /* ParticlesRemove - drops the particles whose keep flag ([n local]) is false. Collective. */
 PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[]);
-/* ParticlesMigrate - sends every particle to the rank that owns its cell (deep wall particles live with their parent, whose nearest
-   cell is the same) and checks that none was lost. Collective. */
+/* ParticlesMigrate - sends every particle to the rank that owns its cell (deep wall particles live with their parent,
+   whose nearest cell is the same) and checks that none was lost. Collective. */
 PetscErrorCode ParticlesMigrate(Particles particles);
 /* ParticlesRepartition - METIS on the particles of each cell, then migrates. Collective. */
 PetscErrorCode ParticlesRepartition(Particles particles);
-/* ParticlesSort - canonical local order: fluid, top wall layer, deeper wall layers; within each by cell of a grid of the given
-   size (m), then id. The order depends on positions and ids only. Not collective. */
+/* ParticlesSort - canonical local order: fluid, top wall layer, deeper wall layers; within each by cell of a grid of
+   the given size (m), then id. The order depends on positions and ids only. Not collective. */
 PetscErrorCode ParticlesSort(Particles particles, PetscReal cell_size);
 
 #endif

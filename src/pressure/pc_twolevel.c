@@ -7,20 +7,19 @@
    places are known, which makes its coarse form known beforehand.
 
    P interpolates (bi/tri)linearly from a background grid, its cells 'ratio' particle spacings wide, to the points. C is
-   one cycle of an inner solver
-   (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type; by default one V-cycle of algebraic multigrid with SOR
-   smoothing, a direct solver for tiny grids) for the REDISCRETISED problem: the 5/7-point Laplacian, each cell weighted
-   with its fill by particles and no more than full, plus P^T S P with S the surplus of the diagonal over the row's pair
-   sum (what the closure at the free surface added). For smooth functions that is the Galerkin product P^T A P, without
-   the product. Edges of the fill are natural Neumann boundaries, so walls and symmetry faces need nothing, and a free
-   surface enters through S alone.
+   one cycle of an inner solver (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type; by default one V-cycle of
+   algebraic multigrid with SOR smoothing, a direct solver for tiny grids) for the REDISCRETISED problem: the 5/7-point
+   Laplacian, each cell weighted with its fill by particles and no more than full, plus P^T S P with S the surplus of
+   the diagonal over the row's pair sum (what the closure at the free surface added). For smooth functions that is the
+   Galerkin product P^T A P, without the product. Edges of the fill are natural Neumann boundaries, so walls and
+   symmetry faces need nothing, and a free surface enters through S alone.
 
    Why it works: the kernel's Fourier transform is close to nothing at wavelengths below two cells, so D^-1 A is nearly
    the identity there and Jacobi needs no second sweep; the grid takes the long waves. Both parts simply add (Bramble,
    Pasciak, Xu, Math. Comp. 55, 1990): M is then symmetric and positive for every omega > 0, and an iteration multiplies
    with A once, in the Krylov method, not in M. The form with a sweep before and after a correction of the residual
-   needs two thirds of the iterations but three products in each. Set-up costs three products and the grid, in time
-   about five iterations.
+   needs two thirds to three quarters of the iterations but three products in each. Set-up costs three products and the
+   grid, in time about five iterations.
 
    Rows without a pair (isolated particles) have no part in the grid. If A has the constant null space, so has the
    coarse matrix. A must be symmetric and approximate c * (-laplacian) with one c inside the liquid; how its rows are

@@ -14,7 +14,8 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* F as a function of w1/w1(0): the filled fraction of the kernel from the length of sum V grad W, as if the surface were flat. */
+/* F as a function of w1/w1(0): the filled fraction of the kernel from the length of sum V grad W, as if the surface
+ * were flat. */
 PetscErrorCode TabulateSurfaceFraction(Pressure pressure)
 {
   Kernel          kernel  = pressure->cloud->kernel;
@@ -26,15 +27,18 @@ PetscErrorCode TabulateSurfaceFraction(Pressure pressure)
   pressure->surface_plane                   = zero;
   pressure->surface_fraction[0]             = 1;
   pressure->surface_fraction[SURFACE_TABLE] = 0.5;
-  for (PetscInt k = SURFACE_TABLE - 1; k > 0; k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
+  for (PetscInt k = SURFACE_TABLE - 1; k > 0;
+       k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
     PetscReal low = depth, high = support, plane;
 
     for (PetscInt bisection = 0; bisection < 50; bisection++) {
       const PetscReal middle = 0.5 * (low + high);
 
       KernelHalfSpace(kernel, middle, &plane, NULL);
-      if (plane * SURFACE_TABLE > zero * k) low = middle;
-      else high = middle;
+      if (plane * SURFACE_TABLE > zero * k)
+        low = middle;
+      else
+        high = middle;
     }
     depth = 0.5 * (low + high);
     KernelHalfSpace(kernel, depth, NULL, &pressure->surface_fraction[k]);
@@ -63,7 +67,8 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
 }
 
-/* (1/dt) div v* with corrected kernel gradients, plus e/(dt T); wall rows: plain divergence, deeper layers folded in. */
+/* (1/dt) div v* with corrected kernel gradients, plus e/(dt T); wall rows: plain divergence, deeper layers folded in.
+ */
 PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   Cloud           cloud = pressure->cloud;
@@ -78,7 +83,8 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, pressure->div));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -pressure->div[a] / dt - DensityDefect(pressure, a) * rate;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -pressure->div[a] / dt;
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) rhs[cloud->row[a] - cloud->row_start] -= pressure->div[a] / dt;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
+    rhs[cloud->row[a] - cloud->row_start] -= pressure->div[a] / dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,12 +103,15 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
   Cloud cloud = pressure->cloud;
 
   if (!pressure->free_surface || a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] >= LAMBDA_CLOSURE) return 0;
-  return PetscMax(0, pressure->lattice_diagonal / PressureDensity(pressure)[a] * cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale - diagonal);
+  return PetscMax(0, pressure->lattice_diagonal / PressureDensity(pressure)[a] * cloud->volume[a] *
+                         cloud->rest_density[a] * pressure->row_scale -
+                       diagonal);
 }
 
 PetscReal PressureLatticeDiagonal(Cloud cloud)
 {
-  const PetscInt  dim = cloud->domain->dim, reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1;
+  const PetscInt dim   = cloud->domain->dim,
+                 reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1;
   const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel);
   PetscReal       sum = 0;
 
@@ -123,10 +132,11 @@ PetscReal PressureLatticeDiagonal(Cloud cloud)
 
 static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, PetscReal out[DIM])
 {
-  Cloud            cloud = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
-  const PetscReal  own = p[a] / (density[a] * density[a]);
-  PetscReal        ax = 0, ay = 0, az = 0;
+  Cloud            cloud   = pressure->cloud;
+  const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density,
+                  *p  = cloud->field[FIELD_PRESSURE];
+  const PetscReal own = p[a] / (density[a] * density[a]);
+  PetscReal       ax = 0, ay = 0, az = 0;
 
   KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
   SIMD_LOOP(reduction(+ : ax, ay, az))
@@ -157,17 +167,19 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -B_a sum V (p_b - p_a) grad W/rho_a inside; near the surface Eq. (9), where pressure differences know nothing of the outside. */
+/* -B_a sum V (p_b - p_a) grad W/rho_a inside; near the surface Eq. (9), where pressure differences know nothing of the
+ * outside. */
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
-  Cloud            cloud = pressure->cloud;
+  Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *p = cloud->field[FIELD_PRESSURE], *volume = cloud->volume;
   PairRow          row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    if (cloud->integer[INT_SURFACE][a]) SymmetricRow(pressure, a, &row, acceleration + DIM * a);
+    if (cloud->integer[INT_SURFACE][a])
+      SymmetricRow(pressure, a, &row, acceleration + DIM * a);
     else {
       PetscReal ax = 0, ay = 0, az = 0;
 

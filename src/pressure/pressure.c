@@ -23,17 +23,18 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   PetscFunctionBegin;
   PetscCall(PressureRegisterAll());
   PetscCall(PetscNew(&p));
-  p->cloud            = cloud;
-  p->kept             = -1;
-  p->rebuild_growth   = 1.5;
-  p->relaxation_time  = 1e-3;
+  p->cloud           = cloud;
+  p->kept            = -1;
+  p->rebuild_growth  = 1.5;
+  p->relaxation_time = 1e-3;
   PetscCall(PetscStrncpy(p->mat_type, MATAIJ, sizeof(p->mat_type)));
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[], PetscBool summed)
+PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[],
+                                PetscBool summed)
 {
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(pressure->source_type, source, sizeof(pressure->source_type)));
@@ -42,9 +43,13 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
   PetscCall(PetscFunctionListFind(SourceList, source, &pressure->source));
   PetscCall(PetscFunctionListFind(ClosureList, closure, &pressure->closure));
   PetscCall(PetscFunctionListFind(GradientList, gradient, &pressure->gradient));
-  PetscCheckUser(pressure->source, pressure->cloud->comm, "-pressure_source %s is not a source; there are " SOURCE_DENSITY " and " SOURCE_DIVERGENCE, source);
-  PetscCheckUser(pressure->closure, pressure->cloud->comm, "-pressure_closure %s is not a closure; there are " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
-  PetscCheckUser(pressure->gradient, pressure->cloud->comm, "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC " and " GRADIENT_CORRECTED, gradient);
+  PetscCheckUser(pressure->source, pressure->cloud->comm,
+                 "-pressure_source %s is not a source; there are " SOURCE_DENSITY " and " SOURCE_DIVERGENCE, source);
+  PetscCheckUser(pressure->closure, pressure->cloud->comm,
+                 "-pressure_closure %s is not a closure; there are " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
+  PetscCheckUser(pressure->gradient, pressure->cloud->comm,
+                 "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC " and " GRADIENT_CORRECTED,
+                 gradient);
   pressure->summed = summed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -68,19 +73,35 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(PetscStrncpy(closure, pressure->closure_type, sizeof(closure)));
   PetscCall(PetscStrncpy(gradient, pressure->gradient_type, sizeof(gradient)));
   PetscOptionsBegin(cloud->comm, NULL, "Pressure projection", "Pressure");
-  PetscCall(PetscOptionsFList("-pressure_source", "what the pressure must remove", "PressureSetTypes", SourceList, source, source, sizeof(source), NULL));
-  PetscCall(PetscOptionsFList("-pressure_closure", "how the free surface closes the equation", "PressureSetTypes", ClosureList, closure, closure, sizeof(closure), NULL));
-  PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList, gradient, gradient, sizeof(gradient), NULL));
-  PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed", "PressureSetTypes", choices, 2, choices[choice], &choice, NULL));
-  PetscCall(PetscOptionsReal("-pressure_relaxation_time", "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h", "PressureSetRelaxationTime", pressure->relaxation_option, &pressure->relaxation_option, NULL));
-  PetscCall(PetscOptionsInt("-pressure_rebuild_interval", "steps after which the preconditioner is made anew; 0: 10 for twolevel, 50 for dear ones", "PressureSetFromOptions", pressure->rebuild_interval, &pressure->rebuild_interval, NULL));
-  PetscCall(PetscOptionsReal("-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)", "PressureSetFromOptions", pressure->rebuild_growth, &pressure->rebuild_growth, NULL));
-  PetscCall(PetscOptionsFList("-mat_type", "PETSc type of the pressure matrix", "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
+  PetscCall(PetscOptionsFList("-pressure_source", "what the pressure must remove", "PressureSetTypes", SourceList,
+                              source, source, sizeof(source), NULL));
+  PetscCall(PetscOptionsFList("-pressure_closure", "how the free surface closes the equation", "PressureSetTypes",
+                              ClosureList, closure, closure, sizeof(closure), NULL));
+  PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
+                              gradient, gradient, sizeof(gradient), NULL));
+  PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed",
+                              "PressureSetTypes", choices, 2, choices[choice], &choice, NULL));
+  PetscCall(PetscOptionsReal(
+    "-pressure_relaxation_time",
+    "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h",
+    "PressureSetRelaxationTime", pressure->relaxation_option, &pressure->relaxation_option, NULL));
+  PetscCall(PetscOptionsInt("-pressure_rebuild_interval",
+                            "steps after which the preconditioner is made anew; 0: 10 for twolevel, 50 for dear ones",
+                            "PressureSetFromOptions", pressure->rebuild_interval, &pressure->rebuild_interval, NULL));
+  PetscCall(PetscOptionsReal("-pressure_rebuild_growth",
+                             "growth of the iterations that makes the preconditioner anew (1)",
+                             "PressureSetFromOptions", pressure->rebuild_growth, &pressure->rebuild_growth, NULL));
+  PetscCall(PetscOptionsFList("-mat_type", "PETSc type of the pressure matrix", "MatSetType", MatList,
+                              pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
-  PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm, "-pressure_relaxation_time is %g s; it must not be negative", (double)pressure->relaxation_option);
-  PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm, "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative", pressure->rebuild_interval);
-  PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1", (double)pressure->rebuild_growth);
+  PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm,
+                 "-pressure_relaxation_time is %g s; it must not be negative", (double)pressure->relaxation_option);
+  PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm,
+                 "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative",
+                 pressure->rebuild_interval);
+  PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1",
+                 (double)pressure->rebuild_growth);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   pressure->lattice_diagonal = PressureLatticeDiagonal(cloud);
   pressure->row_scale        = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
@@ -96,8 +117,11 @@ const PetscReal *PressureDensity(Pressure pressure)
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Pressure: source %s, closure %s, gradient %s, %s density", pressure->source_type, pressure->closure_type, pressure->gradient_type, pressure->summed ? "summed" : "rest"));
-  if (pressure->source == SourceDivergence) PetscCall(PetscViewerASCIIPrintf(viewer, ", relaxation time %g s", (double)pressure->relaxation_time));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Pressure: source %s, closure %s, gradient %s, %s density",
+                                   pressure->source_type, pressure->closure_type, pressure->gradient_type,
+                                   pressure->summed ? "summed" : "rest"));
+  if (pressure->source == SourceDivergence)
+    PetscCall(PetscViewerASCIIPrintf(viewer, ", relaxation time %g s", (double)pressure->relaxation_time));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,9 +1,9 @@
-/* Floor 5: the pressure projection. Eq. (8) of Kuri et al., sum_b K_ab (p_a - p_b) = -source, assembled as a PETSc Mat and solved by an unprefixed KSP:
-   -ksp_type, -pc_type, -ksp_rtol, -mat_type act directly.
+/* Floor 5: the pressure projection. Eq. (8) of Kuri et al., sum_b K_ab (p_a - p_b) = -source, assembled as a PETSc Mat
+   and solved by an unprefixed KSP: -ksp_type, -pc_type, -ksp_rtol, -mat_type act directly.
 
-   Three small types combine: the source, the closure at the free surface, the gradient. The matrix is symmetric and positive: rows are scaled
-   with the mass, deeper wall particles are folded into their parent (P^T A P), and pairs of wall particles are left out, so that a
-   wall conducts no pressure along itself and a dry wall has identity rows. */
+   Three small types combine: the source, the closure at the free surface, the gradient. The matrix is symmetric and
+   positive: rows are scaled with the mass, deeper wall particles are folded into their parent (P^T A P), and pairs of
+   wall particles are left out, so that a wall conducts no pressure along itself and a dry wall has identity rows. */
 #ifndef ISPH_PRESSURE_H
 #define ISPH_PRESSURE_H
 
@@ -11,56 +11,66 @@
 
 typedef struct _p_Pressure *Pressure;
 
-#define SOURCE_DENSITY    "density"    /* (rho_0 - rho)/(rho_0 dt^2), Eq. (8): density invariance */
-#define SOURCE_DIVERGENCE "divergence" /* corrected divergence over dt, plus e/(dt T), e the surface-corrected density defect */
-#define CLOSURE_DOUBLED   "doubled"    /* Eq. (11), Bockmann 2012: diagonal of surface rows doubled */
-#define CLOSURE_FULL      "full_diagonal" /* Nair & Tomar 2014: diagonal filled up to that of a full neighbourhood */
-#define GRADIENT_SYMMETRIC "symmetric" /* Eq. (9): p_a/rho_a^2 + p_b/rho_b^2, conserves momentum */
-#define GRADIENT_CORRECTED "corrected" /* B_a (p_b - p_a)/rho_a inside, symmetric at the surface */
+#define SOURCE_DENSITY "density" /* (rho_0 - rho)/(rho_0 dt^2), Eq. (8): density invariance */
+#define SOURCE_DIVERGENCE                                                                                              \
+  "divergence" /* corrected divergence over dt, plus e/(dt T), e the surface-corrected density defect */
+#define CLOSURE_DOUBLED    "doubled"       /* Eq. (11), Bockmann 2012: diagonal of surface rows doubled */
+#define CLOSURE_FULL       "full_diagonal" /* Nair & Tomar 2014: diagonal filled up to that of a full neighbourhood */
+#define GRADIENT_SYMMETRIC "symmetric"     /* Eq. (9): p_a/rho_a^2 + p_b/rho_b^2, conserves momentum */
+#define GRADIENT_CORRECTED "corrected"     /* B_a (p_b - p_a)/rho_a inside, symmetric at the surface */
 
 typedef struct {
   PetscInt           iterations;
   KSPConvergedReason reason;
-  PetscReal          residual;  /* norm of the last residual, in the norm of the KSP */
-  PetscBool          rebuilt;   /* the preconditioner was made anew */
+  PetscReal          residual; /* norm of the last residual, in the norm of the KSP */
+  PetscBool          rebuilt;  /* the preconditioner was made anew */
 } PressureResult;
 
 /* PressureCreate - for a cloud (borrowed). Collective. */
 PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure);
-/* PressureSetTypes - source, closure, gradient; summed: operators use the summed density (the paper) or the rest density. Not collective. */
-PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[], PetscBool summed);
+/* PressureSetTypes - source, closure, gradient; summed: operators use the summed density (the paper) or the rest
+ * density. Not collective. */
+PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[],
+                                PetscBool summed);
 /* PressureSetRelaxationTime - T (s) of the density term. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
-/* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
-   -pressure_rebuild_interval, -pressure_rebuild_growth, -mat_type; the KSP's options act at its creation. Collective. */
+/* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient, -pressure_density,
+   -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_rebuild_interval, -pressure_rebuild_growth,
+   -mat_type; the KSP's options act at its creation. Collective. */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
-/* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and ghosts; the former pressure is the start
-   value. Reads FIELD_PREDICTED (owned and ghosts), FIELD_DENSITY (same), FIELD_MOMENT, FIELD_LAMBDA, FIELD_NORMAL, INT_SURFACE of owned particles. A
-   solver that does not converge is no error: see result->reason; the pressure is then unchanged. dt in s. Collective. */
+/* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
+   ghosts; the former pressure is the start value. Reads FIELD_PREDICTED (owned and ghosts), FIELD_DENSITY (same),
+   FIELD_MOMENT, FIELD_LAMBDA, FIELD_NORMAL, INT_SURFACE of owned particles. A solver that does not converge is no
+   error: see result->reason; the pressure is then unchanged. dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
-/* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next call. Collective. */
+/* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
+ * call. Collective. */
 PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b);
-/* PressureSetUp - PressureAssemble and the set-up of solver and preconditioner, which reads all their options. Collective. */
+/* PressureSetUp - PressureAssemble and the set-up of solver and preconditioner, which reads all their options.
+ * Collective. */
 PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
-/* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests. Collective. */
+/* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
+ * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);
 /* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_WORK3. Not collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
-/* PressureLatticeDiagonal - Lambda_0 of Nair & Tomar: the diagonal of Eq. (8) on a full lattice, for V = d0^dim and density 1; 1/m2. Not collective. */
+/* PressureLatticeDiagonal - Lambda_0 of Nair & Tomar: the diagonal of Eq. (8) on a full lattice, for V = d0^dim and
+ * density 1; 1/m2. Not collective. */
 PetscReal PressureLatticeDiagonal(Cloud cloud);
 
 /* The PC type -pc_type twolevel: see pc_twolevel.c. */
 #define PCTWOLEVEL "twolevel"
 /* PCTwoLevelRegister - makes the type known. Not collective; as often as one likes. */
 PetscErrorCode PCTwoLevelRegister(void);
-/* PCTwoLevelSetGrid - particle spacing (m), box (m) and which directions are periodic; rows' places come by PCSetCoordinates, before each set-up.
-   Does nothing to a PC of another type. Collective. */
-PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3], const PetscBool periodic[3]);
+/* PCTwoLevelSetGrid - particle spacing (m), box (m) and which directions are periodic; rows' places come by
+   PCSetCoordinates, before each set-up. Does nothing to a PC of another type. Collective. */
+PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3],
+                                 const PetscBool periodic[3]);
 /* PressureForget - drops the preconditioner and the solver, as after a restart. Collective. */
 PetscErrorCode PressureForget(Pressure pressure);
 

@@ -1,11 +1,11 @@
 #include "types.h"
 
-#define DEFAULT_RTOL          1e-3
-#define DEFAULT_MAXITS        2000
-#define DEFAULT_GAMG_DROP     0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
-#define REBUILD_SLACK         3    /* iterations a kept preconditioner may always cost more */
-#define REBUILD_CHEAP         10   /* steps a preconditioner is kept whose set-up costs a few iterations */
-#define REBUILD_DEAR          50   /* steps any other is kept */
+#define DEFAULT_RTOL      1e-3
+#define DEFAULT_MAXITS    2000
+#define DEFAULT_GAMG_DROP 0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
+#define REBUILD_SLACK     3    /* iterations a kept preconditioner may always cost more */
+#define REBUILD_CHEAP     10   /* steps a preconditioner is kept whose set-up costs a few iterations */
+#define REBUILD_DEAR      50   /* steps any other is kept */
 
 static PetscErrorCode DefaultOption(const char name[], const char value[])
 {
@@ -17,7 +17,8 @@ static PetscErrorCode DefaultOption(const char name[], const char value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of this row layout: CG, the two-level preconditioner, tolerance in the true residual; then the user's options. */
+/* The solver of this row layout: CG, the two-level preconditioner, tolerance in the true residual; then the user's
+ * options. */
 static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
@@ -161,7 +162,8 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
     result->iterations += tried;
   }
   if (result->rebuilt) pressure->first_iterations = result->iterations;
-  if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK) pressure->rebuild = PETSC_TRUE;
+  if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
+    pressure->rebuild = PETSC_TRUE;
   pressure->age++;
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (result->reason < 0) {
@@ -169,7 +171,8 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecGetArrayRead(pressure->x, &x));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_PRESSURE][a] = PetscRealPart(x[cloud->row[a] - cloud->row_start]);
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    cloud->field[FIELD_PRESSURE][a] = PetscRealPart(x[cloud->row[a] - cloud->row_start]);
   PetscCall(VecRestoreArrayRead(pressure->x, &x));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -27,12 +27,14 @@ static PetscErrorCode ListChildren(Pressure pressure)
   PetscCall(PetscCalloc1(cloud->n_rows + 1, &pressure->child_first));
   PetscCall(PetscMalloc1(cloud->n_owned - cloud->n_rows, &pressure->child));
   PetscCall(PetscMalloc1(cloud->n_rows, &place));
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) pressure->child_first[cloud->row[a] - cloud->row_start + 1]++;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
+    pressure->child_first[cloud->row[a] - cloud->row_start + 1]++;
   for (PetscInt r = 0; r < cloud->n_rows; r++) {
     pressure->child_first[r + 1] += pressure->child_first[r];
     place[r] = pressure->child_first[r];
   }
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) pressure->child[place[cloud->row[a] - cloud->row_start]++] = a;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
+    pressure->child[place[cloud->row[a] - cloud->row_start]++] = a;
   PetscCall(PetscFree(place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -40,10 +42,11 @@ static PetscErrorCode ListChildren(Pressure pressure)
 PetscErrorCode SystemColumns(Pressure pressure)
 {
   Cloud    cloud = pressure->cloud;
-  PetscInt end   = cloud->row_start + cloud->n_rows, off = 0, count;
+  PetscInt end = cloud->row_start + cloud->n_rows, off = 0, count;
 
   PetscFunctionBegin;
-  if (pressure->layout == cloud->layout && pressure->halo_builds == cloud->halo_builds) PetscFunctionReturn(PETSC_SUCCESS);
+  if (pressure->layout == cloud->layout && pressure->halo_builds == cloud->halo_builds)
+    PetscFunctionReturn(PETSC_SUCCESS);
   if (pressure->layout != cloud->layout) PetscCall(ListChildren(pressure));
   if (cloud->n_total > pressure->column_capacity) {
     pressure->column_capacity = cloud->capacity;
@@ -62,7 +65,8 @@ PetscErrorCode SystemColumns(Pressure pressure)
   PetscCall(PetscSortRemoveDupsInt(&count, pressure->off_row));
   pressure->off_count = off ? count : 0;
   for (PetscInt b = 0; b < cloud->n_total; b++) {
-    if (cloud->row[b] >= cloud->row_start && cloud->row[b] < end) pressure->column[b] = cloud->row[b] - cloud->row_start;
+    if (cloud->row[b] >= cloud->row_start && cloud->row[b] < end)
+      pressure->column[b] = cloud->row[b] - cloud->row_start;
     else {
       PetscInt place;
 
@@ -77,12 +81,13 @@ PetscErrorCode SystemColumns(Pressure pressure)
 
 void PairCoefficients(Pressure pressure, PetscInt a, PairRow *restrict row, PetscReal *restrict K)
 {
-  Cloud            cloud = pressure->cloud;
+  Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density;
-  const PetscReal  eta2 = EtaSquared(cloud->kernel), rho_a = density[a], m_a = volume[a] * rest[a] * pressure->row_scale;
+  const PetscReal eta2 = EtaSquared(cloud->kernel), rho_a = density[a], m_a = volume[a] * rest[a] * pressure->row_scale;
 
   KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
-  /* Eq. (8): m_b 8/(rho_a+rho_b)^2 (r . grad W)/(r^2+eta^2), times m_a/m_ref so that K_ab = K_ba also between liquids */
+  /* Eq. (8): m_b 8/(rho_a+rho_b)^2 (r . grad W)/(r^2+eta^2), times m_a/m_ref so that K_ab = K_ba also between liquids
+   */
   SIMD_LOOP()
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt  b   = row->index[k];
@@ -96,10 +101,13 @@ void PairCoefficients(Pressure pressure, PetscInt a, PairRow *restrict row, Pets
 static inline PetscInt RowMember(Pressure pressure, PetscInt r, PetscInt m)
 {
   if (m == 0) return r;
-  return pressure->child_first[r] + m - 1 < pressure->child_first[r + 1] ? pressure->child[pressure->child_first[r] + m - 1] : -1;
+  return pressure->child_first[r] + m - 1 < pressure->child_first[r + 1]
+           ? pressure->child[pressure->child_first[r] + m - 1]
+           : -1;
 }
 
-/* First pass: the number of entries a row. The pattern is symmetric; visiting row r, column c counts entry (c, r), as the second pass writes it. */
+/* First pass: the number of entries a row. The pattern is symmetric; visiting row r, column c counts entry (c, r), as
+ * the second pass writes it. */
 static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s)
 {
   Cloud           cloud = pressure->cloud;
@@ -125,8 +133,10 @@ static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s)
 
         if (mark[c] == r || c == r || (layer[a] && layer[b])) continue;
         mark[c] = r;
-        if (c < n) s->i[c + 1]++;
-        else s->oi[r + 1]++;
+        if (c < n)
+          s->i[c + 1]++;
+        else
+          s->oi[r + 1]++;
       }
   }
   for (PetscInt r = 0; r < n; r++) {
@@ -150,8 +160,8 @@ static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Second pass: rows are visited in order and each writes its entries (r, c) at the end of row c, so columns come out sorted. Returns the number of rows the
-   closure added to. */
+/* Second pass: rows are visited in order and each writes its entries (r, c) at the end of row c, so columns come out
+   sorted. Returns the number of rows the closure added to. */
 static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, PetscInt *closed)
 {
   Cloud           cloud = pressure->cloud;
@@ -190,7 +200,8 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, PetscInt *c
           slot[c]       = used;
           columns[used] = c;
           sums[used++]  = K[k];
-        } else sums[slot[c]] += K[k];
+        } else
+          sums[slot[c]] += K[k];
       }
     }
     extra = pressure->closure(pressure, r, diagonal);
@@ -225,8 +236,11 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
   PetscCall(MatDestroy(&s->A));
-  if (size == 1) PetscCall(MatCreateSeqAIJWithArrays(cloud->comm, cloud->n_rows, cloud->n_rows, s->i, s->j, s->a, &s->A));
-  else PetscCall(MatCreateMPIAIJWithSplitArrays(cloud->comm, cloud->n_rows, cloud->n_rows, cloud->rows_global, cloud->rows_global, s->i, s->j, s->a, s->oi, s->oj, s->oa, &s->A));
+  if (size == 1)
+    PetscCall(MatCreateSeqAIJWithArrays(cloud->comm, cloud->n_rows, cloud->n_rows, s->i, s->j, s->a, &s->A));
+  else
+    PetscCall(MatCreateMPIAIJWithSplitArrays(cloud->comm, cloud->n_rows, cloud->n_rows, cloud->rows_global,
+                                             cloud->rows_global, s->i, s->j, s->a, s->oi, s->oj, s->oa, &s->A));
   PetscCall(PetscStrcmp(pressure->mat_type, MATAIJ, &plain));
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions ask for it */
   if (!plain) PetscCall(MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
@@ -234,7 +248,8 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether any particle anywhere is on a free surface: if none is, no row is closed, however disordered the particles are. */
+/* Whether any particle anywhere is on a free surface: if none is, no row is closed, however disordered the particles
+ * are. */
 static PetscErrorCode FindFreeSurface(Pressure pressure)
 {
   Cloud    cloud = pressure->cloud;
@@ -262,8 +277,8 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
   PetscCall(FillEntries(pressure, s, &closed));
   PetscCall(WrapMatrix(pressure, s));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closed, 1, MPIU_INT, MPI_SUM, cloud->comm));
-  /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the null space is one
-     constant or nothing. */
+  /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
+     null space is one constant or nothing. */
   pressure->constant_null = (PetscBool)(closed == 0);
   if (pressure->constant_null) {
     MatNullSpace constant;
@@ -276,7 +291,8 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscCall(VecGetArrayWrite(pressure->b, &rhs));
   PetscCall(pressure->source(pressure, dt, rhs));
-  for (PetscInt r = 0; r < cloud->n_rows; r++) rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
+  for (PetscInt r = 0; r < cloud->n_rows; r++)
+    rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
   /* identity rows: nothing around that could carry a pressure (with closures that leave such rows empty) */
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     if (s->i[r + 1] - s->i[r] == 1 && s->oi[r + 1] == s->oi[r]) rhs[r] = 0;
@@ -289,7 +305,7 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
 {
   Cloud           cloud = pressure->cloud;
   const PetscInt *layer = cloud->integer[INT_LAYER];
-  PetscReal      *full = cloud->field[FIELD_WORK1], K[ROW_CAPACITY];
+  PetscReal      *full  = cloud->field[FIELD_WORK1], K[ROW_CAPACITY];
   PairRow         row;
 
   PetscFunctionBegin;

@@ -29,25 +29,26 @@ struct _p_Pressure {
   GradientFunction gradient;
   PetscBool        summed;
   PetscReal        relaxation_time, relaxation_option;
-  PetscReal        lattice_diagonal;             /* Lambda_0 of a row with rest density 1 */
+  PetscReal        lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
   PetscReal        surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
-  PetscReal       *div;                          /* [owned capacity] 1/s */
+  PetscReal       *div;                                                /* [owned capacity] 1/s */
   PetscInt         div_capacity;
   /* columns: column[b] < n_rows local, otherwise n_rows + place of the global row in off_row */
-  PetscInt         layout, halo_builds, column_capacity, *column, off_count, *off_row;
-  PetscInt        *child_first, *child; /* deeper wall particles of each row */
-  PetscInt        *mark, *slot;         /* [n_rows + off_count] */
-  PetscReal        row_scale;           /* 1/m_ref */
-  MatrixStore      store[2];
-  PetscInt         current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none */
-  KSP              ksp;
-  Vec              b, x;
-  PetscInt         solver_layout; /* the local order the solver was made for */
-  PetscBool        free_surface;  /* any particle is on one */
-  PetscBool        constant_null;
-  PetscInt         age, rebuild_interval, kept_steps, first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
-  PetscReal        rebuild_growth;
-  PetscBool        rebuild;
+  PetscInt    layout, halo_builds, column_capacity, *column, off_count, *off_row;
+  PetscInt   *child_first, *child; /* deeper wall particles of each row */
+  PetscInt   *mark, *slot;         /* [n_rows + off_count] */
+  PetscReal   row_scale;           /* 1/m_ref */
+  MatrixStore store[2];
+  PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none */
+  KSP         ksp;
+  Vec         b, x;
+  PetscInt    solver_layout; /* the local order the solver was made for */
+  PetscBool   free_surface;  /* any particle is on one */
+  PetscBool   constant_null;
+  PetscInt    age, rebuild_interval, kept_steps,
+    first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
+  PetscReal rebuild_growth;
+  PetscBool rebuild;
 };
 
 /* SystemColumns - brings the column numbering up to date with the cloud's ghosts and layout. Not collective. */
@@ -55,7 +56,8 @@ PetscErrorCode SystemColumns(Pressure pressure);
 /* SystemAssemble - matrix into store s, right-hand side into pressure->b. Collective. */
 PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt);
 PetscErrorCode MatrixStoreReset(MatrixStore *s);
-/* PairCoefficients - K_ab of particle a's row (already loaded), Eq. (8), scaled with m_a/m_ref; 1/kg m3/m2. Not collective. */
+/* PairCoefficients - K_ab of particle a's row (already loaded), Eq. (8), scaled with m_a/m_ref; 1/kg m3/m2. Not
+ * collective. */
 void PairCoefficients(Pressure pressure, PetscInt a, PairRow *row, PetscReal K[]);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);

@@ -34,8 +34,8 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[],
-                                 const char help[], PetscReal *length)
+PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
+                                 PetscReal *length)
 {
   PetscBool       found;
   const PetscBool needed = *length > 0 ? PETSC_FALSE : PETSC_TRUE;
@@ -75,7 +75,8 @@ PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const 
   for (PetscInt d = 1; d < DIM; d++) largest = axis[d] > axis[largest] ? d : largest;
   PetscCall(PetscOptionsString(option, help, "SceneSetFromOptions", AxisNames[largest], text, sizeof(text), &found));
   if (!found) PetscFunctionReturn(PETSC_SUCCESS);
-  if (text[0] >= 'x' && text[0] <= 'z' && !text[1]) v[text[0] - 'x'] = 1;
+  if (text[0] >= 'x' && text[0] <= 'z' && !text[1])
+    v[text[0] - 'x'] = 1;
   else {
     ParseNumbers(text, DIM, v, &count);
     PetscCheckUser(count == domain->dim || count == DIM, domain->comm,
@@ -144,11 +145,11 @@ static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
   PetscCheckUser(m->viscosity >= 0 && !PetscIsInfOrNanReal(m->viscosity), comm,
                  "-%sviscosity must be finite and not negative, not %g Pa s", body->prefix, (double)m->viscosity);
   PetscCall(
-      PetscOptionsReal("-tension", "Surface tension (N/m)", "SceneSetFromOptions", m->tension, &m->tension, NULL));
+    PetscOptionsReal("-tension", "Surface tension (N/m)", "SceneSetFromOptions", m->tension, &m->tension, NULL));
   PetscCheckUser(m->tension >= 0 && !PetscIsInfOrNanReal(m->tension), comm,
                  "-%stension must be finite and not negative, not %g N/m", body->prefix, (double)m->tension);
-  PetscCall(PetscOptionsInt("-color", "Label of the body in pictures", "SceneSetFromOptions", body->color, &body->color,
-                            NULL));
+  PetscCall(
+    PetscOptionsInt("-color", "Label of the body in pictures", "SceneSetFromOptions", body->color, &body->color, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,11 +202,10 @@ PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList shapes, PetscFunc
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
-  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene")
-    ;
-    PetscCall(ReadShape(body, PetscOptionsObject, shapes));
-    PetscCall(ReadMaterial(body, PetscOptionsObject));
-    PetscCall(ReadVelocity(body, PetscOptionsObject, velocities));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, shapes));
+  PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(ReadVelocity(body, PetscOptionsObject, velocities));
   PetscOptionsEnd();
   PetscCall(CheckInside(body));
   PetscFunctionReturn(PETSC_SUCCESS);

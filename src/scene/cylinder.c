@@ -21,7 +21,7 @@ static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptions
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a cylinder (m)",
                                 "ShapeCylinder", cylinder->center, NULL));
   PetscCall(
-      BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a cylinder (m), required", &cylinder->radius));
+    BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a cylinder (m), required", &cylinder->radius));
   cylinder->axis[2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
                             cylinder->axis));

@@ -51,15 +51,14 @@ PetscErrorCode SceneDestroy(Scene *scene)
 static PetscErrorCode ReadScene(Scene scene, char *name[], PetscInt *count)
 {
   PetscFunctionBegin;
-  PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene")
-    ;
-    PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
-                                      "SceneSetFromOptions", name, count, NULL));
-    PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
-                                  "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
-    PetscCall(PetscOptionsReal("-central_force_rate",
-                               "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
-                               "SceneSetFromOptions", scene->central_rate, &scene->central_rate, NULL));
+  PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
+  PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
+                                    "SceneSetFromOptions", name, count, NULL));
+  PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
+                                "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
+  PetscCall(PetscOptionsReal("-central_force_rate",
+                             "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
+                             "SceneSetFromOptions", scene->central_rate, &scene->central_rate, NULL));
   PetscOptionsEnd();
   PetscCheckUser(scene->central_rate >= 0 && !PetscIsInfOrNanReal(scene->central_rate), scene->domain->comm,
                  "-central_force_rate must be finite and not negative, not %g 1/s", (double)scene->central_rate);
@@ -80,9 +79,9 @@ static PetscErrorCode CheckName(Scene scene, const char name[])
     if (!isalnum((unsigned char)name[k]) && name[k] != '_') good = PETSC_FALSE;
   }
   PetscCheckUser(
-      good, comm,
-      "-bodies: '%s' is not a name; a letter, then letters, digits and underscores, fewer than %d, are allowed", name,
-      SCENE_NAME_LENGTH);
+    good, comm,
+    "-bodies: '%s' is not a name; a letter, then letters, digits and underscores, fewer than %d, are allowed", name,
+    SCENE_NAME_LENGTH);
   PetscCall(PetscStrcmp(name, "box", &same));
   if (!same) PetscCall(PetscStrncmp(name, "box_", 4, &same));
   PetscCheckUser(!same, comm, "-bodies: the name %s is taken: -box_... are the options of the box", name);
@@ -182,9 +181,10 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
   if (!viewer) PetscCall(PetscViewerASCIIGetStdout(scene->domain->comm, &viewer));
   PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
   if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer, "Scene: %" PetscInt_FMT " bodies, gravity %g, %g, %g m/s2, central force rate %g 1/s\n", scene->count,
-      (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
+  PetscCall(
+    PetscViewerASCIIPrintf(viewer,
+                           "Scene: %" PetscInt_FMT " bodies, gravity %g, %g, %g m/s2, central force rate %g 1/s\n",
+                           scene->count, (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   for (PetscInt b = 0; b < scene->count; b++) PetscCall(BodyView(scene->body[b], viewer));
   PetscCall(PetscViewerASCIIPopTab(viewer));

@@ -32,7 +32,7 @@ typedef struct _p_Scene *Scene;
 /* A shape: signed distance (m, negative inside; at least the right sign and a lower bound of the distance in size) and
    the corners of a box that holds it. One file a shape, one registration line in scene.c. */
 typedef struct {
-  PetscErrorCode (*setfromoptions)(Body              body,
+  PetscErrorCode (*setfromoptions)(Body        body,
                                    OptionItems PetscOptionsObject); /* reads its sizes inside an options block */
   PetscReal (*distance)(Body body, const PetscReal x[DIM]);
   void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);

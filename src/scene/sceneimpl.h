@@ -9,7 +9,7 @@
 
 /* An initial velocity field, added to the uniform part -<b>_velocity. */
 typedef struct {
-  size_t size;                                                                       /* of the data, bytes */
+  size_t size;                                                                 /* of the data, bytes */
   PetscErrorCode (*setfromoptions)(Body body, OptionItems PetscOptionsObject); /* NULL: no numbers */
   void (*add)(Body body, const PetscReal x[DIM],
               PetscReal v[DIM]); /* adds its velocity (m/s) at x (m) to v; NULL: zero */
@@ -61,8 +61,8 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 
 /* BodyOptionsLength - reads a length (m) that must be given, positive and finite. Collective. */
-PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[],
-                                 const char help[], PetscReal *length);
+PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
+                                 PetscReal *length);
 /* BodyOptionsAxis - reads a direction: x, y, z or a vector of any non-zero length; returns the unit vector. axis ([3])
    holds the default on entry. In two dimensions it must lie in the plane, or along z where 'normal_allowed'.
    Collective. */

@@ -16,7 +16,7 @@ static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsOb
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a sphere (m)",
                                 "ShapeSphere", sphere->center, NULL));
   PetscCall(
-      BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a sphere (m), required", &sphere->radius));
+    BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a sphere (m), required", &sphere->radius));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

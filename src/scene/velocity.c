@@ -20,8 +20,8 @@ static void LinearAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
 }
 
 /* Reads up to 'most' finite numbers that must be given; count is how many there were. */
-static PetscErrorCode ReadNumbers(Body body, OptionItems PetscOptionsObject, const char option[],
-                                  const char help[], PetscInt most, PetscReal number[], PetscInt *count)
+static PetscErrorCode ReadNumbers(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
+                                  PetscInt most, PetscReal number[], PetscInt *count)
 {
   PetscBool found;
 
@@ -51,8 +51,10 @@ static PetscErrorCode RotationSetFromOptions(Body body, OptionItems PetscOptions
   PetscCheckUser(count == DIM || (count == 1 && body->domain->dim == 2), body->domain->comm,
                  "-%srotation_rate must have %s", body->prefix,
                  body->domain->dim == 2 ? "one number, or three in which the first two are 0" : "three numbers");
-  if (count == 1) rate[2] = number[0];
-  else PetscCall(PetscArraycpy(rate, number, DIM));
+  if (count == 1)
+    rate[2] = number[0];
+  else
+    PetscCall(PetscArraycpy(rate, number, DIM));
   PetscCheckUser(body->domain->dim == DIM || (rate[0] == 0 && rate[1] == 0), body->domain->comm,
                  "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", body->prefix);
   linear->gradient[0][1] = -rate[2];
@@ -84,8 +86,10 @@ static PetscErrorCode StrainSetFromOptions(Body body, OptionItems PetscOptionsOb
                  dim, dim * dim);
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
-      if (count == dim) linear->gradient[i][j] = i == j ? number[i] : 0;
-      else linear->gradient[i][j] = number[i * dim + j];
+      if (count == dim)
+        linear->gradient[i][j] = i == j ? number[i] : 0;
+      else
+        linear->gradient[i][j] = number[i * dim + j];
       largest = PetscMax(largest, PetscAbsReal(linear->gradient[i][j]));
     }
     trace += linear->gradient[i][i];
@@ -157,12 +161,12 @@ static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   v[1] += vortex->amplitude * PetscSinReal(k * x[0]) * PetscCosReal(k * x[1]);
 }
 
-#define VELOCITY_TABLE(name, size, setfromoptions, add) \
-  static const VelocityOps *Velocity##name(void) \
-  { \
-    static const VelocityOps ops = {size, setfromoptions, add}; \
-\
-    return &ops; \
+#define VELOCITY_TABLE(name, size, setfromoptions, add)                                                                \
+  static const VelocityOps *Velocity##name(void)                                                                       \
+  {                                                                                                                    \
+    static const VelocityOps ops = {size, setfromoptions, add};                                                        \
+                                                                                                                       \
+    return &ops;                                                                                                       \
   }
 VELOCITY_TABLE(Uniform, 0, NULL, NULL)
 VELOCITY_TABLE(Rotation, sizeof(Linear), RotationSetFromOptions, LinearAdd)

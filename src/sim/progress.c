@@ -19,9 +19,12 @@ static PetscErrorCode FormatDuration(double seconds, char text[], size_t length)
   const int whole = (int)PetscMin(seconds + 0.5, 1e8);
 
   PetscFunctionBegin;
-  if (whole >= 3600) PetscCall(PetscSNPrintf(text, length, "%d h %02d min", whole / 3600, whole / 60 % 60));
-  else if (whole >= 60) PetscCall(PetscSNPrintf(text, length, "%d min %02d s", whole / 60, whole % 60));
-  else PetscCall(PetscSNPrintf(text, length, "%d s", whole));
+  if (whole >= 3600)
+    PetscCall(PetscSNPrintf(text, length, "%d h %02d min", whole / 3600, whole / 60 % 60));
+  else if (whole >= 60)
+    PetscCall(PetscSNPrintf(text, length, "%d min %02d s", whole / 60, whole % 60));
+  else
+    PetscCall(PetscSNPrintf(text, length, "%d s", whole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -43,8 +46,12 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 
     if (sim->time_end >= PETSC_MAX_REAL) done = sim->steps_max ? (PetscReal)steps / sim->steps_max : 0;
     PetscCall(FormatDuration((now - progress->started) * (1 / PetscMax(done, 1e-9) - 1), text, sizeof(text)));
-    PetscCall(PetscPrintf(sim->comm, "%st = %8.3f ms  step %6" PetscInt_FMT "  dt = %8.3g s  its %3" PetscInt_FMT "  density error %.1e  %3d %%  to go %s%s", progress->terminal ? "\r" : "", (double)state->time * 1e3, state->step, (double)state->time_step, state->iterations,
-                          (double)state->density_error, (int)(100 * done), text, progress->terminal && !last ? "   " : "\n"));
+    PetscCall(PetscPrintf(sim->comm,
+                          "%st = %8.3f ms  step %6" PetscInt_FMT "  dt = %8.3g s  its %3" PetscInt_FMT
+                          "  density error %.1e  %3d %%  to go %s%s",
+                          progress->terminal ? "\r" : "", (double)state->time * 1e3, state->step,
+                          (double)state->time_step, state->iterations, (double)state->density_error, (int)(100 * done),
+                          text, progress->terminal && !last ? "   " : "\n"));
     progress->printed = now;
   }
   if (last && sim->progress_interval > 0) {
@@ -52,7 +59,11 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 
     PetscCall(ParticlesGlobalSize(sim->particles, &n));
     PetscCall(FormatDuration(now - progress->started, text, sizeof(text)));
-    PetscCall(PetscPrintf(sim->comm, "%" PetscInt_FMT " steps of %" PetscInt_FMT " particles in %s: %.4g s and %.3g iterations a step, %" PetscInt_FMT " steps rolled back, %" PetscInt_FMT " particles left the box\n", steps, n, text, (now - progress->started) / PetscMax(1, steps),
+    PetscCall(PetscPrintf(sim->comm,
+                          "%" PetscInt_FMT " steps of %" PetscInt_FMT
+                          " particles in %s: %.4g s and %.3g iterations a step, %" PetscInt_FMT
+                          " steps rolled back, %" PetscInt_FMT " particles left the box\n",
+                          steps, n, text, (now - progress->started) / PetscMax(1, steps),
                           (double)progress->iterations / PetscMax(1, steps), state->rejected, state->lost));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

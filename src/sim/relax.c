@@ -4,9 +4,9 @@
 #define WHY_LENGTH 512
 
 /* Options that the relaxed positions do not depend on. */
-static const char *const irrelevant[] = {"output_",   "snapshot_", "series_", "checkpoint_", "gauge_",   "progress_", "time_start",
-                                         "time_end",  "steps_max", "restart", "log_",        "options_", "velocity",  "packing_cache",
-                                         "wall_clock"};
+static const char *const irrelevant[] = {"output_",   "snapshot_",  "series_",  "checkpoint_",   "gauge_",
+                                         "progress_", "time_start", "time_end", "steps_max",     "restart",
+                                         "log_",      "options_",   "velocity", "packing_cache", "wall_clock"};
 
 /* All other options in use, as one text. */
 static PetscErrorCode DescribeRelaxation(char **how)
@@ -25,7 +25,9 @@ static PetscErrorCode DescribeRelaxation(char **how)
     PetscBool skip = PETSC_FALSE;
 
     /* an option reaches to the next " -" that starts a name */
-    while (*end && !(end[0] == ' ' && end[1] == '-' && ((end[2] >= 'a' && end[2] <= 'z') || (end[2] >= 'A' && end[2] <= 'Z')))) end++;
+    while (*end &&
+           !(end[0] == ' ' && end[1] == '-' && ((end[2] >= 'a' && end[2] <= 'z') || (end[2] >= 'A' && end[2] <= 'Z'))))
+      end++;
     before = *end;
     *end   = 0;
     for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(irrelevant) && !skip; k++) {
@@ -59,9 +61,13 @@ PetscErrorCode Relax(Sim sim)
     PetscCall(CloudResync(sim->cloud));
     while (state.time < sim->relaxation_time) {
       PetscCall(StepperAdvance(sim->stepper, sim->relaxation_time, PETSC_FALSE, &state, &failed, why, sizeof(why)));
-      PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s", state.step, why);
+      PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s",
+                     state.step, why);
     }
-    PetscCheckUser(state.lost == 0, sim->comm, "%" PetscInt_FMT " particles left the box while the packing relaxed; give the bodies more room to the open faces", state.lost);
+    PetscCheckUser(state.lost == 0, sim->comm,
+                   "%" PetscInt_FMT
+                   " particles left the box while the packing relaxed; give the bodies more room to the open faces",
+                   state.lost);
     PetscCall(StepperSetDamping(sim->stepper, 1));
     PetscCall(PackingKeepRelaxed(sim->packing, how));
   }

@@ -16,21 +16,37 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
-  PetscCall(PetscOptionsReal("-time_start", "time of the initial state (s)", "SimSetFromOptions", sim->state.time, &sim->state.time, NULL));
-  PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s)", "SimSetFromOptions", sim->time_end, &sim->time_end, &sim->has_end));
-  PetscCall(PetscOptionsInt("-steps_max", "number of steps after which the run ends; 0: no bound", "SimSetFromOptions", sim->steps_max, &sim->steps_max, NULL));
-  PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
-  PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
-  PetscCall(PetscOptionsReal("-wall_clock_limit", "wall-clock time after which the run writes a checkpoint and ends (s); 0: none", "SimSetFromOptions", sim->wall_clock_limit, &sim->wall_clock_limit, NULL));
-  PetscCall(PetscOptionsReal("-packing_relaxation_time", "relax the packing at rest, without body force, for this long before the run (s); 0: not", "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
-  PetscCall(PetscOptionsReal("-packing_relaxation_damping", "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5, &sim->relaxation_damping, &sim->has_damping));
+  PetscCall(PetscOptionsReal("-time_start", "time of the initial state (s)", "SimSetFromOptions", sim->state.time,
+                             &sim->state.time, NULL));
+  PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s)", "SimSetFromOptions", sim->time_end,
+                             &sim->time_end, &sim->has_end));
+  PetscCall(PetscOptionsInt("-steps_max", "number of steps after which the run ends; 0: no bound", "SimSetFromOptions",
+                            sim->steps_max, &sim->steps_max, NULL));
+  PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart,
+                               sim->restart, sizeof(sim->restart), NULL));
+  PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none",
+                             "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
+  PetscCall(PetscOptionsReal("-wall_clock_limit",
+                             "wall-clock time after which the run writes a checkpoint and ends (s); 0: none",
+                             "SimSetFromOptions", sim->wall_clock_limit, &sim->wall_clock_limit, NULL));
+  PetscCall(PetscOptionsReal("-packing_relaxation_time",
+                             "relax the packing at rest, without body force, for this long before the run (s); 0: not",
+                             "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
+  PetscCall(PetscOptionsReal("-packing_relaxation_damping",
+                             "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5,
+                             &sim->relaxation_damping, &sim->has_damping));
   PetscOptionsEnd();
   if (!sim->has_damping) sim->relaxation_damping = 0.5;
-  PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative", (double)sim->relaxation_time);
-  PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm, "-packing_relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
-  PetscCheckUser(sim->steps_max >= 0, sim->comm, "-steps_max is %" PetscInt_FMT "; it must not be negative", sim->steps_max);
-  PetscCheckUser(sim->wall_clock_limit >= 0, sim->comm, "-wall_clock_limit is %g s; it must not be negative", (double)sim->wall_clock_limit);
-  PetscCheckUser(sim->progress_interval >= 0, sim->comm, "-progress_interval is %g s; it must not be negative", (double)sim->progress_interval);
+  PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative",
+                 (double)sim->relaxation_time);
+  PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm,
+                 "-packing_relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
+  PetscCheckUser(sim->steps_max >= 0, sim->comm, "-steps_max is %" PetscInt_FMT "; it must not be negative",
+                 sim->steps_max);
+  PetscCheckUser(sim->wall_clock_limit >= 0, sim->comm, "-wall_clock_limit is %g s; it must not be negative",
+                 (double)sim->wall_clock_limit);
+  PetscCheckUser(sim->progress_interval >= 0, sim->comm, "-progress_interval is %g s; it must not be negative",
+                 (double)sim->progress_interval);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,7 +66,8 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
   PetscCall(ParticlesCreate(sim->domain, &sim->particles));
-  PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles, PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));
+  PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles,
+                        PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));
   PetscCall(CloudSetFromOptions(sim->cloud));
   PetscCall(DomainSetUp(sim->domain, sim->cloud->reach + sim->cloud->slack));
   PetscCall(PackingCreate(sim->cloud, &sim->packing));
@@ -60,8 +77,10 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(StepperSetFromOptions(sim->stepper));
   PetscCall(OutputCreate(sim->cloud, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
-  PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm, "neither -time_end (s) nor -steps_max says when the run ends");
-  PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm, "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
+  PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,
+                 "neither -time_end (s) nor -steps_max says when the run ends");
+  PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
+                 "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -75,9 +94,12 @@ PetscErrorCode SimSetUp(Sim sim)
   if (restarting) {
     PetscCall(OutputSetUp(sim->output, PETSC_TRUE));
     PetscCall(OutputRestart(sim->output, sim->restart, &sim->state));
-    PetscCheckUser(sim->time_end > sim->state.time, sim->comm, "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time, (double)sim->time_end);
+    PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
+                   "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time,
+                   (double)sim->time_end);
     PetscCall(CloudResync(sim->cloud));
-  } else PetscCall(PackingRun(sim->packing, &sim->report));
+  } else
+    PetscCall(PackingRun(sim->packing, &sim->report));
   PetscCall(StepperPrepare(sim->stepper));
   PetscCall(RefuseUnusedOptions(sim->comm));
   if (!restarting) {
@@ -95,15 +117,21 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
   PetscCall(KernelView(sim->kernel, viewer));
   PetscCall(SceneView(sim->scene, viewer));
   PetscCall(ParticlesView(sim->particles, viewer));
-  if (sim->restart[0]) PetscCall(PetscViewerASCIIPrintf(viewer, "Restart: %s at %g s, step %" PetscInt_FMT "\n", sim->restart, (double)sim->state.time, sim->state.step));
+  if (sim->restart[0])
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Restart: %s at %g s, step %" PetscInt_FMT "\n", sim->restart,
+                                     (double)sim->state.time, sim->state.step));
   else
-    PetscCall(PetscViewerASCIIPrintf(viewer, "Packing: density deviates by %.3g kg/m3 (standard deviation), closest particles %.3g spacings apart%s\n", (double)sim->report.density_std, (double)sim->report.smallest_distance, sim->report.cached ? ", from the cache" : ""));
+    PetscCall(PetscViewerASCIIPrintf(
+      viewer, "Packing: density deviates by %.3g kg/m3 (standard deviation), closest particles %.3g spacings apart%s\n",
+      (double)sim->report.density_std, (double)sim->report.smallest_distance,
+      sim->report.cached ? ", from the cache" : ""));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Brings swarm and cloud into the state a restart will start from, then writes it: from here on both runs do the same. */
+/* Brings swarm and cloud into the state a restart will start from, then writes it: from here on both runs do the same.
+ */
 static PetscErrorCode Checkpoint(Sim sim)
 {
   PetscFunctionBegin;
@@ -126,9 +154,9 @@ static PetscErrorCode WriteOutput(Sim sim, PetscBool last)
 
 PetscErrorCode SimRun(Sim sim)
 {
-  Progress  progress = {0};
-  PetscBool last     = PETSC_FALSE;
-  PetscInt  steps    = 0;
+  Progress    progress = {0};
+  PetscBool   last     = PETSC_FALSE;
+  PetscInt    steps    = 0;
   const char *interrupted;
 
   PetscFunctionBegin;
@@ -143,14 +171,18 @@ PetscErrorCode SimRun(Sim sim)
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_TRUE, &sim->state, &failed, why, sizeof(why)));
     if (failed) {
       PetscCall(Checkpoint(sim));
-      PetscCheckUser(PETSC_FALSE, sim->comm, "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s", (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
+      PetscCheckUser(PETSC_FALSE, sim->comm,
+                     "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s",
+                     (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
     PetscCall(InterruptCheck(sim, &progress, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
     PetscCall(ProgressStep(sim, &progress, last));
-    if (interrupted) PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s; continue with -restart and the newest checkpoint in %s\n", interrupted, (double)sim->state.time, OutputFolder(sim->output)));
+    if (interrupted)
+      PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s; continue with -restart and the newest checkpoint in %s\n",
+                            interrupted, (double)sim->state.time, OutputFolder(sim->output)));
   }
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -26,22 +26,25 @@ struct _p_Sim {
 
 /* The progress line. */
 typedef struct {
-  double         started, printed;
-  PetscReal      start_time;
-  PetscInt       start_step, iterations;
-  PetscBool      terminal;
+  double    started, printed;
+  PetscReal start_time;
+  PetscInt  start_step, iterations;
+  PetscBool terminal;
 } Progress;
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
-/* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary. Collective. */
+/* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.
+ * Collective. */
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
-/* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective. */
+/* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
+ */
 PetscErrorCode Relax(Sim sim);
 /* InterruptWatch - from now on signals that end a program are noted instead. Not collective. */
 PetscErrorCode InterruptWatch(void);
 /* InterruptCheck - *reason: why the run should end now, or NULL; the same on every rank. Collective. */
 PetscErrorCode InterruptCheck(Sim sim, const Progress *progress, const char **reason);
-/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective. */
+/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective.
+ */
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);
 
 #endif

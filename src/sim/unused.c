@@ -1,7 +1,12 @@
 #include "types.h"
 
 /* Options that PETSc itself reads late or only reads at its end. */
-static const char *const late[] = {"log_", "malloc", "options_", "on_error", "start_in_", "stop_for", "fp_trap", "info", "memory_view", "objects_dump", "nox", "display", "python", "skip_petscrc", "help", "version", "checkstack", "mpi_linger", "debugger", "petsc_", "vec_", "sf_", "viewer_", "citations", "ksp_view", "ksp_converged", "ksp_monitor", "ksp_error", "mat_view", "spectrum_"};
+static const char *const late[] = {"log_",          "malloc",      "options_",   "on_error",     "start_in_",
+                                   "stop_for",      "fp_trap",     "info",       "memory_view",  "objects_dump",
+                                   "nox",           "display",     "python",     "skip_petscrc", "help",
+                                   "version",       "checkstack",  "mpi_linger", "debugger",     "petsc_",
+                                   "vec_",          "sf_",         "viewer_",    "citations",    "ksp_view",
+                                   "ksp_converged", "ksp_monitor", "ksp_error",  "mat_view",     "spectrum_"};
 
 #define FAR 1000
 
@@ -26,7 +31,8 @@ static PetscInt EditDistance(const char a[], const char b[])
   return row[n];
 }
 
-/* The option names that the classes of this program read are in the executable's help; here those of the table below serve for a suggestion. */
+/* The option names that the classes of this program read are in the executable's help; here those of the table below
+ * serve for a suggestion. */
 static const char *const known[] = {
 #include "names.h"
 };
@@ -39,9 +45,9 @@ PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
   PetscFunctionBegin;
   PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
   for (PetscInt k = 0; k < n; k++) {
-    const char *nearest = NULL;
+    const char *nearest  = NULL;
     PetscInt    distance = FAR;
-    PetscBool   skip = PETSC_FALSE;
+    PetscBool   skip     = PETSC_FALSE;
 
     for (size_t l = 0; l < sizeof(late) / sizeof(*late) && !skip; l++) {
       size_t length;
@@ -58,7 +64,8 @@ PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
         nearest  = known[l];
       }
     }
-    PetscCheckUser(PETSC_FALSE, comm, "nothing reads the option -%s%s%s%s; -help lists all options", names[k], distance <= 4 ? " (did you mean -" : "", distance <= 4 ? nearest : "", distance <= 4 ? "?)" : "");
+    PetscCheckUser(PETSC_FALSE, comm, "nothing reads the option -%s%s%s%s; -help lists all options", names[k],
+                   distance <= 4 ? " (did you mean -" : "", distance <= 4 ? nearest : "", distance <= 4 ? "?)" : "");
   }
   {
     PetscInt count = n;

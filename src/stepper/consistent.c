@@ -1,5 +1,6 @@
-/* The consistent scheme: all operators at r^n with one neighbour search; kernel-corrected divergence, a relaxed density term that leaves the free surface
-   alone, Nair-Tomar closure, shifting with velocity correction. Keeps the energy of an impact at three times the spacing the printed scheme needs. */
+/* The consistent scheme: all operators at r^n with one neighbour search; kernel-corrected divergence, a relaxed density
+   term that leaves the free surface alone, Nair-Tomar closure, shifting with velocity correction. Keeps the energy of
+   an impact at three times the spacing the printed scheme needs. */
 #include "types.h"
 
 PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnose, Attempted *attempted)
@@ -28,17 +29,20 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   new_v = cloud->field[FIELD_PREDICTED];
   a     = cloud->field[FIELD_WORK3];
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
-    new_v[k] += dt * a[k];                         /* Eq. (9) */
+    new_v[k] += dt * a[k];                          /* Eq. (9) */
     new_r[k] = r[k] + 0.5 * dt * (v[k] + new_v[k]); /* Eq. (10) */
   }
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
-  if (stepper->shifting) PetscCall(Shift(stepper, dt, new_r));
-  else PetscCall(PetscArraycpy(v, new_v, DIM * cloud->n_fluid));
+  if (stepper->shifting)
+    PetscCall(Shift(stepper, dt, new_r));
+  else
+    PetscCall(PetscArraycpy(v, new_v, DIM * cloud->n_fluid));
 
   /* Guard */
   PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, new_r, v, &touched));
   for (PetscInt k = 0; k < cloud->n_fluid; k++) {
-    const PetscReal moved[DIM] = {new_r[3 * k] - r[3 * k], new_r[3 * k + 1] - r[3 * k + 1], new_r[3 * k + 2] - r[3 * k + 2]};
+    const PetscReal moved[DIM] = {new_r[3 * k] - r[3 * k], new_r[3 * k + 1] - r[3 * k + 1],
+                                  new_r[3 * k + 2] - r[3 * k + 2]};
 
     attempted->displacement = PetscMax(attempted->displacement, Norm(moved));
     if (!(Norm(moved) < PETSC_MAX_REAL)) attempted->broken = PETSC_TRUE;

@@ -44,7 +44,8 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   /* Guard */
   PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r, v, &touched));
   for (PetscInt k = 0; k < cloud->n_fluid; k++) {
-    const PetscReal moved[DIM] = {r[3 * k] - start[3 * k], r[3 * k + 1] - start[3 * k + 1], r[3 * k + 2] - start[3 * k + 2]};
+    const PetscReal moved[DIM] = {r[3 * k] - start[3 * k], r[3 * k + 1] - start[3 * k + 1],
+                                  r[3 * k + 2] - start[3 * k + 2]};
 
     attempted->displacement = PetscMax(attempted->displacement, Norm(moved));
     if (!(Norm(moved) < PETSC_MAX_REAL)) attempted->broken = PETSC_TRUE;

@@ -3,8 +3,9 @@
 #define LAMBDA_SHIFTED 0.2 /* below: a spray particle, not shifted */
 #define CLUMP_WEIGHT   0.2 /* of the term that resists pairing (Lind et al. 2012; Monaghan 2000) */
 
-/* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most 'cap' spacings; particles on or near the surface lose the
-   component along sum V grad W; then v_a += sum V (v_b - v_a)(dr . B grad W), the first Taylor term. */
+/* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
+   'cap' spacings; particles on or near the surface lose the component along sum V grad W; then v_a += sum V (v_b -
+   v_a)(dr . B grad W), the first Taylor term. */
 PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[])
 {
   Cloud            cloud = stepper->cloud;
@@ -25,9 +26,11 @@ PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[])
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, row.F);
     SIMD_LOOP(reduction(+ : cx, cy, cz) reduction(max : speed2))
     for (PetscInt k = 0; k < row.n; k++) {
-      const PetscInt  b = row.index[k];
-      const PetscReal ratio = row.W[k] * scale, ratio2 = ratio * ratio, f = volume[b] * row.F[k] * (1 + CLUMP_WEIGHT * ratio2 * ratio2);
-      const PetscReal wx = u[3 * b] - ux, wy = u[3 * b + 1] - uy, wz = u[3 * b + 2] - uz, w2 = wx * wx + wy * wy + wz * wz;
+      const PetscInt  b     = row.index[k];
+      const PetscReal ratio = row.W[k] * scale, ratio2 = ratio * ratio,
+                      f  = volume[b] * row.F[k] * (1 + CLUMP_WEIGHT * ratio2 * ratio2);
+      const PetscReal wx = u[3 * b] - ux, wy = u[3 * b + 1] - uy, wz = u[3 * b + 2] - uz,
+                      w2 = wx * wx + wy * wy + wz * wz;
 
       cx += f * row.dx[k];
       cy += f * row.dy[k];

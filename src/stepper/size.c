@@ -10,7 +10,7 @@
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt)
 {
   Cloud           cloud = stepper->cloud;
-  const PetscReal h     = KernelSmoothingLength(cloud->kernel), left = end - state->time;
+  const PetscReal h = KernelSmoothingLength(cloud->kernel), left = end - state->time;
   ParticleArrays  arrays;
   PetscReal       local[2] = {0, 0}, largest[2], step = PETSC_MAX_REAL;
 
@@ -32,18 +32,22 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 
     if (m->viscosity > 0) step = PetscMin(step, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
-    if (m->tension > 0 && TensionReach(stepper->tension) > 0) step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+    if (m->tension > 0 && TensionReach(stepper->tension) > 0)
+      step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
   /* the first step takes the scene's own velocity for the one the particles will soon have, and so
      does a relaxation, which must use the steps of the run: pressure noise depends on them */
-  if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0) step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
+  if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0)
+    step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
   if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
   if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
   step = PetscMax(step, stepper->step_min);
   if (stepper->step_fixed > 0) step = stepper->step_fixed;
   /* no tiny last step: the last two share what is left */
-  if (left <= step * (1 + 1e-9)) step = left;
-  else if (left < 2 * step && stepper->step_fixed == 0) step = 0.5 * left;
+  if (left <= step * (1 + 1e-9))
+    step = left;
+  else if (left < 2 * step && stepper->step_fixed == 0)
+    step = 0.5 * left;
   *dt = step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -44,8 +44,10 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
   const PetscBool paper = (PetscBool)(s->scheme == SchemeDensityInvariant);
 
   PetscFunctionBegin;
-  if (paper) PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
-  else PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
+  if (paper)
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
+  else
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   s->shifting = (PetscBool)!paper;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,39 +58,64 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Time stepping", "Stepper");
-  PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetFromOptions", SchemeList, s->scheme_type, s->scheme_type, sizeof(s->scheme_type), NULL));
+  PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetFromOptions",
+                              SchemeList, s->scheme_type, s->scheme_type, sizeof(s->scheme_type), NULL));
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(SchemeList, s->scheme_type, &s->scheme));
-  PetscCheckUser(s->scheme, comm, "-scheme %s is not a scheme; there are " SCHEME_CONSISTENT " and " SCHEME_DENSITY_INVARIANT, s->scheme_type);
+  PetscCheckUser(s->scheme, comm,
+                 "-scheme %s is not a scheme; there are " SCHEME_CONSISTENT " and " SCHEME_DENSITY_INVARIANT,
+                 s->scheme_type);
   PetscCall(SetSchemeTypes(s));
   PetscOptionsBegin(comm, NULL, "Time stepping", "Stepper");
-  if (s->scheme == SchemeConsistent) PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions", s->shifting, &s->shifting, NULL));
-  PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions", s->shifting_strength, &s->shifting_strength, NULL));
-  PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "StepperSetFromOptions", s->shifting_cap, &s->shifting_cap, NULL));
-  PetscCall(PetscOptionsReal("-pressure_relaxation_ratio", "time in which the divergence source repairs density errors, over h/U of the scene (1)", "StepperSetFromOptions", s->relaxation_ratio, &s->relaxation_ratio, NULL));
-  PetscCall(PetscOptionsReal("-time_cfl", "largest speed times time step over h (1)", "StepperSetFromOptions", s->cfl, &s->cfl, NULL));
-  PetscCall(PetscOptionsReal("-time_step_min", "smallest time step chosen (s)", "StepperSetFromOptions", s->step_min, &s->step_min, NULL));
-  PetscCall(PetscOptionsReal("-time_step_max", "largest time step chosen (s); 0: no bound", "StepperSetFromOptions", s->step_max, &s->step_max, NULL));
-  PetscCall(PetscOptionsReal("-time_step", "fixed time step (s); 0: chosen from the state", "StepperSetFromOptions", s->step_fixed, &s->step_fixed, NULL));
-  PetscCall(PetscOptionsReal("-displacement_max", "displacement in a step that rolls it back (spacings)", "StepperSetFromOptions", s->displacement_max, &s->displacement_max, NULL));
-  PetscCall(PetscOptionsReal("-density_max", "summed density over rest density that rolls a step back (1)", "StepperSetFromOptions", s->density_max, &s->density_max, NULL));
-  PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)", "StepperSetFromOptions", s->guard, &s->guard, NULL));
+  if (s->scheme == SchemeConsistent)
+    PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
+                               s->shifting, &s->shifting, NULL));
+  PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions",
+                             s->shifting_strength, &s->shifting_strength, NULL));
+  PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "StepperSetFromOptions",
+                             s->shifting_cap, &s->shifting_cap, NULL));
+  PetscCall(PetscOptionsReal("-pressure_relaxation_ratio",
+                             "time in which the divergence source repairs density errors, over h/U of the scene (1)",
+                             "StepperSetFromOptions", s->relaxation_ratio, &s->relaxation_ratio, NULL));
+  PetscCall(PetscOptionsReal("-time_cfl", "largest speed times time step over h (1)", "StepperSetFromOptions", s->cfl,
+                             &s->cfl, NULL));
+  PetscCall(PetscOptionsReal("-time_step_min", "smallest time step chosen (s)", "StepperSetFromOptions", s->step_min,
+                             &s->step_min, NULL));
+  PetscCall(PetscOptionsReal("-time_step_max", "largest time step chosen (s); 0: no bound", "StepperSetFromOptions",
+                             s->step_max, &s->step_max, NULL));
+  PetscCall(PetscOptionsReal("-time_step", "fixed time step (s); 0: chosen from the state", "StepperSetFromOptions",
+                             s->step_fixed, &s->step_fixed, NULL));
+  PetscCall(PetscOptionsReal("-displacement_max", "displacement in a step that rolls it back (spacings)",
+                             "StepperSetFromOptions", s->displacement_max, &s->displacement_max, NULL));
+  PetscCall(PetscOptionsReal("-density_max", "summed density over rest density that rolls a step back (1)",
+                             "StepperSetFromOptions", s->density_max, &s->density_max, NULL));
+  PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
+                             "StepperSetFromOptions", s->guard, &s->guard, NULL));
   PetscOptionsEnd();
   PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
-  PetscCheckUser(s->step_min >= 0 && s->step_max >= 0 && s->step_fixed >= 0, comm, "-time_step, -time_step_min and -time_step_max must not be negative");
-  PetscCheckUser(s->step_max == 0 || s->step_min <= s->step_max, comm, "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)s->step_min, (double)s->step_max);
-  PetscCheckUser(s->displacement_max > 0, comm, "-displacement_max is %g; it must be positive", (double)s->displacement_max);
+  PetscCheckUser(s->step_min >= 0 && s->step_max >= 0 && s->step_fixed >= 0, comm,
+                 "-time_step, -time_step_min and -time_step_max must not be negative");
+  PetscCheckUser(s->step_max == 0 || s->step_min <= s->step_max, comm,
+                 "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)s->step_min,
+                 (double)s->step_max);
+  PetscCheckUser(s->displacement_max > 0, comm, "-displacement_max is %g; it must be positive",
+                 (double)s->displacement_max);
   PetscCheckUser(s->density_max > 1, comm, "-density_max is %g; it must be larger than 1", (double)s->density_max);
-  PetscCheckUser(s->guard >= 0 && s->guard <= 0.5, comm, "-wall_guard is %g; it must lie between 0 and 0.5 spacings", (double)s->guard);
-  PetscCheckUser(s->shifting_strength >= 0 && s->shifting_cap >= 0, comm, "-shifting_strength and -shifting_cap must not be negative");
-  PetscCheckUser(s->relaxation_ratio > 0, comm, "-pressure_relaxation_ratio is %g; it must be positive", (double)s->relaxation_ratio);
+  PetscCheckUser(s->guard >= 0 && s->guard <= 0.5, comm, "-wall_guard is %g; it must lie between 0 and 0.5 spacings",
+                 (double)s->guard);
+  PetscCheckUser(s->shifting_strength >= 0 && s->shifting_cap >= 0, comm,
+                 "-shifting_strength and -shifting_cap must not be negative");
+  PetscCheckUser(s->relaxation_ratio > 0, comm, "-pressure_relaxation_ratio is %g; it must be positive",
+                 (double)s->relaxation_ratio);
   PetscCall(PressureSetFromOptions(s->pressure));
   {
     const PetscReal velocity = StepperReferenceVelocity(s), h = KernelSmoothingLength(s->cloud->kernel);
 
     s->reference_velocity = velocity;
     if (velocity > 0) PetscCall(PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * h / velocity));
-    PetscCheckUser(velocity > 0 || s->step_max > 0 || s->step_fixed > 0, comm, "nothing in the scene moves or pushes, so no time step follows from it: give -time_step or -time_step_max (s)");
+    PetscCheckUser(
+      velocity > 0 || s->step_max > 0 || s->step_fixed > 0, comm,
+      "nothing in the scene moves or pushes, so no time step follows from it: give -time_step or -time_step_max (s)");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,7 +123,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g, shifting %s\n", stepper->scheme_type, (double)stepper->cfl, stepper->shifting ? "on" : "off"));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g, shifting %s\n", stepper->scheme_type,
+                                   (double)stepper->cfl, stepper->shifting ? "on" : "off"));
   PetscCall(PressureView(stepper->pressure, viewer));
   PetscCall(TensionView(stepper->tension, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -125,13 +153,15 @@ PetscErrorCode StepperDestroy(Stepper *stepper)
 
 PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[])
 {
-  Cloud      cloud = stepper->cloud;
-  PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY], *predicted = cloud->field[FIELD_PREDICTED];
+  Cloud      cloud        = stepper->cloud;
+  PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
+            *predicted = cloud->field[FIELD_PREDICTED];
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (stepper->damping == 1)
-    for (PetscInt a = 0; a < cloud->n_fluid; a++) SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
   if (SceneHasViscosity(cloud->scene)) PetscCall(OperatorsViscosity(cloud, density));
   PetscCall(TensionApply(stepper->tension, cloud));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
@@ -164,29 +194,44 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
 }
 
 /* The verdict over all ranks; 'why' says what is wrong, empty if nothing is. */
-static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[3], char why[], size_t length)
+static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[3], char why[],
+                            size_t length)
 {
   Cloud           cloud    = stepper->cloud;
   const PetscReal spacing  = cloud->domain->spacing;
-  PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken}, largest[3];
-  PetscReal       parts[3] = {attempted->error2, attempted->divergence2, (PetscReal)attempted->inside};
+  PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken},
+            largest[3];
+  PetscReal parts[3] = {attempted->error2, attempted->divergence2, (PetscReal)attempted->inside};
 
   PetscFunctionBegin;
   why[0] = 0;
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(parts, sums, 3, MPIU_REAL, MPIU_SUM, cloud->comm));
   if (attempted->pressure.reason < 0)
-    PetscCall(PetscSNPrintf(why, length, "the pressure solver stopped with %s after %" PetscInt_FMT " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol", KSPConvergedReasons[attempted->pressure.reason], attempted->pressure.iterations,
+    PetscCall(PetscSNPrintf(why, length,
+                            "the pressure solver stopped with %s after %" PetscInt_FMT
+                            " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol",
+                            KSPConvergedReasons[attempted->pressure.reason], attempted->pressure.iterations,
                             (double)dt));
-  else if (largest[2] > 0) PetscCall(PetscSNPrintf(why, length, "positions or velocities are not numbers any more (step %g s): try a smaller -time_cfl", (double)dt));
+  else if (largest[2] > 0)
+    PetscCall(PetscSNPrintf(why, length,
+                            "positions or velocities are not numbers any more (step %g s): try a smaller -time_cfl",
+                            (double)dt));
   else if (largest[0] > stepper->displacement_max)
-    PetscCall(PetscSNPrintf(why, length, "a particle would move %.3g spacings in one step of %g s, more than -displacement_max %g: try a smaller -time_cfl", (double)largest[0], (double)dt, (double)stepper->displacement_max));
+    PetscCall(PetscSNPrintf(why, length,
+                            "a particle would move %.3g spacings in one step of %g s, more than -displacement_max %g: "
+                            "try a smaller -time_cfl",
+                            (double)largest[0], (double)dt, (double)stepper->displacement_max));
   else if (largest[1] > stepper->density_max)
-    PetscCall(PetscSNPrintf(why, length, "the density reaches %.3g times the rest density, more than -density_max %g: particles have clumped; try a smaller -time_cfl, -shifting or a smaller spacing", (double)largest[1], (double)stepper->density_max));
+    PetscCall(PetscSNPrintf(why, length,
+                            "the density reaches %.3g times the rest density, more than -density_max %g: particles "
+                            "have clumped; try a smaller -time_cfl, -shifting or a smaller spacing",
+                            (double)largest[1], (double)stepper->density_max));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed, char why[], size_t length)
+PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
+                              char why[], size_t length)
 {
   Cloud     cloud = stepper->cloud;
   PetscReal dt, sums[3];

@@ -1,5 +1,5 @@
-/* Floor 6: the time step. Stage one (viscosity, tension, body force), stage two (a registered scheme: how pressure restores incompressibility), the
-   size of the step, and the decision to accept or roll back. */
+/* Floor 6: the time step. Stage one (viscosity, tension, body force), stage two (a registered scheme: how pressure
+   restores incompressibility), the size of the step, and the decision to accept or roll back. */
 #ifndef ISPH_STEPPER_H
 #define ISPH_STEPPER_H
 
@@ -10,25 +10,30 @@
 typedef struct _p_Stepper *Stepper;
 
 #define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, with the mended tension */
-#define SCHEME_CONSISTENT        "consistent"        /* corrected divergence, relaxed surface-corrected density, shifting */
+#define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */
 
 /* StepperCreate - borrows all three. Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
-/* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls PressureSetFromOptions), -shifting_*,
-   -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed), -displacement_max (spacings), -density_max (1), -wall_guard (spacings). Collective. */
+/* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
+   PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
+   -displacement_max (spacings), -density_max (1), -wall_guard (spacings). Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
-/* StepperPrepare - assembles and sets the solver up at the present state so that every option of the solver has been read. Collective. */
+/* StepperPrepare - assembles and sets the solver up at the present state so that every option of the solver has been
+ * read. Collective. */
 PetscErrorCode StepperPrepare(Stepper stepper);
-/* StepperAdvance - one accepted step, at most to time 'end' (s); rolls back and halves the step as often as it takes. *failed is true if that did not help: the
-   swarm then holds the last good state and 'why' (a sentence of at most 'length' bytes) says what went wrong. diagnose: also measure the divergence. Collective. */
-PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed, char why[], size_t length);
+/* StepperAdvance - one accepted step, at most to time 'end' (s); rolls back and halves the step as often as it takes.
+   *failed is true if that did not help: the swarm then holds the last good state and 'why' (a sentence of at most
+   'length' bytes) says what went wrong. diagnose: also measure the divergence. Collective. */
+PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
+                              char why[], size_t length);
 /* StepperForget - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
 PetscErrorCode StepperForget(Stepper stepper);
-/* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each step (1: the real
-   dynamics with body force). Not collective. */
+/* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each
+   step (1: the real dynamics with body force). Not collective. */
 PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor);
-/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, sqrt(g L), sqrt(sigma/(rho h)). Not collective. */
+/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, sqrt(g L), sqrt(sigma/(rho h)). Not
+ * collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);
 PetscErrorCode StepperDestroy(Stepper *stepper);
 

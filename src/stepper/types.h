@@ -6,7 +6,8 @@
 #include "../wall/wall.h"
 #include "stepper.h"
 
-/* What an attempt at a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet committed. */
+/* What an attempt at a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet
+ * committed. */
 typedef struct {
   PressureResult pressure;
   PetscReal      displacement; /* largest, m, this rank */
@@ -36,12 +37,15 @@ struct _p_Stepper {
 
 PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, Attempted *);
 PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, Attempted *);
-/* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then FIELD_PREDICTED = v + dt a for the fluid and the wall's
-   own velocity for walls, ghosts included. density: what viscosity divides by. Collective. */
+/* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
+   FIELD_PREDICTED = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
+   viscosity divides by. Collective. */
 PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]);
-/* Diagnose - density error, largest density and (if asked) divergence of FIELD_VELOCITY, at the positions where moments and surface were last evaluated. Not collective. */
+/* Diagnose - density error, largest density and (if asked) divergence of FIELD_VELOCITY, at the positions where moments
+ * and surface were last evaluated. Not collective. */
 PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
-/* Shift - FIELD_PREDICTED (the new velocity, ghosts current) -> FIELD_VELOCITY with the correction for the shift, which is added to positions x [n_owned][3] (m). Not collective. */
+/* Shift - FIELD_PREDICTED (the new velocity, ghosts current) -> FIELD_VELOCITY with the correction for the shift, which
+ * is added to positions x [n_owned][3] (m). Not collective. */
 PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[]);
 /* StepSize - the step (s) the state allows, within the bounds of the options. Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);

@@ -44,7 +44,8 @@ static PetscErrorCode TabulateWall(Tension tension)
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k <= WALL_TABLE; k++) KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &tension->wall[k], NULL);
+  for (PetscInt k = 0; k <= WALL_TABLE; k++)
+    KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &tension->wall[k], NULL);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -52,16 +53,28 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
-  PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList, tension->type, tension->type, sizeof(tension->type), NULL));
-  PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5", "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
-  PetscCall(PetscOptionsReal("-tension_calibration", "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h", "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
-  PetscCall(PetscOptionsReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)", "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
+                              tension->type, tension->type, sizeof(tension->type), NULL));
+  PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5",
+                             "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
+  PetscCall(PetscOptionsReal("-tension_calibration",
+                             "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
+                             "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
+  PetscCall(PetscOptionsReal("-tension_band",
+                             "distance from the surface within which tension is evaluated, over 2H (1)",
+                             "TensionSetFromOptions", tension->band, &tension->band, NULL));
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(TensionList, tension->type, &tension->apply));
-  PetscCheckUser(tension->apply, tension->comm, "-tension_type %s is not a surface tension model; there are " TENSION_CAHN_HILLIARD " and " TENSION_NONE, tension->type);
-  PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm, "-tension_ratio is %g; H/h must lie between 1 and 4", (double)tension->ratio);
-  PetscCheckUser(tension->calibration > 0, tension->comm, "-tension_calibration is %g; it must be positive", (double)tension->calibration);
-  PetscCheckUser(tension->band > 0 && tension->band <= 2, tension->comm, "-tension_band is %g; it must lie in (0, 2]", (double)tension->band);
+  PetscCheckUser(tension->apply, tension->comm,
+                 "-tension_type %s is not a surface tension model; there are " TENSION_CAHN_HILLIARD
+                 " and " TENSION_NONE,
+                 tension->type);
+  PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm,
+                 "-tension_ratio is %g; H/h must lie between 1 and 4", (double)tension->ratio);
+  PetscCheckUser(tension->calibration > 0, tension->comm, "-tension_calibration is %g; it must be positive",
+                 (double)tension->calibration);
+  PetscCheckUser(tension->band > 0 && tension->band <= 2, tension->comm, "-tension_band is %g; it must lie in (0, 2]",
+                 (double)tension->band);
   if (tension->apply == TensionApply_None) tension->active = PETSC_FALSE;
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   if (tension->active) PetscCall(TabulateWall(tension));
@@ -87,8 +100,10 @@ PetscErrorCode TensionView(Tension tension, PetscViewer viewer)
 {
   PetscFunctionBegin;
   if (tension->active)
-    PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m, kappa = %g sigma H\n", tension->type, (double)KernelSmoothingLength(tension->kernel), (double)tension->calibration));
-  else PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: none\n"));
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m, kappa = %g sigma H\n", tension->type,
+                                     (double)KernelSmoothingLength(tension->kernel), (double)tension->calibration));
+  else
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: none\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,12 +17,12 @@ struct _p_Tension {
   Kernel          kernel; /* W^H */
   PetscReal       wall[WALL_TABLE + 1];
   /* The liquid near a surface, sorted along cells. */
-  CellGrid   grid;
-  PetscInt   capacity, count, near_capacity;
-  PetscReal *sorted; /* [9][count] x, y, z, then a payload of six, in the grid's order */
-  PetscReal *candidates; /* [9][count] those around one cell, same columns */
-  PetscInt  *liquid; /* [count] local index of each */
-  unsigned char *near; /* [cells] whether a surface is within the band */
+  CellGrid       grid;
+  PetscInt       capacity, count, near_capacity;
+  PetscReal     *sorted;     /* [9][count] x, y, z, then a payload of six, in the grid's order */
+  PetscReal     *candidates; /* [9][count] those around one cell, same columns */
+  PetscInt      *liquid;     /* [count] local index of each */
+  unsigned char *near;       /* [cells] whether a surface is within the band */
 };
 
 PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud);

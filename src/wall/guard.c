@@ -9,7 +9,8 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
       const FaceType  face    = domain->face[d][side];
-      const PetscReal inwards = side ? -1 : 1, at = side ? domain->upper[d] : domain->lower[d], wall = domain->wall_velocity[d][side][d];
+      const PetscReal inwards = side ? -1 : 1, at = side ? domain->upper[d] : domain->lower[d],
+                      wall = domain->wall_velocity[d][side][d];
 
       if (face != FACE_WALL && face != FACE_SYMMETRY) continue;
       for (PetscInt a = 0; a < cloud->n_fluid; a++) {

@@ -18,8 +18,10 @@ static inline void CheckReport(int passed, const char name[], double got, double
     (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   check_count++;
   if (!passed) check_failures++;
-  if (!passed) printf("FAIL %s: got %.17g expected %.17g tol %g\n", name, got, expected, tol);
-  else if (!rank) printf("ok %s\n", name);
+  if (!passed)
+    printf("FAIL %s: got %.17g expected %.17g tol %g\n", name, got, expected, tol);
+  else if (!rank)
+    printf("ok %s\n", name);
   fflush(stdout);
 }
 

@@ -36,7 +36,8 @@ static inline void RefuseEnd(PetscErrorCode code, const char word[], const char 
   fclose(refuse_file);
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   good = code == ISPH_USER_ERROR;
-  if (rank) good = good && !length;
+  if (rank)
+    good = good && !length;
   else
     good = good && !strncmp(text, "isph: error: ", 13) && strchr(text, '\n') == text + length - 1 && strstr(text, word);
   CHECK(good, name);

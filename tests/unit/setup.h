@@ -55,8 +55,8 @@ static inline PetscErrorCode SetupPack(const char options[], Setup *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SetupFill - n fluid particles of the first body at x ([n][3], m, the same on every rank), ids 0 .. n-1, and 'layers' layers of
-   wall particles behind them. */
+/* SetupFill - n fluid particles of the first body at x ([n][3], m, the same on every rank), ids 0 .. n-1, and 'layers'
+   layers of wall particles behind them. */
 static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const PetscReal x[], PetscInt layers, Setup *s)
 {
   ParticleArrays arrays;

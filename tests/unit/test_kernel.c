@@ -67,7 +67,7 @@ static PetscReal DerivativeError(Kernel kernel)
 /* Values of many pairs in one call, longer than any block inside, equal those of single calls. */
 static PetscBool RowsAgree(Kernel kernel)
 {
-  enum {LONG = 1001};
+  enum { LONG = 1001 };
   PetscReal r2[LONG], w[LONG], f[LONG];
   PetscBool same = PETSC_TRUE;
 
@@ -135,8 +135,8 @@ static PetscErrorCode TestType(const char type[], PetscInt dim)
     PetscCall(PetscSNPrintf(name, sizeof(name), "%s_derivative", label));
     CHECK_CLOSE(DerivativeError(kernel), 0, 1e-4, name);
     PetscCall(PetscSNPrintf(name, sizeof(name), "%s_outside", label));
-    CHECK(W(kernel, support * (1 + 1e-12)) == 0 && W(kernel, 5 * support) == 0 && F(kernel, support * (1 + 1e-12)) == 0 &&
-            F(kernel, 1e3 * support) == 0,
+    CHECK(W(kernel, support * (1 + 1e-12)) == 0 && W(kernel, 5 * support) == 0 &&
+            F(kernel, support * (1 + 1e-12)) == 0 && F(kernel, 1e3 * support) == 0,
           name);
     PetscCall(PetscSNPrintf(name, sizeof(name), "%s_vanishes_at_support", label));
     CHECK(W(kernel, support * (1 - 1e-6)) >= 0 && W(kernel, support * (1 - 1e-6)) < 1e-12 * KernelSelf(kernel), name);

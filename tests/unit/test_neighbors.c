@@ -6,7 +6,8 @@
 
 #define PARTICLES  700
 #define STEPS      14
-#define STEP_WIDTH 0.3  /* largest motion a step and component, spacings: the slack of one spacing lasts a step or two */
+#define STEP_WIDTH 0.3  /* largest motion a step and component, spacings: the slack of one spacing lasts a step or two \
+                         */
 #define SAME_PLACE 1e-9 /* spacings: two positions of one particle, computed twice */
 
 /* All particles of all ranks, by place in the gathered list. */
@@ -23,7 +24,7 @@ typedef struct {
 
 static PetscErrorCode WorldGather(Cloud cloud, World *world)
 {
-  PetscMPIInt  size, mine = (PetscMPIInt)cloud->n_owned, *count, *start;
+  PetscMPIInt size, mine = (PetscMPIInt)cloud->n_owned, *count, *start;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
@@ -33,8 +34,8 @@ static PetscErrorCode WorldGather(Cloud cloud, World *world)
   for (PetscMPIInt r = 0; r < size; r++) start[r + 1] = start[r] + count[r];
   world->n = start[size];
   PetscCall(PetscMalloc2(world->n, &world->id, DIM * world->n, &world->x));
-  PetscCallMPI(MPI_Allgatherv(cloud->integer[INT_ID], mine, MPIU_INT, world->id, count, start, MPIU_INT,
-                              PETSC_COMM_WORLD));
+  PetscCallMPI(
+    MPI_Allgatherv(cloud->integer[INT_ID], mine, MPIU_INT, world->id, count, start, MPIU_INT, PETSC_COMM_WORLD));
   for (PetscMPIInt r = 0; r < size; r++) {
     count[r] *= DIM;
     start[r] *= DIM;
@@ -49,7 +50,7 @@ static PetscErrorCode WorldGather(Cloud cloud, World *world)
 static PetscInt ImagesOf(Domain domain, PetscInt d, PetscReal sign[4], PetscReal offset[4])
 {
   const PetscReal lower = domain->lower[d], upper = domain->upper[d];
-  PetscInt        n     = 1;
+  PetscInt        n = 1;
 
   sign[0]   = 1;
   offset[0] = 0;
@@ -188,8 +189,8 @@ static PetscReal Mark(PetscInt id, PetscInt component)
 /* Ghosts whose scalar, vector, tensor or point differs from its owner's under the image the ghost's position tells. */
 static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 {
-  const PetscInt *id = cloud->integer[INT_ID];
-  const PetscReal tiny = SAME_PLACE * cloud->domain->spacing;
+  const PetscInt *id     = cloud->integer[INT_ID];
+  const PetscReal tiny   = SAME_PLACE * cloud->domain->spacing;
   PetscReal      *scalar = cloud->field[FIELD_WORK1], *vector = cloud->field[FIELD_WORK3];
   PetscReal      *tensor = cloud->field[FIELD_STRESS], *point = cloud->field[FIELD_START];
   Image           image[64];
@@ -222,7 +223,8 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
                              PetscAbsReal(image[m].sign[d] * world.x[DIM * b + d] + image[m].offset[d] - p[d]) <= tiny);
         if (here) found = &image[m];
       }
-    if (!found) (*wrong)++;
+    if (!found)
+      (*wrong)++;
     else {
       const PetscReal *s    = found->sign;
       PetscReal        miss = PetscAbsReal(scalar[g] - Mark(id[g], 0));
@@ -256,23 +258,25 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
     for (PetscInt d = 0; d < s->domain->dim; d++) {
       const unsigned long long place = (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d);
       /* a drift of each particle's own, so that some travel far and cross faces and ranks */
-      const PetscReal drift = 2 * RandomUnit(3, place) - 1, noise = 2 * RandomUnit(100 + (unsigned long long)step, place) - 1;
+      const PetscReal drift = 2 * RandomUnit(3, place) - 1,
+                      noise = 2 * RandomUnit(100 + (unsigned long long)step, place) - 1;
 
       cloud->field[FIELD_POSITION][DIM * a + d] += width * (0.7 * drift + 0.3 * noise);
     }
-  PetscCall(WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY],
-                      &touched));
+  PetscCall(
+    WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], &touched));
   PetscCall(CloudMoved(cloud, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode TestBox(const char label[], PetscInt dim, const char faces[], PetscInt layers)
 {
-  const char box3[] = "-box_lower -2,-3,0 -box_upper 7,7,8 ", box2[] = "-dimension 2 -box_lower -7,-8 -box_upper 18,19 ";
-  PetscReal  x[DIM * PARTICLES] = {0};
-  PetscInt   wrong[2], bad = 0, far = 0, signs = 0, pairs, total = 0, lost = 0, n;
-  Setup      s;
-  char       options[512], name[96];
+  const char box3[]            = "-box_lower -2,-3,0 -box_upper 7,7,8 ",
+             box2[]            = "-dimension 2 -box_lower -7,-8 -box_upper 18,19 ";
+  PetscReal x[DIM * PARTICLES] = {0};
+  PetscInt  wrong[2], bad = 0, far = 0, signs = 0, pairs, total = 0, lost = 0, n;
+  Setup     s;
+  char      options[512], name[96];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof(options), "%s %s -spacing 1 -bodies a -a_tension 1 -sort_interval 5 %s",

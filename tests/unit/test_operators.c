@@ -10,8 +10,8 @@
 
 static PetscReal points[DIM * MAX_POINTS];
 
-/* A block of nx ny nz lattice points about the origin, without the one nearest to 'hole' (NULL: full), each moved by up to
-   'jitter' a component; returns their number. */
+/* A block of nx ny nz lattice points about the origin, without the one nearest to 'hole' (NULL: full), each moved by up
+   to 'jitter' a component; returns their number. */
 static PetscInt Block(PetscInt nx, PetscInt ny, PetscInt nz, PetscReal jitter, const PetscReal *hole)
 {
   PetscInt n = 0;
@@ -38,7 +38,7 @@ static PetscReal At(Setup *s, PetscReal x, PetscReal y, PetscReal z, PetscInt wh
 {
   const PetscReal p[DIM]  = {x, y, z};
   PetscReal       nearest = PETSC_MAX_REAL, value = 0, all;
-  Cloud           cloud   = s->cloud;
+  Cloud           cloud = s->cloud;
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *q  = cloud->field[FIELD_POSITION] + DIM * a;
@@ -47,15 +47,16 @@ static PetscReal At(Setup *s, PetscReal x, PetscReal y, PetscReal z, PetscInt wh
     for (PetscInt d = 0; d < DIM; d++) r2 += PetscSqr(q[d] - p[d]);
     if (r2 >= nearest) continue;
     nearest = r2;
-    value   = which == 0 ? cloud->field[FIELD_LAMBDA][a] :
-              which == 1 ? cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a] :
-                           (PetscReal)cloud->integer[INT_SURFACE][a];
+    value   = which == 0   ? cloud->field[FIELD_LAMBDA][a]
+              : which == 1 ? cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a]
+                           : (PetscReal)cloud->integer[INT_SURFACE][a];
   }
   all = -SetupMax(-nearest);
   return SetupMax(nearest == all ? value : -PETSC_MAX_REAL);
 }
 
-static PetscErrorCode MakeBlock(const char options[], PetscInt nx, PetscInt ny, PetscInt nz, const PetscReal *hole, Setup *s)
+static PetscErrorCode MakeBlock(const char options[], PetscInt nx, PetscInt ny, PetscInt nz, const PetscReal *hole,
+                                Setup *s)
 {
   PetscFunctionBegin;
   PetscCall(SetupFill(options, Block(nx, ny, nz, 0, hole), points, 0, s));
@@ -76,8 +77,8 @@ static PetscErrorCode MakeFilm(PetscInt layers, Setup *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Smallest eigenvalues on a cubic lattice, cubic spline, h = 1.3 spacings: Marrone et al. 2010's lambda, computed once by
-   an independent program; and the summed densities of a flat surface. */
+/* Smallest eigenvalues on a cubic lattice, cubic spline, h = 1.3 spacings: Marrone et al. 2010's lambda, computed once
+   by an independent program; and the summed densities of a flat surface. */
 static PetscErrorCode TestLatticeTable(void)
 {
   const PetscReal center[DIM] = {0, 0, 0};
@@ -136,10 +137,11 @@ static PetscErrorCode TestLatticeTable(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts flags: *missed of those with depth < 'outer' that are not on the surface, *false_ones of those with depth >= 'inner'
-   that are; depth in spacings below the outermost layer of a box (half widths) or a ball (radius in half[0], others 0). */
-static PetscErrorCode CountFlags(Setup *s, const PetscReal half[DIM], PetscReal outer, PetscReal inner, PetscInt *missed,
-                                 PetscInt *false_ones)
+/* Counts flags: *missed of those with depth < 'outer' that are not on the surface, *false_ones of those with depth >=
+   'inner' that are; depth in spacings below the outermost layer of a box (half widths) or a ball (radius in half[0],
+   others 0). */
+static PetscErrorCode CountFlags(Setup *s, const PetscReal half[DIM], PetscReal outer, PetscReal inner,
+                                 PetscInt *missed, PetscInt *false_ones)
 {
   Cloud cloud = s->cloud;
 
@@ -208,8 +210,8 @@ static PetscErrorCode TestFlags(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Linear velocities on disordered particles with a free surface: the corrected divergence is exact wherever B is not the
-   identity; the plain one is not. */
+/* Linear velocities on disordered particles with a free surface: the corrected divergence is exact wherever B is not
+   the identity; the plain one is not. */
 static PetscErrorCode CheckDivergence(const char options[], PetscInt nz, const char label[])
 {
   const PetscReal A[DIM][DIM] = {{0.7, -1.1, 2}, {0.3, 0.2, -0.6}, {1.7, 0.4, 0.8}};
@@ -249,8 +251,10 @@ static PetscErrorCode CheckDivergence(const char options[], PetscInt nz, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Velocity n (t.r)^2, n and t normal to each other: nu lap v = 2 nu n. Returns the mean n.a over 2 nu, far from surfaces. */
-static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const PetscReal t[DIM], PetscReal nu, PetscReal *response)
+/* Velocity n (t.r)^2, n and t normal to each other: nu lap v = 2 nu n. Returns the mean n.a over 2 nu, far from
+ * surfaces. */
+static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const PetscReal t[DIM], PetscReal nu,
+                                    PetscReal *response)
 {
   Cloud     cloud = s->cloud;
   PetscReal sum = 0, count = 0;
@@ -272,13 +276,15 @@ static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shear along the lattice and at 45 degrees to it. A lattice of 80 (20) neighbours is not isotropic: along it the operator
-   is 11 % (14 %) low, across it as much high; the mean over all directions, 0.6 and 0.4 of the two (0.5 and 0.5), is what the
-   factor zeta = dim + 2 sets: zeta = 5 in two dimensions would give 1.25 times it. */
-static PetscErrorCode CheckViscosity(const char options[], PetscInt dim, PetscReal jitter, PetscReal tol, const char label[])
+/* Shear along the lattice and at 45 degrees to it. A lattice of 80 (20) neighbours is not isotropic: along it the
+   operator is 11 % (14 %) low, across it as much high; the mean over all directions, 0.6 and 0.4 of the two (0.5 and
+   0.5), is what the factor zeta = dim + 2 sets: zeta = 5 in two dimensions would give 1.25 times it. */
+static PetscErrorCode CheckViscosity(const char options[], PetscInt dim, PetscReal jitter, PetscReal tol,
+                                     const char label[])
 {
-  const PetscReal x[DIM] = {1, 0, 0}, y[DIM] = {0, 1, 0}, c = PETSC_SQRT2 / 2, up[DIM] = {c, c, 0}, down[DIM] = {c, -c, 0};
-  const PetscReal nu = 0.5 / 250; /* of the options */
+  const PetscReal x[DIM] = {1, 0, 0}, y[DIM] = {0, 1, 0}, c = PETSC_SQRT2 / 2, up[DIM] = {c, c, 0},
+                  down[DIM] = {c, -c, 0};
+  const PetscReal nu        = 0.5 / 250; /* of the options */
   PetscReal       along, across;
   Setup           s;
 
@@ -324,7 +330,8 @@ static PetscErrorCode TestViscosity(void)
   cloud = s.cloud;
   for (PetscInt a = 0; a < cloud->n_owned; a++)
     for (PetscInt d = 0; d < DIM; d++)
-      cloud->field[FIELD_VELOCITY][DIM * a + d] = RandomUnit(9, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d));
+      cloud->field[FIELD_VELOCITY][DIM * a + d] =
+        RandomUnit(9, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
   PetscCall(OperatorsViscosity(cloud, cloud->field[FIELD_DENSITY]));
@@ -359,11 +366,12 @@ static PetscErrorCode TestTension(void)
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
   PetscCall(TensionApply(s.tension, s.cloud));
   CHECK_CLOSE(Imbalance(s.cloud), 0, 1e-12, "tension_conserves_momentum");
-  /* A sharp interface has - sigma (2/R) R 4 pi R^2 = -8 pi sigma R^2. This layer lies 2H deep inside the drop and its sums are
-     cut at the surface: 0.571 of it here. The number guards kappa and H. */
+  /* A sharp interface has - sigma (2/R) R 4 pi R^2 = -8 pi sigma R^2. This layer lies 2H deep inside the drop and its
+     sums are cut at the surface: 0.571 of it here. The number guards kappa and H. */
   CHECK_CLOSE(Virial(s.cloud) / (-8 * PETSC_PI * 2 * 81), 0.571, 0.02, "tension_of_a_drop");
   PetscCall(SetupClose(&s));
-  /* A film of 24 layers. S is flat and the same all along: it pulls nowhere. It vanishes beyond 2H = 4.55 of a surface. */
+  /* A film of 24 layers. S is flat and the same all along: it pulls nowhere. It vanishes beyond 2H = 4.55 of a surface.
+   */
   n = Block(12, 12, 24, 0, NULL);
   for (PetscInt k = 0; k < n; k++)
     for (PetscInt d = 0; d < 2; d++) points[DIM * k + d] += 6;
@@ -375,7 +383,8 @@ static PetscErrorCode TestTension(void)
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
   PetscCall(TensionApply(s.tension, cloud));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *f = cloud->field[FIELD_ACCELERATION] + DIM * a, depth = 11.5 - PetscAbsReal(cloud->field[FIELD_POSITION][DIM * a + 2]);
+    const PetscReal *f    = cloud->field[FIELD_ACCELERATION] + DIM * a,
+                    depth = 11.5 - PetscAbsReal(cloud->field[FIELD_POSITION][DIM * a + 2]);
 
     force = PetscMax(force, Norm(f));
     if (depth < 0.5) pull = PetscMax(pull, cloud->field[FIELD_STRESS][6 * a]);

@@ -1,23 +1,33 @@
-/* The pressure equation: the assembled matrix is symmetric, positive and the pair sum; null space, empty rows, fragments; the
-   first pressure of the rotating square; momentum. Runs on any number of ranks. */
+/* The pressure equation: the assembled matrix is symmetric, positive and the pair sum; null space, empty rows,
+   fragments; the first pressure of the rotating square; momentum. Runs on any number of ranks. */
 #include "setup.h"
 #include "check.h"
 
 #define VECTORS 5
 #define DT      1e-3 /* s; what the sources divide by, without meaning here */
 #define BODY    "-bodies a -a_density 900 -packing_jitter 0.2 "
-/* a film on a floor between a periodic and a symmetry direction; a box with all kinds of corners; liquid next to liquid */
-#define FILM    "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_x periodic -box_y symmetry -box_zmin wall " BODY "-a_upper 9,8,6 "
-#define CORNER  "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_xmin wall -box_xmax symmetry -box_y wall -box_zmin wall " BODY "-a_upper 9,8,6 "
-#define FILM_2D "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 22,40 -box_x periodic -box_ymin wall " BODY "-a_upper 22,12 "
-#define TANK_2D "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 22,40 -box_xmin wall -box_xmax symmetry -box_ymin wall " BODY "-a_upper 22,12 "
-#define DROPS   "-spacing 1 -box_lower -20,-20,-20 -box_upper 20,20,20 -packing_jitter 0.2 -bodies a,b,c,d " \
-  "-a_shape sphere -a_radius 4 -a_center -9,0,0 -b_shape sphere -b_radius 3 -b_center 9,2,0 -b_density 700 " \
+/* a film on a floor between a periodic and a symmetry direction; a box with all kinds of corners; liquid next to liquid
+ */
+#define FILM                                                                                                           \
+  "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_x periodic -box_y symmetry -box_zmin wall " BODY "-a_upper "     \
+                                                                                                       "9,8,6 "
+#define CORNER                                                                                                         \
+  "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_xmin wall -box_xmax symmetry -box_y wall -box_zmin wall " BODY   \
+  "-a_upper 9,8,6 "
+#define FILM_2D                                                                                                        \
+  "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 22,40 -box_x periodic -box_ymin wall " BODY "-a_upper 22,12 "
+#define TANK_2D                                                                                                        \
+  "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 22,40 -box_xmin wall -box_xmax symmetry -box_ymin wall " BODY     \
+  "-a_upper 22,12 "
+#define DROPS                                                                                                          \
+  "-spacing 1 -box_lower -20,-20,-20 -box_upper 20,20,20 -packing_jitter 0.2 -bodies a,b,c,d "                         \
+  "-a_shape sphere -a_radius 4 -a_center -9,0,0 -b_shape sphere -b_radius 3 -b_center 9,2,0 -b_density 700 "           \
   "-c_shape sphere -c_radius 0.6 -c_center 0,15,0 -d_shape box -d_lower -3,-12,3 -d_upper 2,-8,8 "
-#define TWO     "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_x periodic -box_y periodic -box_zmin wall " \
+#define TWO                                                                                                            \
+  "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_x periodic -box_y periodic -box_zmin wall "                      \
   "-packing_jitter 0.2 -bodies a,b -a_upper 9,8,4 -b_lower 0,0,4 -b_upper 9,8,8 -b_density 600 "
 #define PERIODIC "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y periodic -box_z periodic " BODY
-#define SHUT    "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y symmetry -box_z wall " BODY
+#define SHUT     "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y symmetry -box_z wall " BODY
 
 /* The two sets of pieces: what the scheme 'density_invariant' takes, and 'consistent'. */
 static PetscErrorCode MakePressure(Setup *s, PetscBool paper)
@@ -25,8 +35,10 @@ static PetscErrorCode MakePressure(Setup *s, PetscBool paper)
   PetscFunctionBegin;
   PetscCall(SetupMoments(s));
   PetscCall(PressureCreate(s->cloud, &s->pressure));
-  if (paper) PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
-  else PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
+  if (paper)
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
+  else
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   PetscCall(PressureSetFromOptions(s->pressure));
   for (PetscInt a = 0; a < s->cloud->n_owned; a++)
     for (PetscInt d = 0; d < DIM; d++) {
@@ -82,8 +94,10 @@ static PetscErrorCode Probe(Setup *s, Mat A, PetscReal *smallest, PetscReal *dif
     const PetscScalar *p;
     PetscReal          product, square, error, norm;
 
-    if (k == 0) PetscCall(VecSet(x, 1)); /* the smoothest of all */
-    else PetscCall(RandomVector(s->cloud, k, x));
+    if (k == 0)
+      PetscCall(VecSet(x, 1)); /* the smoothest of all */
+    else
+      PetscCall(RandomVector(s->cloud, k, x));
     for (PetscInt sweep = 1; sweep < k; sweep++) { /* then smoother ones: x -= A x/(2 of the largest diagonal) */
       PetscReal largest;
 
@@ -194,8 +208,10 @@ static PetscErrorCode TestIsolated(PetscBool paper, const char label[])
     if (s.cloud->integer[INT_ID][a] != alone) continue;
     PetscCall(MatGetRow(A, start + a, &width, &columns, &values));
     for (PetscInt k = 0; k < width; k++) {
-      if (columns[k] == start + a) diagonal = values[k];
-      else other += PetscAbsReal(values[k]);
+      if (columns[k] == start + a)
+        diagonal = values[k];
+      else
+        other += PetscAbsReal(values[k]);
     }
     PetscCall(MatRestoreRow(A, start + a, &width, &columns, &values));
     PetscCall(VecGetArrayRead(b, &values));
@@ -213,7 +229,8 @@ static PetscErrorCode TestIsolated(PetscBool paper, const char label[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Symmetric gradients of any pressure leave the momentum of a liquid without outside alone; both liquids' densities count. */
+/* Symmetric gradients of any pressure leave the momentum of a liquid without outside alone; both liquids' densities
+ * count. */
 static PetscErrorCode TestMomentum(PetscBool paper, const char label[])
 {
   PetscReal total[DIM] = {0, 0, 0}, size = 0;
@@ -244,9 +261,9 @@ static PetscErrorCode TestMomentum(PetscBool paper, const char label[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rotating square, side 1, w = 1, density 1000: v of the start at positions a moment later has the divergence 2 w^2 dt, so the
-   pressure is that of lap p = 2 rho w^2, p = 0 on the edge (Colagrossi 2005; Le Touze et al. 2013): -0.147343 rho w^2 L^2 in
-   the middle. */
+/* Rotating square, side 1, w = 1, density 1000: v of the start at positions a moment later has the divergence 2 w^2 dt,
+   so the pressure is that of lap p = 2 rho w^2, p = 0 on the edge (Colagrossi 2005; Le Touze et al. 2013): -0.147343
+   rho w^2 L^2 in the middle. */
 static PetscErrorCode TestRotatingSquare(PetscInt side, const char closure[], PetscReal tol, PetscReal *ratio)
 {
   const PetscReal spacing = 1. / side, dt = 1e-4;
@@ -264,7 +281,8 @@ static PetscErrorCode TestRotatingSquare(PetscInt side, const char closure[], Pe
                           (double)spacing, closure));
   PetscCall(SetupPack(options, &s));
   cloud = s.cloud;
-  for (PetscInt k = 0; k < DIM * cloud->n_owned; k++) cloud->field[FIELD_POSITION][k] += dt * cloud->field[FIELD_VELOCITY][k];
+  for (PetscInt k = 0; k < DIM * cloud->n_owned; k++)
+    cloud->field[FIELD_POSITION][k] += dt * cloud->field[FIELD_VELOCITY][k];
   PetscCall(CloudMoved(cloud, PETSC_TRUE));
   PetscCall(MakePressure(&s, PETSC_FALSE));
   PetscCall(PetscArraycpy(cloud->field[FIELD_PREDICTED], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
@@ -299,16 +317,9 @@ int main(int argc, char **argv)
     const struct {
       const char *options, *label;
       PetscBool   closed;
-    } box[] = {
-      {FILM,     "film",        PETSC_FALSE},
-      {CORNER,   "corner",      PETSC_FALSE},
-      {FILM_2D,  "film_2d",     PETSC_FALSE},
-      {TANK_2D,  "tank_2d",     PETSC_FALSE},
-      {DROPS,    "drops",       PETSC_FALSE},
-      {TWO,      "two_liquids", PETSC_FALSE},
-      {PERIODIC, "periodic",    PETSC_TRUE },
-      {SHUT,     "shut_box",    PETSC_TRUE }
-    };
+    } box[] = {{FILM, "film", PETSC_FALSE},        {CORNER, "corner", PETSC_FALSE}, {FILM_2D, "film_2d", PETSC_FALSE},
+               {TANK_2D, "tank_2d", PETSC_FALSE},  {DROPS, "drops", PETSC_FALSE},   {TWO, "two_liquids", PETSC_FALSE},
+               {PERIODIC, "periodic", PETSC_TRUE}, {SHUT, "shut_box", PETSC_TRUE}};
 
     for (size_t k = 0; k < sizeof(box) / sizeof(*box); k++) {
       char label[64];

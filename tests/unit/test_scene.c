@@ -128,10 +128,10 @@ static PetscErrorCode TestShapes(void)
   PetscCall(CheckDistance(can, 0.5 + 0.3, 0, 0.4 + 0.4, 0.5, "cylinder_rim"));
   PetscCall(CheckDistance(can, 0, 0, 0.3, -0.1, "cylinder_end"));
   PetscCall(
-      CheckDistance(SQUARE "-bodies a -a_shape cylinder -a_radius 0.5 -a_height 0.01", 0, 0, 0, -0.5, "cylinder_2d"));
+    CheckDistance(SQUARE "-bodies a -a_shape cylinder -a_radius 0.5 -a_height 0.01", 0, 0, 0, -0.5, "cylinder_2d"));
   PetscCall(CheckDistance(half, 0.4, -0.3, 0.5, 0.3, "half_space_up"));
   PetscCall(
-      CheckDistance(SQUARE "-bodies a -a_shape half_space -a_normal -1,0", 0.4, -0.3, 0.5, -0.4, "half_space_2d"));
+    CheckDistance(SQUARE "-bodies a -a_shape half_space -a_normal -1,0", 0.4, -0.3, 0.5, -0.4, "half_space_2d"));
   PetscCall(CheckDistance(ellipsoid, 0, 0, 0, -0.2, "ellipsoid_center"));
   PetscCall(CheckDistance(ellipsoid, 1.8, 0, 0, 1, "ellipsoid_along_x"));
   PetscCall(CheckDistance(ellipsoid, 0, 0, -0.3, 0.1, "ellipsoid_along_z"));
@@ -139,7 +139,7 @@ static PetscErrorCode TestShapes(void)
   /* On the long axis, deep inside: the nearest point is above or below, d^2 = c^2 (1 - x^2/(a^2 - c^2)). */
   PetscCall(CheckDistance(ellipsoid, 0.3, 0, 0, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_mid_plane_deep"));
   PetscCall(
-      CheckDistance(ellipsoid, 0.3, 0, 1e-17, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_next_to_mid_plane"));
+    CheckDistance(ellipsoid, 0.3, 0, 1e-17, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_next_to_mid_plane"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,8 +169,8 @@ static PetscErrorCode TestVelocities(void)
   PetscCall(CheckVelocity(CUBE BALL, x, 0, 0, 0, "velocity_at_rest"));
   PetscCall(CheckVelocity(CUBE BALL "-a_velocity 1,2,3", x, 1, 2, 3, "velocity_uniform"));
   PetscCall(CheckVelocity(
-      CUBE BALL "-a_velocity 1,2,3 -a_velocity_type rotation -a_rotation_rate 1,2,3 -a_rotation_center 0.1,0,0", x,
-      1 + (2 * -0.1 - 3 * 0.2), 2 + (3 * 0.2 - 1 * -0.1), 3 + (1 * 0.2 - 2 * 0.2), "velocity_rotation_and_uniform"));
+    CUBE BALL "-a_velocity 1,2,3 -a_velocity_type rotation -a_rotation_rate 1,2,3 -a_rotation_center 0.1,0,0", x,
+    1 + (2 * -0.1 - 3 * 0.2), 2 + (3 * 0.2 - 1 * -0.1), 3 + (1 * 0.2 - 2 * 0.2), "velocity_rotation_and_uniform"));
   PetscCall(CheckVelocity(SQUARE BALL "-a_velocity_type rotation -a_rotation_rate -2", p, 0.4, -0.6, 0,
                           "velocity_square_patch"));
   PetscCall(CheckVelocity(SQUARE BALL "-a_velocity_type strain -a_strain_rate -100,100", p, -30, 20, 0,
@@ -201,18 +201,18 @@ static PetscErrorCode TestScene(void)
 
   PetscFunctionBegin;
   PetscCall(Read(
-      CUBE
-      "-bodies film,drop -film_upper 1,1,0.2 -drop_shape sphere -drop_radius 0.3 -drop_center 0,0,0.5 "
-      "-drop_density 1100 -drop_viscosity 0 -drop_tension 0.067 -drop_color 7 -gravity 0,0,-9.81 -central_force_rate 2",
-      &domain, &scene)); /* drop and film touch */
+    CUBE
+    "-bodies film,drop -film_upper 1,1,0.2 -drop_shape sphere -drop_radius 0.3 -drop_center 0,0,0.5 "
+    "-drop_density 1100 -drop_viscosity 0 -drop_tension 0.067 -drop_color 7 -gravity 0,0,-9.81 -central_force_rate 2",
+    &domain, &scene)); /* drop and film touch */
   film = SceneBody(scene, 0);
   ball = SceneBody(scene, 1);
   CHECK(SceneCount(scene) == 2 && !strcmp(BodyName(ball), "drop"), "scene_bodies");
   CHECK(BodyMaterial(film)->density == 1000 && BodyMaterial(film)->viscosity == 1e-3 &&
-            BodyMaterial(film)->tension == 0,
+          BodyMaterial(film)->tension == 0,
         "material_defaults");
   CHECK(BodyMaterial(ball)->density == 1100 && BodyMaterial(ball)->viscosity == 0 &&
-            BodyMaterial(ball)->tension == 0.067,
+          BodyMaterial(ball)->tension == 0.067,
         "material_options");
   CHECK(BodyColor(film) == 0 && BodyColor(ball) == 7, "color");
   CHECK(SceneHasViscosity(scene) && SceneHasTension(scene), "scene_has");

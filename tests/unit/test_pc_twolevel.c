@@ -1,0 +1,223 @@
+/* The two-level preconditioner on synthetic matrices: symmetric, positive, few iterations, on any number of ranks (also
+ * one without rows). */
+#include "../../src/pressure/pressure.h"
+#include "check.h"
+
+#define SPACING 0.5
+#define REACH   (2.6 * SPACING)
+
+typedef struct {
+  PetscInt  dim, n[DIM]; /* points of a lattice */
+  PetscBool periodic[DIM], surface, blob, isolated;
+} Scene_;
+
+/* All points on every rank: a jittered lattice, a small one far above it, and points with no neighbour. */
+static PetscErrorCode MakePoints(const Scene_ *s, PetscInt *count, PetscReal **x)
+{
+  PetscInt total = s->n[0] * s->n[1] * s->n[2], k = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(DIM * (total + 200), x));
+  for (PetscInt part = 0; part < (s->blob ? 2 : 1); part++)
+    for (PetscInt c = 0; c < (part ? (s->dim == 3 ? 125 : 25) : total); c++) {
+      const PetscInt nx = part ? 5 : s->n[0], ny = part ? 5 : s->n[1], i[DIM] = {c % nx, c / nx % ny, c / nx / ny};
+
+      for (PetscInt d = 0; d < s->dim; d++)
+        (*x)[DIM * k + d] = SPACING * (i[d] + 0.5 + 0.3 * (RandomUnit(7, DIM * k + d) - 0.5) +
+                                       (part && d == s->dim - 1 ? s->n[d] + 7 : 0));
+      k++;
+    }
+  for (PetscInt p = 0; s->isolated && p < 3; p++) {
+    (*x)[DIM * k]              = SPACING * (1 + 4 * p);
+    (*x)[DIM * k + s->dim - 1] = SPACING * (s->n[s->dim - 1] + 30);
+    k++;
+  }
+  *count = k;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rows start..end of the graph Laplacian; the surface: rows whose diagonal is less than full are filled up. */
+static PetscErrorCode MakeMatrix(const Scene_ *s, PetscInt N, const PetscReal x[], PetscInt n, Mat *A)
+{
+  PetscInt  start, end;
+  PetscReal full = 0, *diagonal;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 250, NULL, 250, NULL, A));
+  PetscCall(MatGetOwnershipRange(*A, &start, &end));
+  PetscCall(PetscCalloc1(n, &diagonal));
+  for (PetscInt a = start; a < end; a++) {
+    for (PetscInt b = 0; b < N; b++) {
+      PetscReal r2 = 0, K;
+
+      for (PetscInt d = 0; d < s->dim; d++) {
+        PetscReal dx = x[DIM * a + d] - x[DIM * b + d];
+
+        if (s->periodic[d]) dx -= s->n[d] * SPACING * PetscFloorReal(dx / (s->n[d] * SPACING) + 0.5);
+        r2 += dx * dx;
+      }
+      if (a == b || r2 >= REACH * REACH) continue;
+      K = 11 * PetscPowReal(1 - PetscSqrtReal(r2) / REACH, 3);
+      diagonal[a - start] += K;
+      PetscCall(MatSetValue(*A, a, b, -K, INSERT_VALUES));
+    }
+    full = PetscMax(full, diagonal[a - start]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &full, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  for (PetscInt a = start; a < end; a++) {
+    PetscReal d = diagonal[a - start];
+
+    if (s->surface && d < 0.6 * full) d = 0.8 * full;
+    if (s->surface && diagonal[a - start] == 0) d = 1;
+    PetscCall(MatSetValue(*A, a, a, d, INSERT_VALUES));
+  }
+  PetscCall(PetscFree(diagonal));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  if (!s->surface) {
+    MatNullSpace constant;
+
+    PetscCall(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_TRUE, 0, NULL, &constant));
+    PetscCall(MatSetNullSpace(*A, constant));
+    PetscCall(MatNullSpaceDestroy(&constant));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x'My = y'Mx and x'Mx > 0 for random vectors. */
+static PetscErrorCode TestOperator(PC pc, Mat A, const char name[])
+{
+  Vec          x, y, Mx, My;
+  PetscScalar  a, b, e, f;
+  char         text[128];
+  MatNullSpace constant;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(A, &x, &y));
+  PetscCall(VecDuplicate(x, &Mx));
+  PetscCall(VecDuplicate(x, &My));
+  PetscCall(VecSetRandom(x, NULL));
+  PetscCall(VecSetRandom(y, NULL));
+  PetscCall(VecShift(x, -0.3));
+  PetscCall(VecShift(y, -0.8));
+  PetscCall(MatGetNullSpace(A, &constant));
+  PetscCall(PCApply(pc, x, Mx));
+  PetscCall(PCApply(pc, y, My));
+  if (constant) {
+    PetscCall(MatNullSpaceRemove(constant, x));
+    PetscCall(MatNullSpaceRemove(constant, y));
+    PetscCall(PCApply(pc, x, Mx));
+    PetscCall(PCApply(pc, y, My));
+  }
+  PetscCall(VecDot(x, My, &a));
+  PetscCall(VecDot(y, Mx, &b));
+  PetscCall(VecDot(x, Mx, &e));
+  PetscCall(VecDot(y, My, &f));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s_symmetric", name));
+  CHECK_CLOSE(PetscRealPart(a), PetscRealPart(b), 1e-11 * PetscRealPart(e + f), text);
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s_positive", name));
+  CHECK(PetscRealPart(e) > 0 && PetscRealPart(f) > 0, text);
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
+  PetscCall(VecDestroy(&Mx));
+  PetscCall(VecDestroy(&My));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestScene(const Scene_ *s, PetscInt most, const char name[])
+{
+  KSP                ksp;
+  PC                 pc;
+  Mat                A;
+  Vec                x, b, r;
+  PetscInt           N = 0, n, start, iterations, jacobi;
+  PetscReal         *points, *own, norm, error;
+  PetscMPIInt        rank, size;
+  KSPConvergedReason reason;
+  char               text[128];
+  const PetscReal    lower[DIM] = {0, 0, 0}, upper[DIM] = {s->n[0] * SPACING, s->n[1] * SPACING, s->n[2] * SPACING};
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(MakePoints(s, &N, &points));
+  n = size > 2 ? (rank < size - 1 ? N / (size - 1) + (rank < N % (size - 1)) : 0) : N / size + (rank < N % size);
+  PetscCall(MakeMatrix(s, N, points, n, &A));
+  PetscCall(MatGetOwnershipRange(A, &start, NULL));
+  PetscCall(PetscMalloc1(s->dim * n, &own));
+  for (PetscInt a = 0; a < n; a++)
+    for (PetscInt d = 0; d < s->dim; d++) own[s->dim * a + d] = points[DIM * (start + a) + d];
+  PetscCall(MatCreateVecs(A, &x, &b));
+  PetscCall(VecDuplicate(b, &r));
+  PetscCall(VecSetRandom(x, NULL));
+  PetscCall(MatMult(A, x, b));
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
+  PetscCall(KSPSetType(ksp, KSPCG));
+  PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+  PetscCall(KSPSetTolerances(ksp, 1e-6, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+  PetscCall(KSPSetOperators(ksp, A, A));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCJACOBI));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetIterationNumber(ksp, &jacobi));
+  PetscCall(PCSetType(pc, PCTWOLEVEL));
+  PetscCall(PCTwoLevelSetGrid(pc, SPACING, lower, upper, s->periodic));
+  PetscCall(PCSetCoordinates(pc, s->dim, n, own));
+  PetscCall(KSPSetFromOptions(ksp));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetIterationNumber(ksp, &iterations));
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(MatMult(A, x, r));
+  PetscCall(VecAXPY(r, -1, b));
+  PetscCall(VecNorm(r, NORM_2, &error));
+  PetscCall(VecNorm(b, NORM_2, &norm));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                        "%s: %" PetscInt_FMT " rows, %" PetscInt_FMT " iterations, jacobi %" PetscInt_FMT "\n", name, N,
+                        iterations, jacobi));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s_converges", name));
+  CHECK(reason > 0 && error < 2e-6 * norm, text);
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s_iterations", name));
+  CHECK_CLOSE(iterations, 0.5 * most, 0.5 * most, text);
+  PetscCall(TestOperator(pc, A, name));
+  PetscCall(KSPSetOperators(ksp, A, A)); /* a second set-up, other rows' scale */
+  PetscCall(PCSetCoordinates(pc, s->dim, n, own));
+  PetscCall(MatScale(A, 2));
+  PetscCall(VecScale(b, 2));
+  PetscCall(VecSet(x, 0));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetIterationNumber(ksp, &jacobi));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s_again", name));
+  CHECK_CLOSE(jacobi, iterations, 0, text);
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(MatDestroy(&A));
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroy(&r));
+  PetscCall(PetscFree(points));
+  PetscCall(PetscFree(own));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  const Scene_ film   = {3, {16, 14, 12}, {PETSC_TRUE, PETSC_TRUE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE};
+  const Scene_ box    = {3, {15, 15, 15}, {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE}, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE};
+  const Scene_ closed = {3,           {12, 12, 9}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
+                         PETSC_FALSE, PETSC_FALSE, PETSC_FALSE};
+  const Scene_ splash = {3, {16, 14, 10}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
+  const Scene_ dam    = {2, {60, 30, 1}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
+  const Scene_ narrow = {2, {6, 80, 1}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE};
+  const Scene_ grains = {2, {0, 0, 0}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE};
+
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(PCTwoLevelRegister());
+  PetscCall(TestScene(&film, 20, "film"));
+  PetscCall(TestScene(&box, 20, "periodic_box"));
+  PetscCall(TestScene(&closed, 20, "closed_box"));
+  PetscCall(TestScene(&splash, 22, "splash"));
+  PetscCall(TestScene(&dam, 25, "dam_2d"));
+  PetscCall(TestScene(&narrow, 25, "narrow_2d"));
+  PetscCall(TestScene(&grains, 3, "isolated_only"));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
