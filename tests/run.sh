@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Runs the tests:  tests/run.sh [--long] [NAME ...]
 #   programs  output/build/tests/unit/*, built by the makefile
-#   scripts   tests/input, tests/parallel, tests/restart, tests/verify, tests/lint (*.sh, *.py), and tests/long with --long
+#   scripts   tests/input, tests/parallel, tests/restart, tests/verify, tests/lint (*.sh, *.py), and tests/long with
+#             --long
 # With names, only the tests whose path contains one of them. Each test prints 'ok name' or 'FAIL name: why' a line, and
 # whatever else it likes. One that exits non-zero without a FAIL line, is killed, runs out of time or prints neither
 # counts as one failure.

@@ -15,15 +15,25 @@ static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restric
   if (f) {
     SIMD_LOOP()
     for (PetscInt k = 0; k < n; k++) {
-      const PetscReal q = PetscSqrtReal(PetscMax(s[k], KERNEL_TINY)), u = PetscMax(2.0 - q, 0.0),
-                      t = PetscMax(1.0 - q, 0.0);
+      const PetscReal q = PetscSqrtReal(s[k]), u = PetscMax(2.0 - q, 0.0);
 
-      f[k] = (3.0 * t * t - 0.75 * u * u) / q;
+      f[k] = q < 1.0 ? 2.25 * q - 3.0 : -0.75 * u * u / q;
     }
+  }
+}
+
+static void Gradient(PetscInt n, const float *restrict s, float *restrict f)
+{
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < n; k++) {
+    const float q = sqrtf(s[k]), u = PetscMax(2.0f - q, 0.0f);
+
+    f[k] = q < 1.0f ? 2.25f * q - 3.0f : -0.75f * u * u / q;
   }
 }
 
 const KernelOps KernelCubicSpline = {.support  = 2.0,
                                      .norm2    = 10.0 / (7.0 * PETSC_PI),
                                      .norm3    = 1.0 / PETSC_PI,
-                                     .evaluate = Evaluate};
+                                     .evaluate = Evaluate,
+                                     .gradient = Gradient};

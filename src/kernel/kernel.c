@@ -155,6 +155,21 @@ void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal *restrict r2, Pet
   }
 }
 
+void KernelGradient(Kernel kernel, PetscInt n, const PetscReal *restrict r2, PetscReal *restrict F)
+{
+  float s[KERNEL_CHUNK], f[KERNEL_CHUNK];
+
+  for (PetscInt start = 0; start < n; start += KERNEL_CHUNK) {
+    const PetscInt m = PetscMin(n - start, KERNEL_CHUNK);
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++) s[k] = (float)(r2[start + k] * kernel->inverse_h2);
+    kernel->ops->gradient(m, s, f);
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++) F[start + k] = kernel->scale_f * f[k];
+  }
+}
+
 #define HALF_SPACE_POINTS 400
 
 /* w1(s), by the midpoint rule over the chord (2-d) or by r dr (3-d), where the weight of the integrand is smooth. */

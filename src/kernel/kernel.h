@@ -21,6 +21,8 @@ typedef struct {
   /* w[k] = w(q_k) and f[k] = w'(q_k)/q_k for k < n, q_k = r_k/h, from s[k] = q_k^2; w or f may be NULL. Zero outside
    * the support. */
   void (*evaluate)(PetscInt n, const PetscReal s[], PetscReal w[], PetscReal f[]);
+  /* f alone, in single precision */
+  void (*gradient)(PetscInt n, const float s[], float f[]);
 } KernelOps;
 
 /* KernelCreate - a kernel of h not yet set, cubic spline. Collective on comm. */
@@ -41,6 +43,10 @@ PetscReal KernelSelf(Kernel kernel);
 /* KernelEvaluate - for k < n: W[k] = W(r_k) (m^-dim) and F[k] = W'(r_k)/r_k (m^-dim-2), so that grad_a W_ab = F r_ab;
    r2[k] = r_k^2 (m^2). W or F may be NULL. Not collective. */
 void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal W[], PetscReal F[]);
+/* KernelGradient - F as above, computed in single precision from r2 in double: for the pair loops, where its square
+   root and division are what is dear. The relative error is below 1e-6 and the same for both particles of a pair, so
+   what pairs exchange is conserved to round-off. Not collective. */
+void KernelGradient(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal F[]);
 /* KernelHalfSpace - a half-space of liquid whose surface is at distance s (m) above the point (s < 0: the point is
    outside): plane = w1(s) = integral of W over the plane at distance s (1/m) = |int grad W| over the liquid; fraction =
    F(s) = integral of W over the liquid. methods: surface-fraction-corrected density. Either may be NULL. Not

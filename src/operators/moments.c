@@ -75,7 +75,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
               *B = cloud->field[FIELD_MOMENT] + 6 * a;
 
     PairRowLoad(cloud, x, a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, row.F);
+    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     SIMD_LOOP(reduction(+ : sum, nx, ny, nz, xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscReal V = volume[row.index[k]], f = V * row.F[k], dx = row.dx[k], dy = row.dy[k], dz = row.dz[k];

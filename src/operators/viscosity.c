@@ -30,7 +30,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[])
 
     if (mu_a <= 0) continue;
     PairRowLoad(cloud, x, a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, NULL, row.F);
+    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     /* Eq. (1) of Kuri et al.; for liquids of different density the mass that counts is V_b rho_b */
     SIMD_LOOP(reduction(+ : ax, ay, az))
     for (PetscInt k = 0; k < row.n; k++) {
@@ -66,7 +66,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
     PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
 
     PairRowLoad(cloud, x, a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, NULL, row.F);
+    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     if (layer[a] == 0 && corrected) {
       /* the velocity gradient once, then B: div v = sum_ij G_ij B_ij, G_ij = sum V (v_b - v_a)_i grad_j W */
       SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yx, yz, zx, zy))

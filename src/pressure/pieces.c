@@ -138,7 +138,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, P
   const PetscReal own = p[a] / (density[a] * density[a]);
   PetscReal       ax = 0, ay = 0, az = 0;
 
-  KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
+  KernelGradient(cloud->kernel, row->n, row->r2, row->F);
   SIMD_LOOP(reduction(+ : ax, ay, az))
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt  b = row->index[k];
@@ -183,7 +183,7 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
     else {
       PetscReal ax = 0, ay = 0, az = 0;
 
-      KernelEvaluate(cloud->kernel, row.n, row.r2, NULL, row.F);
+      KernelGradient(cloud->kernel, row.n, row.r2, row.F);
       SIMD_LOOP(reduction(+ : ax, ay, az))
       for (PetscInt k = 0; k < row.n; k++) {
         const PetscReal c = volume[row.index[k]] * (p[row.index[k]] - p[a]) * row.F[k];

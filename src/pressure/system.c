@@ -85,7 +85,7 @@ void PairCoefficients(Pressure pressure, PetscInt a, PairRow *restrict row, Pets
   const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density;
   const PetscReal eta2 = EtaSquared(cloud->kernel), rho_a = density[a], m_a = volume[a] * rest[a] * pressure->row_scale;
 
-  KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
+  KernelGradient(cloud->kernel, row->n, row->r2, row->F);
   /* Eq. (8): m_b 8/(rho_a+rho_b)^2 (r . grad W)/(r^2+eta^2), times m_a/m_ref so that K_ab = K_ba also between liquids
    */
   SIMD_LOOP()

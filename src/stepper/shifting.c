@@ -23,7 +23,8 @@ PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[])
     for (PetscInt d = 0; d < DIM; d++) v[DIM * a + d] = u[DIM * a + d];
     if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
     PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, row.F);
+    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     SIMD_LOOP(reduction(+ : cx, cy, cz) reduction(max : speed2))
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b     = row.index[k];

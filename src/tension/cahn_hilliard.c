@@ -139,7 +139,7 @@ static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], Pet
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++)
       r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, m, r2, NULL, F);
+    KernelGradient(tension->kernel, m, r2, F);
     SIMD_LOOP(reduction(+ : gx, gy, gz))
     for (PetscInt k = 0; k < m; k++) {
       gx += F[k] * (x0 - cx[begin + k]);
@@ -170,7 +170,7 @@ static void SumForce(Tension tension, PetscInt n, const PetscReal x[DIM], PetscR
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++)
       r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, m, r2, NULL, F);
+    KernelGradient(tension->kernel, m, r2, F);
     SIMD_LOOP(reduction(+ : fx, fy, fz))
     for (PetscInt k = 0; k < m; k++) {
       const PetscInt  b  = begin + k;

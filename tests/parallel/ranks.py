@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """The same scene on 1, 2, 3 and 4 ranks, particle by particle, with -ksp_rtol 1e-12.
 
-Sums over neighbours and the solver's dot products run in another order on another number of ranks. After 20 steps positions
-differ by at most 2e-14 spacings (measured), with the scheme of the paper by 3e-12: TOLERANCE leaves room for other
+Sums over neighbours and the solver's dot products run in another order on another number of ranks. After 20 steps
+positions differ by at most 2e-14 spacings (measured), with the scheme of the paper by 3e-12: TOLERANCE leaves room for other
 machines and none for a lost neighbour, which makes 1e-6. The liquid is thin enough here that the surface tension's band
 covers it: the band ends at cells that another rank lays otherwise."""
 import os
@@ -20,11 +20,12 @@ SPLASH = """-spacing 0.8e-3 -box_lower 0,0,-6.4e-3 -box_upper 12e-3,12e-3,12e-3 
  -time_step 4e-5 """
 # The scheme of the paper between mirrors, where a lattice would be thrown apart at the start; the Poisson packing ends
 # elsewhere on other ranks, so one rank makes it and the others restart.
-PAPER = SPLASH + "-box_xmax symmetry -box_ymax symmetry -scheme density_invariant -packing_type poisson -packing_cache '' "
+PAPER = SPLASH + """-box_xmax symmetry -box_ymax symmetry -scheme density_invariant -packing_type poisson
+ -packing_cache '' """
 # In the plane, periodic: sideways through the periodic faces, several spacings.
-PERIODIC_2D = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall -gravity 0,-9.81
- -bodies film,drop -film_upper 1,0.12 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.33
- -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -time_step 1e-3 """
+PERIODIC_2D = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall
+ -gravity 0,-9.81 -bodies film,drop -film_upper 1,0.12 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15
+ -drop_center 0.5,0.33 -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -time_step 1e-3 """
 # One drop in a large box: three of four ranks have nothing to do at first.
 LONELY = """-spacing 1e-3 -box_lower -40e-3,-40e-3,-40e-3 -box_upper 40e-3,40e-3,40e-3 -bodies drop -drop_shape sphere
  -drop_radius 1.2e-3 -drop_center 20e-3,20e-3,20e-3 -drop_velocity 0,0,-1 -gravity 0,0,-9.81 -drop_tension 0.067

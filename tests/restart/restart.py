@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A run continued from a checkpoint equals the one that was not interrupted: to the last bit on as many ranks as wrote it,
-to round-off on another number."""
+"""A run continued from a checkpoint equals the one that was not interrupted: to the last bit on as many ranks as wrote
+it, to round-off on another number."""
 import os
 import sys
 
@@ -31,7 +31,8 @@ def compare_series(name, whole, rest):
     columns = [c for c in whole.dtype.names if c != "wall_time"]
     lines = {int(line["step"]): line for line in whole}
     differing = [(int(line["step"]), c) for line in rest for c in columns
-                 if int(line["step"]) not in lines or not np.array_equal(line[c], lines[int(line["step"])][c], equal_nan=True)]
+                 if int(line["step"]) not in lines
+                 or not np.array_equal(line[c], lines[int(line["step"])][c], equal_nan=True)]
     runs.check(len(rest) > 1 and not differing, name, f"{len(rest)} lines, differing: {differing[:5]}")
 
 

@@ -4,9 +4,10 @@
 #include "setup.h"
 #include "check.h"
 
-#define PARTICLES  700
-#define STEPS      14
-#define STEP_WIDTH 0.3  /* largest motion a step and component, spacings: the slack of one spacing lasts a step or two \
+#define PARTICLES 700
+#define STEPS     14
+#define STEP_WIDTH                                                                                                     \
+  0.3                   /* largest motion a step and component, spacings: the slack of one spacing lasts a step or two \
                          */
 #define SAME_PLACE 1e-9 /* spacings: two positions of one particle, computed twice */
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Free fall of 1, 2, 8 and 27 particles with both schemes: the centre of mass follows the parabola, momentum is m g t, to
-round-off, whatever the pressure does among them. The trapezoidal position update makes it exact for a constant force."""
+"""Free fall of 1, 2, 8 and 27 particles with both schemes: the centre of mass follows the parabola, momentum is
+m g t, to round-off, whatever the pressure does among them. The trapezoidal position update is exact for a constant
+force."""
 import os
 import sys
 
@@ -26,7 +27,8 @@ for scheme in ("consistent", "density_invariant"):
         folder = runs.run(scene + loose, name)
         first, last = (runs.fields(runs.numbered(folder, "snapshot")[k]) for k in (0, -1))
         time = runs.head(runs.numbered(folder, "snapshot")[-1])["time"]
-        if not runs.check(len(first["id"]) == n and len(last["id"]) == n and abs(time - TIME) < 1e-12, name + "_particles",
+        whole = len(first["id"]) == n and len(last["id"]) == n and abs(time - TIME) < 1e-12
+        if not runs.check(whole, name + "_particles",
                           f"{len(first['id'])} at the start, {len(last['id'])} at {time} s"):
             continue
         fall = V * TIME + 0.5 * G * TIME**2
