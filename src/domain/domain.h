@@ -55,8 +55,8 @@ PetscInt DomainCell(Domain domain, const PetscReal x[DIM]);
 void DomainWrap(Domain domain, PetscReal x[DIM]);
 /* DomainOutside - whether x (m) has left the box through an open face. Not collective. */
 PetscBool DomainOutside(Domain domain, const PetscReal x[DIM]);
-/* DomainPartition - METIS on the cell graph, weighted with the particles of each cell: weight is [cells] summed over
-   all ranks by this call. The same answer on every rank. Collective. */
-PetscErrorCode DomainPartition(Domain domain, PetscInt weight[]);
+/* DomainPartition - METIS on the cell graph, so that every rank gets its share of each of 'constraints' kinds of work:
+   weight is [cells][constraints], summed over all ranks by this call. The same answer on every rank. Collective. */
+PetscErrorCode DomainPartition(Domain domain, PetscInt constraints, PetscInt weight[]);
 
 #endif

@@ -250,19 +250,21 @@ static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
 static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
 {
   PetscMPIInt rank, size;
-  PetscReal   local[2] = {0, (PetscReal)cloud->n_owned}, largest[2], total;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
-  if (size > 1)
-    local[0] = HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
-  PetscCallMPI(MPI_Allreduce(local, largest, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(&local[1], &total, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
-  cloud->stray = largest[0];
-  if (sort || cloud->stray > STRAY_SHARE * cloud->slack)
-    PetscCall(Rehome(cloud, (PetscBool)(size > 1 && largest[1] * size > cloud->rebalance * total)));
-  else if (size == 1) {
+  if (size > 1) {
+    cloud->stray =
+      HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->stray, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  }
+  if (sort || cloud->stray > STRAY_SHARE * cloud->slack) {
+    PetscReal imbalance;
+
+    PetscCall(ParticlesImbalance(cloud->particles, &imbalance));
+    PetscCall(Rehome(cloud, (PetscBool)(imbalance > cloud->rebalance)));
+  } else if (size == 1) {
     PetscCall(WrapSwarm(cloud));
     PetscCall(Load(cloud));
   }

@@ -150,7 +150,7 @@ static PetscErrorCode CreateParticles(Packing packing)
     PetscCall(PetscArraycpy(weight, filling.weight, cells));
     WallWeigh(domain, layers, weight);
   }
-  PetscCall(DomainPartition(domain, weight));
+  PetscCall(DomainPartition(domain, 1, weight));
   for (PetscInt c = 0; c < cells; c++)
     if (domain->cell_rank[c] == filling.rank) own += filling.weight[c];
   PetscCall(PetscFree2(filling.weight, weight));

@@ -11,10 +11,11 @@ const char *const IntFieldMeanings[INT_COUNT] = {STORED_INTS(MEANING_INT)};
 #define SWARM_BUFFER 1024
 
 struct _p_Particles {
-  MPI_Comm comm;
-  Domain   domain; /* borrowed */
-  DM       swarm;
-  PetscInt global; /* expected global number, checked after each migration */
+  MPI_Comm  comm;
+  Domain    domain; /* borrowed */
+  DM        swarm;
+  PetscBool balance_surface;
+  PetscInt  global; /* expected global number, checked after each migration */
 };
 
 PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
@@ -184,22 +185,85 @@ PetscErrorCode ParticlesMigrate(Particles particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ParticlesBalanceSurface(Particles particles, PetscBool surface)
+{
+  PetscFunctionBegin;
+  particles->balance_surface = surface;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesImbalance(Particles particles, PetscReal *imbalance)
+{
+  ParticleArrays arrays;
+  PetscMPIInt    size;
+  PetscReal      count[2] = {0, 0}, largest[2], total[2];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(particles->comm, &size));
+  PetscCall(ParticlesOpen(particles, &arrays));
+  count[0] = (PetscReal)arrays.n;
+  for (PetscInt a = 0; a < arrays.n && particles->balance_surface; a++) count[1] += arrays.integer[INT_SURFACE][a] != 0;
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(count, largest, 2, MPIU_REAL, MPIU_MAX, particles->comm));
+  PetscCallMPI(MPI_Allreduce(count, total, 2, MPIU_REAL, MPIU_SUM, particles->comm));
+  *imbalance = 1;
+  for (PetscInt k = 0; k < 2; k++)
+    if (total[k] > 0) *imbalance = PetscMax(*imbalance, size * largest[k] / total[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* near[cells]: whether the cell or one next to it holds a particle on the free surface, of any rank. */
+static PetscErrorCode MarkSurfaceCells(Particles particles, const ParticleArrays *arrays, PetscInt near[])
+{
+  Domain          domain = particles->domain;
+  const PetscInt *n = domain->cells, count = n[0] * n[1] * n[2];
+  PetscInt       *surface;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(count, &surface));
+  for (PetscInt a = 0; a < arrays->n; a++)
+    if (arrays->integer[INT_SURFACE][a] == 1 && arrays->integer[INT_LAYER][a] == 0)
+      surface[DomainCell(domain, arrays->real[FIELD_POSITION] + DIM * a)] = 1;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, surface, (PetscMPIInt)count, MPIU_INT, MPI_MAX, particles->comm));
+  for (PetscInt c = 0; c < count; c++) {
+    const PetscInt x = c % n[0], y = (c / n[0]) % n[1], z = c / (n[0] * n[1]);
+
+    if (!surface[c]) continue;
+    for (PetscInt k = PetscMax(0, z - 1); k <= PetscMin(n[2] - 1, z + 1); k++)
+      for (PetscInt j = PetscMax(0, y - 1); j <= PetscMin(n[1] - 1, y + 1); j++)
+        for (PetscInt i = PetscMax(0, x - 1); i <= PetscMin(n[0] - 1, x + 1); i++) near[(k * n[1] + j) * n[0] + i] = 1;
+  }
+  PetscCall(PetscFree(surface));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ParticlesRepartition(Particles particles)
 {
   Domain         domain = particles->domain;
+  const PetscInt count  = domain->cells[0] * domain->cells[1] * domain->cells[2];
   ParticleArrays arrays;
   PetscMPIInt    size;
-  PetscInt      *weight;
+  PetscInt      *weight, *near, constraints = 1;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(particles->comm, &size));
   if (size == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1(domain->cells[0] * domain->cells[1] * domain->cells[2], &weight));
+  PetscCall(PetscCalloc2(2 * count, &weight, count, &near));
   PetscCall(ParticlesOpen(particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++) weight[DomainCell(domain, arrays.real[FIELD_POSITION] + DIM * a)]++;
+  if (particles->balance_surface) {
+    PetscCall(MarkSurfaceCells(particles, &arrays, near));
+    for (PetscInt c = 0; c < count; c++)
+      if (near[c]) constraints = 2; /* else there is nothing of the second kind to divide */
+  }
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt c = DomainCell(domain, arrays.real[FIELD_POSITION] + DIM * a);
+
+    weight[constraints * c]++;
+    if (near[c]) weight[constraints * c + 1]++;
+  }
   PetscCall(ParticlesClose(particles, &arrays));
-  PetscCall(DomainPartition(domain, weight));
-  PetscCall(PetscFree(weight));
+  PetscCall(DomainPartition(domain, constraints, weight));
+  PetscCall(PetscFree2(weight, near));
   PetscCall(ParticlesMigrate(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

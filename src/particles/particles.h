@@ -89,6 +89,11 @@ PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[]);
 /* ParticlesMigrate - sends every particle to the rank that owns its cell (deep wall particles live with their parent,
    whose nearest cell is the same) and checks that none was lost. Collective. */
 PetscErrorCode ParticlesMigrate(Particles particles);
+/* ParticlesBalanceSurface - whether work near the free surface is to be divided evenly too. Not collective. */
+PetscErrorCode ParticlesBalanceSurface(Particles particles, PetscBool surface);
+/* ParticlesImbalance - largest over mean number a rank, of particles and (if it is divided too) of particles on or near
+   the free surface: the larger of the two, 1 if perfect. Collective. */
+PetscErrorCode ParticlesImbalance(Particles particles, PetscReal *imbalance);
 /* ParticlesRepartition - METIS on the particles of each cell, then migrates. Collective. */
 PetscErrorCode ParticlesRepartition(Particles particles);
 /* ParticlesSort - canonical local order: fluid, top wall layer, deeper wall layers; within each by cell of a grid of

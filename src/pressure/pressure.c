@@ -27,6 +27,7 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->kept            = -1;
   p->rebuild_growth  = 1.5;
   p->relaxation_time = 1e-3;
+  p->closure_factor  = 2;
   PetscCall(PetscStrncpy(p->mat_type, MATAIJ, sizeof(p->mat_type)));
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
@@ -77,6 +78,10 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
                               source, source, sizeof(source), NULL));
   PetscCall(PetscOptionsFList("-pressure_closure", "how the free surface closes the equation", "PressureSetTypes",
                               ClosureList, closure, closure, sizeof(closure), NULL));
+  PetscCall(PetscOptionsReal(
+    "-pressure_closure_factor",
+    "factor of what full_diagonal adds to the diagonal (1): 1 is Nair and Tomar's, 2 puts p = 0 on the surface",
+    "PressureSetTypes", pressure->closure_factor, &pressure->closure_factor, NULL));
   PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
                               gradient, gradient, sizeof(gradient), NULL));
   PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed",
@@ -100,6 +105,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm,
                  "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative",
                  pressure->rebuild_interval);
+  PetscCheckUser(pressure->closure_factor > 0, cloud->comm, "-pressure_closure_factor is %g; it must be positive",
+                 (double)pressure->closure_factor);
   PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1",
                  (double)pressure->rebuild_growth);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;

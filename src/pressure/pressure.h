@@ -34,9 +34,9 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
                                 PetscBool summed);
 /* PressureSetRelaxationTime - T (s) of the density term. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
-/* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient, -pressure_density,
-   -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_rebuild_interval, -pressure_rebuild_growth,
-   -mat_type; the KSP's options act at its creation. Collective. */
+/* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
+   -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_rebuild_interval,
+   -pressure_rebuild_growth, -mat_type; the KSP's options act at its creation. Collective. */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);

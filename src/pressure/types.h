@@ -42,8 +42,9 @@ struct _p_Pressure {
   PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none */
   KSP         ksp;
   Vec         b, x;
-  PetscInt    solver_layout; /* the local order the solver was made for */
-  PetscBool   free_surface;  /* any particle is on one */
+  PetscInt    solver_layout;  /* the local order the solver was made for */
+  PetscReal   closure_factor; /* of the filling of full_diagonal */
+  PetscBool   free_surface;   /* any particle is on one */
   PetscBool   constant_null;
   PetscInt    age, rebuild_interval, kept_steps,
     first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */

@@ -66,6 +66,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
   PetscCall(ParticlesCreate(sim->domain, &sim->particles));
+  PetscCall(ParticlesBalanceSurface(sim->particles, (PetscBool)(TensionReach(sim->tension) > 0)));
   PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles,
                         PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));
   PetscCall(CloudSetFromOptions(sim->cloud));
@@ -103,6 +104,10 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscCall(StepperPrepare(sim->stepper));
   PetscCall(RefuseUnusedOptions(sim->comm));
   if (!restarting) {
+    PetscInt lost = 0;
+
+    PetscCall(CloudCommit(sim->cloud, &lost)); /* the partition now knows where the free surface is */
+    PetscCall(CloudResync(sim->cloud));
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
     PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
   }

@@ -43,39 +43,6 @@ static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscI
   return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
 }
 
-/* Marks the cells within the band of a cell that holds a surface particle. */
-static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
-{
-  const CellGrid *grid   = &tension->grid;
-  const PetscReal radius = tension->band * KernelSupport(tension->kernel) + tension->spacing;
-  const PetscInt  reach  = (PetscInt)(radius / grid->size) + 1;
-
-  PetscFunctionBegin;
-  if (grid->count > tension->near_capacity) {
-    tension->near_capacity = grid->count + grid->count / 4;
-    PetscCall(PetscFree(tension->near));
-    PetscCall(PetscMalloc1(tension->near_capacity, &tension->near));
-  }
-  PetscCall(PetscArrayzero(tension->near, grid->count));
-  for (PetscInt c = 0; c < grid->count; c++) {
-    const PetscInt x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
-    PetscBool      surface = PETSC_FALSE;
-
-    for (PetscInt k = grid->start[c]; k < grid->start[c + 1] && !surface; k++)
-      surface = (PetscBool)(cloud->integer[INT_SURFACE][tension->liquid[grid->order[k]]] == 1);
-    if (!surface) continue;
-    for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
-      for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
-        const PetscInt along = CellsAlong(grid->size, radius, dy, dz),
-                       line  = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
-
-        for (PetscInt k = PetscMax(0, x - along); along >= 0 && k <= PetscMin(grid->n[0] - 1, x + along); k++)
-          tension->near[line + k] = 1;
-      }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Collects 'width' columns of the sorted particles within the support of cell c into candidates[width][n], one behind
  * the other; returns n. */
 static PetscInt Collect(Tension tension, PetscInt c, PetscInt width)
@@ -209,14 +176,13 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
   for (PetscInt c = 0; c < grid->count; c++) {
     PetscInt n = -1;
 
-    if (!tension->near[c]) continue;
     for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
       const PetscInt  a      = tension->liquid[grid->order[p]];
       const PetscReal x[DIM] = {tension->sorted[p], tension->sorted[tension->count + p],
                                 tension->sorted[2 * tension->count + p]};
       PetscReal       sum[DIM];
 
-      if (a >= cloud->n_owned) continue;
+      if (a >= cloud->n_owned || !tension->band_cells.near[BandCell(&tension->band_cells, x)]) continue;
       if (n < 0) n = Collect(tension, c, force ? 9 : 3);
       if (force) {
         SumForce(tension, n, x, sum);
@@ -238,7 +204,14 @@ PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
 {
   PetscFunctionBegin;
   PetscCall(SortLiquid(tension, cloud));
-  PetscCall(MarkNear(tension, cloud));
+  if (!tension->has_band) {
+    const PetscReal support = KernelSupport(tension->kernel);
+
+    PetscCall(BandCreate(cloud->domain, tension->band * support + tension->spacing, support + cloud->slack,
+                         &tension->band_cells));
+    tension->has_band = PETSC_TRUE;
+  }
+  PetscCall(BandMark(&tension->band_cells, cloud));
   PetscCall(PetscArrayzero(cloud->field[FIELD_STRESS], 6 * cloud->n_owned));
   PetscCall(Pass(tension, cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_STRESS));

@@ -116,7 +116,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(PetscFree((*tension)->sorted));
   PetscCall(PetscFree((*tension)->candidates));
   PetscCall(PetscFree((*tension)->liquid));
-  PetscCall(PetscFree((*tension)->near));
+  if ((*tension)->has_band) PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,9 +2,9 @@
 """The same scene on 1, 2, 3 and 4 ranks, particle by particle, with -ksp_rtol 1e-12.
 
 Sums over neighbours and the solver's dot products run in another order on another number of ranks. After 20 steps
-positions differ by at most 2e-14 spacings (measured), with the scheme of the paper by 3e-12: TOLERANCE leaves room for other
-machines and none for a lost neighbour, which makes 1e-6. The liquid is thin enough here that the surface tension's band
-covers it: the band ends at cells that another rank lays otherwise."""
+positions differ by at most 2e-14 spacings (measured), with the scheme of the paper by 3e-13: TOLERANCE leaves room for
+other machines and none for a lost neighbour, which makes 1e-6. The liquid is thin enough here that the surface
+tension's band covers it: the band ends at cells that another rank lays otherwise."""
 import os
 import sys
 

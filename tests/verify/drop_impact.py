@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """The main case at a spacing of 1 mm (a drop of 4 spacings) to 6 ms: a regression, not a verification. The crater is
-too shallow at this spacing: measured depth at 5 ms 3.77 mm, the reference has 5.04; kinetic energy 101 uJ against 118. The
-bands around the measured values let other packings through (seeds 1 to 4: see BANDS) and a lost term not."""
+too shallow at this spacing: measured depth at 5 ms 3.77 mm, the reference has 5.04; kinetic energy 101 uJ against 118.
+The bands around the measured values let other packings through and a lost correction not: without shifting the energy
+is 70 uJ, with the plain divergence 87. It does not see gravity; free_fall.py does."""
 import os
 import sys
 
