@@ -2,7 +2,7 @@
 # The Debian packages the program needs:  tests/packages.sh [build] [pictures]   (default: both)
 # As root, installs what is missing; otherwise prints the line to type and exits 1. Silent if nothing is missing.
 set -u
-build="gcc make pkg-config petsc-dev slepc-dev libhdf5-mpi-dev libmetis-dev"
+build="gcc libc6-dev make pkg-config libopenmpi-dev petsc-dev slepc-dev libhdf5-mpi-dev libmetis-dev"
 pictures="python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
 
 wanted=
