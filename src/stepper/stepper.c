@@ -57,7 +57,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   MPI_Comm comm = s->cloud->comm;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Time stepping", "Stepper");
+  PetscOptionsBegin(comm, NULL, "Scheme", "Stepper");
   PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetFromOptions",
                               SchemeList, s->scheme_type, s->scheme_type, sizeof(s->scheme_type), NULL));
   PetscOptionsEnd();
