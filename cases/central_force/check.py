@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Period, amplitude and energy of the drop in a central force; as many periods as the run has.
 check.py RUN_FOLDER"""
 import os

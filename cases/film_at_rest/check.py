@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Pressure, motion, level and volume of a liquid at rest; of the film or the tank.
 check.py RUN_FOLDER"""
 import os

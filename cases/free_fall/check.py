@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Parabola and momentum of a falling cluster.
 check.py RUN_FOLDER"""
 import os

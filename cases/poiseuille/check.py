@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Velocity of plane Poiseuille flow from rest.
 check.py RUN_FOLDER"""
 import os

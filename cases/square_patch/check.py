@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """First pressure, angular momentum and evenness of the rotating square patch.
 check.py RUN_FOLDER"""
 import os

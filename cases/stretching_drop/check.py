@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Semi-axes and area of the drop that is stretched.
 check.py RUN_FOLDER"""
 import os

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Velocity and decay of the Taylor-Green vortices; the Reynolds number is read from the options of the run.
 check.py RUN_FOLDER"""
 import os

@@ -39,10 +39,18 @@ PetscErrorCode OperatorsMoments(Cloud cloud);
    of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle
    within 1.5 spacings. Needs OperatorsMoments; updates INT_SURFACE of the ghosts. Collective. */
 PetscErrorCode OperatorsFreeSurface(Cloud cloud);
-/* OperatorsViscosity - adds the viscous term of Eq. (1) of Kuri et al. (Cleary & Ha) to FIELD_ACCELERATION of the
-   fluid, m/s2; zeta = dim + 2 (5 in 3-d as in the paper; its 5 would be 25 % too viscous in 2-d). density: [n_total]
-   kg/m3. Walls have the viscosity of their neighbour and their own velocity (no slip). */
-PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[]);
+/* Forms of the viscous term. */
+typedef enum {
+  VISCOSITY_CLEARY, /* Eq. (1) of Kuri et al. (Cleary & Ha), zeta = dim + 2 (5 in 3-d as in the paper, whose 5 would be
+                       25 % too viscous in 2-d): along the line of centres, keeps angular momentum; walls have their own
+                       velocity */
+  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum; walls
+                       have the  mirrored velocity of the fluid, 2 v_wall - its mean there (Adami et al. 2012) */
+} ViscosityForm;
+
+/* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
+   have the viscosity of their neighbour. Overwrites FIELD_WORK1 and FIELD_WORK3. Collective. */
+PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. velocity: [n_total][3].
  */

@@ -12,17 +12,50 @@ static PetscErrorCode CollectViscosity(Cloud cloud, PetscReal mu[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[])
+/* Velocity u of wall particles for a no-slip wall between them and the fluid: 2 v_wall - the fluid's mean there (Adami
+ * et al. 2012); of the fluid its own. */
+static PetscErrorCode MirrorVelocity(Cloud cloud, PetscReal u[])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], *volume = cloud->volume,
-                  *rest = cloud->rest_density;
-  const PetscReal zeta = (PetscReal)(cloud->domain->dim + 2), eta2 = EtaSquared(cloud->kernel);
-  PetscReal      *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION];
-  PairRow         row;
+  const PetscReal *v = cloud->field[FIELD_VELOCITY];
+  PairRow          row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(u, v, DIM * cloud->n_total));
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    PetscReal sum = 0, mean[DIM] = {0, 0, 0};
+
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt b = row.index[k];
+
+      if (cloud->integer[INT_LAYER][b]) continue;
+      sum += row.W[k];
+      for (PetscInt d = 0; d < DIM; d++) mean[d] += row.W[k] * v[DIM * b + d];
+    }
+    if (sum > 0)
+      for (PetscInt d = 0; d < DIM; d++) u[DIM * a + d] = 2 * v[DIM * a + d] - mean[d] / sum;
+  }
+  PetscCall(CloudUpdate(cloud, FIELD_WORK3));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *volume = cloud->volume, *rest = cloud->rest_density,
+                  *v   = cloud->field[FIELD_VELOCITY];
+  const PetscReal eta2 = EtaSquared(cloud->kernel),
+                  zeta = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
+  PetscReal *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION];
+  PairRow    row;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscCall(CollectViscosity(cloud, mu));
+  if (form == VISCOSITY_MORRIS) {
+    PetscCall(MirrorVelocity(cloud, cloud->field[FIELD_WORK3]));
+    v = cloud->field[FIELD_WORK3];
+  }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal mu_a = mu[a], inverse_a = 1 / (density[a] * density[a]), vx = v[3 * a], vy = v[3 * a + 1],
                     vz = v[3 * a + 2];
@@ -31,19 +64,36 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const PetscReal density[])
     if (mu_a <= 0) continue;
     PairRowLoad(cloud, x, a, &row);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
-    /* Eq. (1) of Kuri et al.; for liquids of different density the mass that counts is V_b rho_b */
-    SIMD_LOOP(reduction(+ : ax, ay, az))
-    for (PetscInt k = 0; k < row.n; k++) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < row.n;
+         k++) { /* W: the pair's coefficient; for liquids of different density the mass that counts is V_b rho_b */
       const PetscInt  b    = row.index[k];
       const PetscReal mu_b = mu[b] < 0 ? mu_a : mu[b];
-      const PetscReal vr =
-        (vx - v[3 * b]) * row.dx[k] + (vy - v[3 * b + 1]) * row.dy[k] + (vz - v[3 * b + 2]) * row.dz[k];
-      const PetscReal c = volume[b] * rest[b] * zeta * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b /
-                          (mu_a + mu_b) * vr / (row.r2[k] + eta2) * row.F[k];
 
-      ax += c * row.dx[k];
-      ay += c * row.dy[k];
-      az += c * row.dz[k];
+      row.W[k] = volume[b] * rest[b] * zeta * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b /
+                 (mu_a + mu_b) * row.F[k];
+    }
+    if (form == VISCOSITY_CLEARY) { /* Eq. (1) of Kuri et al. */
+      SIMD_LOOP(reduction(+ : ax, ay, az))
+      for (PetscInt k = 0; k < row.n; k++) {
+        const PetscInt  b = row.index[k];
+        const PetscReal c =
+          row.W[k] * ((vx - v[3 * b]) * row.dx[k] + (vy - v[3 * b + 1]) * row.dy[k] + (vz - v[3 * b + 2]) * row.dz[k]) /
+          (row.r2[k] + eta2);
+
+        ax += c * row.dx[k];
+        ay += c * row.dy[k];
+        az += c * row.dz[k];
+      }
+    } else { /* Morris et al. 1997; grad W.r is finite at r = 0, so eta is not needed */
+      SIMD_LOOP(reduction(+ : ax, ay, az))
+      for (PetscInt k = 0; k < row.n; k++) {
+        const PetscInt b = row.index[k];
+
+        ax += row.W[k] * (vx - v[3 * b]);
+        ay += row.W[k] * (vy - v[3 * b + 1]);
+        az += row.W[k] * (vz - v[3 * b + 2]);
+      }
     }
     acceleration[3 * a] += ax;
     acceleration[3 * a + 1] += ay;

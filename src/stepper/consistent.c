@@ -15,6 +15,13 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   PetscCall(CloudBegin(cloud));
   r = cloud->field[FIELD_POSITION];
   v = cloud->field[FIELD_VELOCITY];
+  if (stepper->centered) { /* leapfrog: keeps the phase volume of an oscillation, which the kick at r^n multiplies by 1
+                              + (w dt)^2/2 */
+    for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
+    PetscCall(CloudMoved(cloud, PETSC_TRUE));
+    r = cloud->field[FIELD_POSITION];
+    v = cloud->field[FIELD_VELOCITY];
+  }
   PetscCall(OperatorsMoments(cloud));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, diagnose, attempted));
@@ -29,8 +36,10 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   new_v = cloud->field[FIELD_PREDICTED];
   a     = cloud->field[FIELD_WORK3];
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
-    new_v[k] += dt * a[k];                          /* Eq. (9) */
-    new_r[k] = r[k] + 0.5 * dt * (v[k] + new_v[k]); /* Eq. (10) */
+    const PetscReal first = stepper->centered ? 0 : v[k]; /* the first half of Eq. (10) is done if centered */
+
+    new_v[k] += dt * a[k];                           /* Eq. (9) */
+    new_r[k] = r[k] + 0.5 * dt * (first + new_v[k]); /* Eq. (10) */
   }
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   if (stepper->shifting)

@@ -54,7 +54,9 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
 
 PetscErrorCode StepperSetFromOptions(Stepper s)
 {
-  MPI_Comm comm = s->cloud->comm;
+  const char *const forms[] = {"cleary", "morris"};
+  MPI_Comm          comm    = s->cloud->comm;
+  PetscInt          form    = s->viscosity_form;
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Scheme", "Stepper");
@@ -70,6 +72,13 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme == SchemeConsistent)
     PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
                                s->shifting, &s->shifting, NULL));
+  PetscCall(
+    PetscOptionsEList("-viscosity_form",
+                      "cleary: Eq. (1), keeps angular momentum; morris: exact for shear, mirrored no-slip walls",
+                      "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
+  if (s->scheme == SchemeConsistent)
+    PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
+                               "StepperSetFromOptions", s->centered, &s->centered, NULL));
   PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions",
                              s->shifting_strength, &s->shifting_strength, NULL));
   PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "StepperSetFromOptions",
@@ -92,6 +101,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
   PetscOptionsEnd();
+  s->viscosity_form = (ViscosityForm)form;
   PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
   PetscCheckUser(s->step_min >= 0 && s->step_max >= 0 && s->step_fixed >= 0, comm,
                  "-time_step, -time_step_min and -time_step_max must not be negative");
@@ -162,7 +172,7 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
   if (stepper->damping == 1)
     for (PetscInt a = 0; a < cloud->n_fluid; a++)
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
-  if (SceneHasViscosity(cloud->scene)) PetscCall(OperatorsViscosity(cloud, density));
+  if (SceneHasViscosity(cloud->scene)) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
   PetscCall(TensionApply(stepper->tension, cloud));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];

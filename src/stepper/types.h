@@ -27,6 +27,8 @@ struct _p_Stepper {
   char           scheme_type[64];
   SchemeFunction scheme;
   PetscReal      cfl, step_min, step_max, step_fixed, displacement_max, density_max, guard;
+  ViscosityForm  viscosity_form;
+  PetscBool      centered; /* consistent: forces at the middle of the step */
   PetscBool      shifting;
   PetscReal      shifting_strength, shifting_cap;
   PetscReal      relaxation_ratio;

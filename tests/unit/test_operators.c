@@ -264,7 +264,7 @@ static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const Pets
     for (PetscInt d = 0; d < DIM; d++)
       cloud->field[FIELD_VELOCITY][DIM * a + d] = n[d] * PetscSqr(Dot(t, cloud->field[FIELD_POSITION] + DIM * a));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
-  PetscCall(OperatorsViscosity(cloud, cloud->rest_density));
+  PetscCall(OperatorsViscosity(cloud, VISCOSITY_CLEARY, cloud->rest_density));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
 
@@ -334,7 +334,7 @@ static PetscErrorCode TestViscosity(void)
         RandomUnit(9, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
-  PetscCall(OperatorsViscosity(cloud, cloud->field[FIELD_DENSITY]));
+  PetscCall(OperatorsViscosity(cloud, VISCOSITY_CLEARY, cloud->field[FIELD_DENSITY]));
   CHECK_CLOSE(Imbalance(cloud), 0, 1e-12, "viscosity_conserves_momentum");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
