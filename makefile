@@ -20,7 +20,7 @@ OBJECTS   = $(SOURCES:src/%.c=$(BUILD)/%.o)
 all: isph
 
 isph: $(BUILD)/main.o $(OBJECTS)
-	@echo LD $@; $(CC) -o $@ $^ $(LIBS)
+	@echo LD $@; $(CC) $(CFLAGS) -o $@ $^ $(LIBS)
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(dir $@)
