@@ -6,6 +6,7 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
 
   PetscFunctionBegin;
   *touched = 0;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
       const FaceType  face    = domain->face[d][side];
@@ -26,5 +27,6 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
         }
       }
     }
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
