@@ -119,8 +119,6 @@ static PetscErrorCode CheckBox(Domain domain)
                    "the box must be at least one -spacing (%g m) wide in %s: -box_upper %g m is not that far above "
                    "-box_lower %g m",
                    (double)domain->spacing, AxisNames[d], (double)domain->upper[d], (double)domain->lower[d]);
-    for (PetscInt side = 0; side < 2; side++)
-      domain->wall_position[d][side] = side ? domain->upper[d] : domain->lower[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,7 +18,6 @@ typedef struct {
   PetscReal upper[DIM];                 /* m */
   FaceType  face[DIM][2];               /* lower and upper face of each direction */
   PetscReal wall_velocity[DIM][2][DIM]; /* velocity of a wall face, m/s */
-  PetscReal wall_position[DIM][2];      /* equals lower/upper; kept for gauges of moving walls */
   /* Partition: a grid of cells over the box, each owned by one rank. */
   PetscInt     cells[DIM];     /* number of cells a direction */
   PetscReal    cell_size[DIM]; /* m */

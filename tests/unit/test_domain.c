@@ -50,7 +50,6 @@ static PetscErrorCode TestOptions(void)
   CHECK(d->face[1][0] == FACE_SYMMETRY && d->face[1][1] == FACE_OPEN, "one_face_overrides");
   CHECK(d->face[2][0] == FACE_WALL && d->face[2][1] == FACE_OPEN, "one_face_and_default");
   CHECK(d->wall_velocity[2][0][0] == 1 && d->wall_velocity[2][0][1] == -2, "wall_velocity");
-  CHECK(d->wall_position[2][0] == 0 && d->wall_position[2][1] == 3, "wall_position");
   PetscCall(DomainDestroy(&d));
   CHECK(!d, "destroy_clears");
   PetscCall(Read("-dimension 2 -spacing 0.1 -box_lower -1,-1 -box_upper 1,1,7", &d));
