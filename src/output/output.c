@@ -167,6 +167,11 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool OutputSeriesDue(Output output, PetscReal time)
+{
+  return (PetscBool)(output->series.interval <= 0 || ScheduleReached(&output->series, time));
+}
+
 PetscBool OutputCheckpointDue(Output output, const StepState *state)
 {
   if (output->checkpoint.next == SCHEDULE_UNSET)

@@ -43,6 +43,9 @@ PetscErrorCode OutputView(Output output, PetscViewer viewer);
    twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full.
    Collective. */
 PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last);
+/* OutputSeriesDue - whether a state at this time (s) gets a line of the series. Not collective, same answer on all
+ * ranks. */
+PetscBool OutputSeriesDue(Output output, PetscReal time);
 /* OutputCheckpointDue - whether a checkpoint is due at this state; never with -checkpoint_interval 0. Not collective,
  * same answer on all ranks. */
 PetscBool OutputCheckpointDue(Output output, const StepState *state);

@@ -272,7 +272,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->iterations         = iterations;
   state->step++;
   state->density_error = sums[2] > 0 ? PetscSqrtReal(sums[0] / sums[2]) : 0;
-  if (diagnose) state->divergence = sums[2] > 0 ? dt * PetscSqrtReal(sums[1] / sums[2]) : 0;
+  state->divergence    = !diagnose ? NAN : sums[2] > 0 ? dt * PetscSqrtReal(sums[1] / sums[2]) : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -51,6 +51,19 @@ def short(case, options, names, label="", file="case.opts"):
     return report((f"{case}{label} {n}", v, t) for n, v, t in check.check(path) if names is None or n in names)
 
 
+def shear(folder, exact, scale):
+    """Results of a plane shear flow: the errors of the x velocity against exact(y, t), over scale (m/s)."""
+    rms, largest = [], []
+    for t, _, f in snapshots(folder):
+        if t == 0:
+            continue
+        e = (f["velocity"][:, 0] - exact(f["position"][:, 1], t)) / scale
+        rms.append(np.sqrt((e**2).mean()))
+        largest.append(np.abs(e).max())
+    return [("rms velocity error over U, largest of all times", max(rms), 0.01),
+            ("largest velocity error over U, last time", largest[-1], 0.01)]
+
+
 def ellipse(strain, rate, times, steps=4000):
     """Semi-axes a (x), b (y) at the times, of a circle of radius 1 with v = strain (x, -y) in the force -rate^2
     x: a' = s a, b' = -s b, s' = (s^2 + rate^2)(b^2 - a^2)/(a^2 + b^2)."""
