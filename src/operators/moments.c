@@ -18,8 +18,7 @@ PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6])
   }
 }
 
-/* B = M^-1 (of the upper left block in 2-d, with B_zz = 1). */
-static void InvertMoment(PetscInt dim, const PetscReal M[6], PetscReal B[6])
+void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6])
 {
   if (dim == 2) {
     const PetscReal determinant = M[0] * M[1] - M[3] * M[3];
@@ -101,7 +100,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
       cloud->field[FIELD_NORMAL][DIM * a + 1] = ny;
       cloud->field[FIELD_NORMAL][DIM * a + 2] = nz;
       if (lambda > MOMENT_MINIMUM)
-        InvertMoment(dim, M, B);
+        SymmetricInverse(dim, M, B);
       else {
         B[0] = B[1] = B[2] = 1;
         B[3] = B[4] = B[5] = 0;

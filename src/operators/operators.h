@@ -28,6 +28,9 @@ static inline void TensorApply(const PetscReal B[6], PetscReal x, PetscReal y, P
 /* SymmetricSmallestEigenvalue - of M (xx yy zz xy xz yz), of its upper left 2 x 2 block if dim is 2. */
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6]);
 
+/* SymmetricInverse - B = M^-1 (of the upper left block in 2-d, with B_zz = 1). */
+void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
+
 /* OperatorsDensity - FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one
  * liquid Eq. (4) of Kuri et al. */
 PetscErrorCode OperatorsDensity(Cloud cloud);

@@ -37,6 +37,7 @@ typedef enum {
   X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                               \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
+  X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
   X(WORK1, "work1", 1, PARITY_SCALAR, "", "scratch")                                                                   \
   X(WORK3, "work3", 3, PARITY_VECTOR, "", "scratch")
 

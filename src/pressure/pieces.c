@@ -142,7 +142,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, P
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density,
                   *p  = cloud->field[FIELD_PRESSURE];
-  const PetscReal own = p[a] / (density[a] * density[a]);
+  const PetscReal own = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
   PetscReal       ax = 0, ay = 0, az = 0;
 
   KernelGradient(cloud->kernel, row->n, row->r2, row->F);

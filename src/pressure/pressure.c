@@ -153,6 +153,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PressureForget(p));
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
   PetscCall(PetscFree(p->div));
+  PetscCall(PetscFree(p->closed));
   PetscCall(PetscFree(p->column));
   PetscCall(PetscFree(p->off_row));
   PetscCall(PetscFree(p->mark));

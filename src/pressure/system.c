@@ -206,6 +206,7 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, PetscInt *c
     }
     extra = pressure->closure(pressure, r, diagonal);
     *closed += extra > 0;
+    pressure->closed[r] = extra;
     diagonal += extra;
     s->j[place] = r;
     s->a[place] = diagonal > 0 ? diagonal : 1;
@@ -271,6 +272,11 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(MatDestroy(&s->A));
+  if (cloud->n_rows > pressure->closed_capacity) {
+    pressure->closed_capacity = cloud->capacity;
+    PetscCall(PetscFree(pressure->closed));
+    PetscCall(PetscMalloc1(pressure->closed_capacity, &pressure->closed));
+  }
   PetscCall(SystemColumns(pressure));
   PetscCall(FindFreeSurface(pressure));
   PetscCall(CountEntries(pressure, s));
@@ -293,6 +299,8 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
   PetscCall(pressure->source(pressure, dt, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
+  for (PetscInt r = 0; r < cloud->n_fluid; r++) /* the missing neighbours have the pressure of surface tension */
+    rhs[r] += pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
   /* identity rows: nothing around that could carry a pressure (with closures that leave such rows empty) */
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     if (s->i[r + 1] - s->i[r] == 1 && s->oi[r + 1] == s->oi[r]) rhs[r] = 0;

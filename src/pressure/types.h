@@ -28,6 +28,8 @@ struct _p_Pressure {
   ClosureFunction  closure;
   GradientFunction gradient;
   PetscBool        summed;
+  PetscReal       *closed; /* [n_rows] what the closure added to the diagonal */
+  PetscInt         closed_capacity;
   PetscReal        relaxation_time, relaxation_option;
   PetscReal        lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
   PetscReal        surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */

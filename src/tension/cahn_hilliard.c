@@ -1,77 +1,5 @@
 #include "types.h"
 
-/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
-   the particles of one share the work of collecting them. */
-#define CELLS_A_SUPPORT 3
-
-/* Sorts the liquid (fluid particles, ghosts too) into cells. */
-static PetscErrorCode SortLiquid(Tension tension, Cloud cloud)
-{
-  const PetscInt *layer = cloud->integer[INT_LAYER];
-  PetscReal      *x;
-
-  PetscFunctionBegin;
-  if (cloud->n_total > tension->capacity) {
-    tension->capacity = cloud->n_total + cloud->n_total / 8;
-    PetscCall(PetscFree(tension->sorted));
-    PetscCall(PetscFree(tension->liquid));
-    PetscCall(PetscFree(tension->candidates));
-    PetscCall(PetscMalloc1(9 * tension->capacity, &tension->sorted));
-    PetscCall(PetscMalloc1(9 * tension->capacity, &tension->candidates));
-    PetscCall(PetscMalloc1(tension->capacity, &tension->liquid));
-  }
-  tension->count = 0;
-  for (PetscInt a = 0; a < cloud->n_total; a++)
-    if (layer[a] == 0) tension->liquid[tension->count++] = a;
-  PetscCall(PetscMalloc1(DIM * tension->count, &x));
-  for (PetscInt k = 0; k < tension->count; k++)
-    for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * tension->liquid[k] + d];
-  PetscCall(CellGridBuild(&tension->grid, cloud->domain->dim, tension->count, x,
-                          KernelSupport(tension->kernel) / CELLS_A_SUPPORT));
-  for (PetscInt k = 0; k < tension->count; k++)
-    for (PetscInt d = 0; d < DIM; d++) tension->sorted[d * tension->count + k] = x[DIM * tension->grid.order[k] + d];
-  PetscCall(PetscFree(x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* How many cells further along x may hold points within 'radius' of a cell that is dy, dz cells away; -1: none. */
-static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
-{
-  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
-                  rest = radius * radius - y * y - z * z;
-
-  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
-}
-
-/* Collects 'width' columns of the sorted particles within the support of cell c into candidates[width][n], one behind
- * the other; returns n. */
-static PetscInt Collect(Tension tension, PetscInt c, PetscInt width)
-{
-  const CellGrid *grid    = &tension->grid;
-  const PetscReal support = KernelSupport(tension->kernel);
-  const PetscInt  x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
-  const PetscInt  reach = (PetscInt)(support / grid->size) + 1;
-  PetscInt        n     = 0;
-
-  for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
-    for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
-      const PetscInt along = CellsAlong(grid->size, support, dy, dz),
-                     line  = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
-
-      if (along < 0) continue;
-      {
-        const PetscInt begin  = grid->start[line + PetscMax(0, x - along)],
-                       length = grid->start[line + PetscMin(grid->n[0] - 1, x + along) + 1] - begin;
-
-        for (PetscInt w = 0; w < width; w++)
-          for (PetscInt k = 0; k < length; k++)
-            tension->candidates[w * tension->count + n + k] = tension->sorted[w * tension->count + begin + k];
-        n += length;
-      }
-    }
-  return n;
-}
-
 #define CHUNK 512
 
 /* grad phi of the walls around x: each wall face is a half-space full of liquid. */
@@ -93,8 +21,8 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
 /* sum over the n collected candidates of V grad W^H at x (without V). */
 static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal gradient[DIM])
 {
-  const PetscReal *restrict cx = tension->candidates, *restrict cy = cx + tension->count,
-                            *restrict cz = cy + tension->count;
+  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
+                            *restrict cz = cy + tension->liquid.stride;
   PetscReal r2[CHUNK], F[CHUNK];
 
   gradient[0] = gradient[1] = gradient[2] = 0;
@@ -122,8 +50,8 @@ static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], Pet
 /* sum over the n collected candidates of S_b grad W^H at x (without V). */
 static void SumForce(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal force[DIM])
 {
-  const PetscInt stride        = tension->count;
-  const PetscReal *restrict cx = tension->candidates, *restrict cy = cx + stride, *restrict cz = cy + stride;
+  const PetscInt stride        = tension->liquid.stride;
+  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride;
   const PetscReal *restrict xx = cz + stride, *restrict yy = xx + stride, *restrict zz = yy + stride,
                             *restrict xy = zz + stride, *restrict xz = xy + stride, *restrict yz = xz + stride;
   PetscReal r2[CHUNK], F[CHUNK];
@@ -169,7 +97,8 @@ static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
    the same. */
 static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
 {
-  const CellGrid *grid = &tension->grid;
+  Liquid         *liquid = &tension->liquid;
+  const CellGrid *grid   = &liquid->grid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
 
   PetscFunctionBegin;
@@ -177,13 +106,13 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
     PetscInt n = -1;
 
     for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-      const PetscInt  a      = tension->liquid[grid->order[p]];
-      const PetscReal x[DIM] = {tension->sorted[p], tension->sorted[tension->count + p],
-                                tension->sorted[2 * tension->count + p]};
+      const PetscInt  a      = LiquidParticle(liquid, p);
+      const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
+                                liquid->sorted[2 * liquid->count + p]};
       PetscReal       sum[DIM];
 
       if (a >= cloud->n_owned || !tension->band_cells.near[BandCell(&tension->band_cells, x)]) continue;
-      if (n < 0) n = Collect(tension, c, force ? 9 : 3);
+      if (n < 0) PetscCall(LiquidCollect(liquid, c, force ? 9 : 3, 1, &n));
       if (force) {
         SumForce(tension, n, x, sum);
         for (PetscInt d = 0; d < DIM; d++)
@@ -202,23 +131,15 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
 
 PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
 {
-  PetscFunctionBegin;
-  PetscCall(SortLiquid(tension, cloud));
-  if (!tension->has_band) {
-    const PetscReal support = KernelSupport(tension->kernel);
+  const PetscReal support = KernelSupport(tension->kernel);
 
-    PetscCall(BandCreate(cloud->domain, tension->band * support + tension->spacing, support + cloud->slack,
-                         &tension->band_cells));
-    tension->has_band = PETSC_TRUE;
-  }
-  PetscCall(BandMark(&tension->band_cells, cloud));
+  PetscFunctionBegin;
+  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
+  PetscCall(TensionBand(tension, cloud, tension->band * support + tension->spacing));
   PetscCall(PetscArrayzero(cloud->field[FIELD_STRESS], 6 * cloud->n_owned));
   PetscCall(Pass(tension, cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_STRESS));
-  for (PetscInt i = 0; i < 6; i++)
-    for (PetscInt k = 0; k < tension->count; k++)
-      tension->sorted[(3 + i) * tension->count + k] =
-        cloud->field[FIELD_STRESS][6 * tension->liquid[tension->grid.order[k]] + i];
+  LiquidLoad(&tension->liquid, 3, 6, cloud->field[FIELD_STRESS]);
   PetscCall(Pass(tension, cloud, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,6 +7,7 @@ static PetscErrorCode TensionRegisterAll(void)
   PetscFunctionBegin;
   if (TensionList) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CAHN_HILLIARD, TensionApply_CahnHilliard));
+  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CURVATURE, TensionApply_Curvature));
   PetscCall(PetscFunctionListAdd(&TensionList, TENSION_NONE, TensionApply_None));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -26,11 +27,16 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   PetscCall(TensionRegisterAll());
   PetscCall(PetscNew(&t));
   t->comm        = domain->comm;
+  t->dim         = domain->dim;
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
   t->ratio       = 1.75;
   t->calibration = 3.959;
   t->band        = 1;
+  t->threshold   = 0.2;
+  t->angle       = 90;
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;
   PetscCall(PetscStrncpy(t->type, TENSION_CAHN_HILLIARD, sizeof(t->type)));
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
   t->smoothing = KernelSmoothingLength(kernel);
@@ -63,11 +69,13 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscCall(PetscOptionsReal("-tension_band",
                              "distance from the surface within which tension is evaluated, over 2H (1)",
                              "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
+                             "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(TensionList, tension->type, &tension->apply));
   PetscCheckUser(tension->apply, tension->comm,
-                 "-tension_type %s is not a surface tension model; there are " TENSION_CAHN_HILLIARD
-                 " and " TENSION_NONE,
+                 "-tension_type %s is not a surface tension model; there are " TENSION_CURVATURE
+                 ", " TENSION_CAHN_HILLIARD " and " TENSION_NONE,
                  tension->type);
   PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm,
                  "-tension_ratio is %g; H/h must lie between 1 and 4", (double)tension->ratio);
@@ -75,9 +83,23 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                  (double)tension->calibration);
   PetscCheckUser(tension->band > 0 && tension->band <= 2, tension->comm, "-tension_band is %g; it must lie in (0, 2]",
                  (double)tension->band);
+  PetscCheckUser(tension->angle > 0 && tension->angle < 180, tension->comm,
+                 "-wall_contact_angle is %g; it must lie between 0 and 180 degrees", (double)tension->angle);
+  tension->angle *= PETSC_PI / 180;
   if (tension->apply == TensionApply_None) tension->active = PETSC_FALSE;
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   if (tension->active) PetscCall(TabulateWall(tension));
+  if (tension->active && tension->apply == TensionApply_Curvature) PetscCall(CurvatureSetUp(tension));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius)
+{
+  PetscFunctionBegin;
+  if (!tension->has_band)
+    PetscCall(BandCreate(cloud->domain, radius, KernelSupport(tension->kernel) + cloud->slack, &tension->band_cells));
+  tension->has_band = PETSC_TRUE;
+  PetscCall(BandMark(&tension->band_cells, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,6 +111,7 @@ PetscReal TensionReach(Tension tension)
 PetscErrorCode TensionApply(Tension tension, Cloud cloud)
 {
   PetscFunctionBegin;
+  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscCall(tension->apply(tension, cloud));
@@ -112,10 +135,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscFunctionBegin;
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
-  PetscCall(CellGridReset(&(*tension)->grid));
-  PetscCall(PetscFree((*tension)->sorted));
-  PetscCall(PetscFree((*tension)->candidates));
-  PetscCall(PetscFree((*tension)->liquid));
+  PetscCall(LiquidReset(&(*tension)->liquid));
   if ((*tension)->has_band) PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,6 +12,7 @@
 typedef struct _p_Tension *Tension;
 
 #define TENSION_CAHN_HILLIARD "cahn_hilliard"
+#define TENSION_CURVATURE     "curvature"
 #define TENSION_NONE          "none"
 
 /* TensionCreate - for the bodies of a scene; nothing is borrowed beyond the calls. Collective. */

@@ -2,9 +2,36 @@
 #ifndef ISPH_TENSION_TYPES_H
 #define ISPH_TENSION_TYPES_H
 
+#include "../operators/operators.h"
 #include "tension.h"
 
 #define WALL_TABLE 256
+
+/* The liquid (fluid particles, ghosts too) sorted into cells, with columns of whatever a pass sums over. */
+#define LIQUID_WIDTH 9
+typedef struct {
+  CellGrid   grid;
+  PetscReal  support; /* m */
+  PetscInt   capacity, count, stride;
+  PetscReal *sorted; /* [LIQUID_WIDTH][count] x, y, z, then a payload, in the grid's order */
+  PetscReal *near;   /* [LIQUID_WIDTH][stride] the same columns of what LiquidCollect found */
+  PetscInt  *index;  /* [count] local index, before sorting: see LiquidParticle */
+} Liquid;
+
+/* LiquidSort - sorts the fluid particles whose keep flag ([n_total], NULL: all) is true. Not collective. */
+PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[]);
+/* LiquidLoad - fills columns from a field ([n_total][width]). */
+void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[]);
+/* LiquidCollect - copies 'width' columns of all particles within the support of cell c to near; *n of them, and room
+ * for copies times as many. */
+PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt width, PetscInt copies, PetscInt *n);
+PetscErrorCode LiquidReset(Liquid *liquid);
+
+/* The local index of the particle at a place of the sorted order. */
+static inline PetscInt LiquidParticle(const Liquid *liquid, PetscInt place)
+{
+  return liquid->index[liquid->grid.order[place]];
+}
 
 typedef PetscErrorCode (*TensionFunction)(Tension, Cloud);
 
@@ -35,22 +62,29 @@ static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
 struct _p_Tension {
   MPI_Comm        comm;
   PetscBool       active;
+  PetscInt        dim;
   char            type[64];
   TensionFunction apply;
   PetscReal       spacing, smoothing, ratio, calibration, band;
-  Kernel          kernel; /* W^H */
-  PetscReal       wall[WALL_TABLE + 1];
-  /* The liquid near a surface, sorted along cells. */
-  CellGrid   grid;
-  PetscInt   capacity, count;
-  PetscReal *sorted;     /* [9][count] x, y, z, then a payload of six, in the grid's order */
-  PetscReal *candidates; /* [9][count] those around one cell, same columns */
-  PetscInt  *liquid;     /* [count] local index of each */
-  Band       band_cells;
-  PetscBool  has_band;
+  PetscReal       threshold;             /* of |grad phi| H: the surface is near */
+  PetscReal       angle;                 /* contact angle, rad */
+  PetscBool       walls;                 /* the box has any */
+  Kernel          kernel;                /* W^H */
+  PetscReal       wall[WALL_TABLE + 1];  /* w1 over depth, 1/m */
+  PetscReal       depth[WALL_TABLE + 1]; /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal       plane, moment;         /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  Liquid          liquid;
+  Band            band_cells;
+  PetscBool       has_band;
 };
 
+/* TensionBand - brings band_cells up to date: cells within the radius (m) of a surface particle. Collective. */
+PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius);
+/* CurvatureSetUp - the tables of the depth. */
+PetscErrorCode CurvatureSetUp(Tension tension);
+
 PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud);
+PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_None(Tension tension, Cloud cloud);
 
 #endif

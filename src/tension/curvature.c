@@ -1,0 +1,348 @@
+/* Surface tension as a pressure on the free surface, sigma times its curvature.
+
+   The outward normal is n = -grad phi/|grad phi| of phi = sum V W^H over the liquid. Where |grad phi| shows that the
+   surface is near, the curvature tensor K = grad n is the slope of a weighted linear fit, intercept included, to the
+   normals around (those that look the same way), projected onto the tangent plane; its eigenvalues belong to a parallel
+   surface at the fit's mean depth s below the free one and are carried to it by k/(1 + s k). The mean of
+   sigma (k1 + k2) over the neighbours is FIELD_CAPILLARY. The pressure solver puts it on the free surface in place of
+   p = 0: a drop of constant curvature is then at rest exactly, because both closure and gradient see only p - sigma
+   kappa. Depth: phi = F(s) of a half-space, lowered by kappa/2 int x^2 W dA where the surface is curved.
+
+   Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
+   contact angle. */
+#include "types.h"
+
+#define ALIKE      0.2       /* n_a . n_b above: the same side of the liquid */
+#define FEWEST     (DIM + 2) /* normals a fit needs */
+#define THIN       0.3       /* 1 + s k is taken no smaller */
+#define REGULARITY 1e-6      /* of the fit's matrix, relative to its trace */
+
+PetscErrorCode CurvatureSetUp(Tension tension)
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], low = 0, fraction;
+  const PetscReal dr = support / WALL_TABLE;
+
+  PetscFunctionBegin;
+  KernelHalfSpace(tension->kernel, 0, &tension->plane, NULL);
+  for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
+  KernelEvaluate(tension->kernel, WALL_TABLE, r2, W, NULL);
+  tension->moment = 0;
+  for (PetscInt k = 0; k < WALL_TABLE; k++)
+    tension->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
+  for (PetscInt k = 0; k <= WALL_TABLE; k++) { /* the depth at which a half-space fills (1 + k/WALL_TABLE)/2 */
+    PetscReal a = low, b = support;
+
+    for (PetscInt bisection = 0; bisection < 30; bisection++) {
+      KernelHalfSpace(tension->kernel, 0.5 * (a + b), NULL, &fraction);
+      if (fraction < 0.5 + 0.5 * k / WALL_TABLE)
+        a = 0.5 * (a + b);
+      else
+        b = 0.5 * (a + b);
+    }
+    tension->depth[k] = low = a;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Depth (m) below a flat surface of a particle with this phi; negative outside. */
+static PetscReal FlatDepth(Tension tension, PetscReal phi)
+{
+  const PetscReal place = PetscMin(2 * phi - 1, 1 - 1e-9) * WALL_TABLE;
+  const PetscInt  k     = (PetscInt)place;
+
+  if (place < 0) return PetscMax((phi - 0.5) / tension->plane, -0.5 * tension->spacing);
+  return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
+}
+
+/* Continues the n collected candidates behind the walls within the support of the cell of x; normals (columns 3 to 5,
+   if width says there are any) so that their mean with the originals has the contact angle. Returns the new number. */
+static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, PetscInt n)
+{
+  Liquid         *liquid = &tension->liquid;
+  const PetscReal reach = liquid->support + liquid->grid.size, c = PetscCosReal(tension->angle),
+                  s = PetscSinReal(tension->angle);
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt side = 0; side < 2; side++) {
+      const PetscReal wall = side ? domain->upper[d] : domain->lower[d], inward = side ? -1 : 1;
+      PetscInt        copies = n;
+
+      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > reach) continue;
+      for (PetscInt k = 0; k < n; k++) {
+        PetscReal *to = liquid->near + copies, *from = liquid->near + k;
+
+        if (PetscAbsReal(from[d * liquid->stride] - wall) > reach) continue;
+        for (PetscInt w = 0; w < width; w++) to[w * liquid->stride] = from[w * liquid->stride];
+        to[d * liquid->stride] = 2 * wall - from[d * liquid->stride];
+        if (width > DIM) {
+          PetscReal normal[DIM], along = 0, scale, length = 0;
+
+          for (PetscInt e = 0; e < DIM; e++) {
+            normal[e] = from[(DIM + e) * liquid->stride];
+            if (e != d) along += PetscSqr(normal[e]);
+          }
+          scale = along > 0 ? 2 * s / PetscSqrtReal(along) : 0;
+          for (PetscInt e = 0; e < DIM; e++) {
+            normal[e] = (e == d ? 2 * c * inward : scale * normal[e]) - normal[e];
+            length += PetscSqr(normal[e]);
+          }
+          length = length > 0 ? 1 / PetscSqrtReal(length) : 0;
+          for (PetscInt e = 0; e < DIM; e++) to[(DIM + e) * liquid->stride] = length * normal[e];
+        }
+        copies++;
+      }
+      n = copies;
+    }
+  return n;
+}
+
+#define CHUNK 512
+
+/* phi and grad phi of the n collected candidates at x, without V. */
+static void SumPhase(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal *phi, PetscReal gradient[DIM])
+{
+  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
+                            *restrict cz = cy + tension->liquid.stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+  PetscReal       r2[CHUNK], W[CHUNK], F[CHUNK], sum = 0, gx = 0, gy = 0, gz = 0;
+
+  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
+    const PetscInt m = PetscMin(CHUNK, n - begin);
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++)
+      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
+    KernelEvaluate(tension->kernel, m, r2, W, F);
+    SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
+    for (PetscInt k = 0; k < m; k++) {
+      sum += W[k];
+      gx += F[k] * (x0 - cx[begin + k]);
+      gy += F[k] * (y0 - cy[begin + k]);
+      gz += F[k] * (z0 - cz[begin + k]);
+    }
+  }
+  *phi        = sum;
+  gradient[0] = gx;
+  gradient[1] = gy;
+  gradient[2] = gz;
+}
+
+/* Weighted sums over the collected normals that look the same way as n at x: number, weight, positions relative to x,
+   normals, depth, and their products. */
+typedef struct {
+  PetscReal count, w, x[DIM], n[DIM], s, xx[6], nx[DIM][DIM];
+} Moments;
+
+static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM], Moments *out)
+{
+  const PetscInt stride        = tension->liquid.stride;
+  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+                            *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
+                            *restrict depth = nz + stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
+  PetscReal       r2[CHUNK], W[CHUNK];
+  PetscReal       count = 0, sw = 0, sx = 0, sy = 0, sz = 0, px = 0, py = 0, pz = 0, ss = 0;
+  PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+  PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
+
+  for (PetscInt begin = 0; begin < m; begin += CHUNK) {
+    const PetscInt l = PetscMin(CHUNK, m - begin);
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < l; k++)
+      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
+    KernelEvaluate(tension->kernel, l, r2, W, NULL);
+    SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz, qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
+    for (PetscInt k = 0; k < l; k++) {
+      const PetscInt  b     = begin + k;
+      const PetscReal alike = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? 1 : 0, w = alike * W[k];
+      const PetscReal dx = cx[b] - x0, dy = cy[b] - y0, dz = cz[b] - z0;
+      const PetscReal wx = w * dx, wy = w * dy, wz = w * dz;
+
+      count += w > 0 ? 1 : 0;
+      sw += w;
+      sx += wx;
+      sy += wy;
+      sz += wz;
+      px += w * nx[b];
+      py += w * ny[b];
+      pz += w * nz[b];
+      ss += w * depth[b];
+      xx += wx * dx;
+      yy += wy * dy;
+      zz += wz * dz;
+      xy += wx * dy;
+      xz += wx * dz;
+      yz += wy * dz;
+      qxx += wx * nx[b];
+      qxy += wy * nx[b];
+      qxz += wz * nx[b];
+      qyx += wx * ny[b];
+      qyy += wy * ny[b];
+      qyz += wz * ny[b];
+      qzx += wx * nz[b];
+      qzy += wy * nz[b];
+      qzz += wz * nz[b];
+    }
+  }
+  *out = (Moments){.count = count,
+                   .w     = sw,
+                   .x     = {sx, sy, sz},
+                   .n     = {px, py, pz},
+                   .s     = ss,
+                   .xx    = {xx, yy, zz, xy, xz, yz},
+                   .nx    = {{qxx, qxy, qxz}, {qyx, qyy, qyz}, {qzx, qzy, qzz}}};
+}
+
+/* kappa (1/m) of the free surface from the sums around a particle with normal n. */
+static PetscReal Curvature(Tension tension, PetscInt dim, const Moments *m, const PetscReal n[DIM])
+{
+  const PetscReal limit = (dim - 1) / tension->spacing;
+  PetscReal M[6], B[6], G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM],
+                                                  nKn = 0;
+
+  if (m->count < FEWEST) return 0;
+  M[0] = m->xx[0] - m->x[0] * m->x[0] / m->w;
+  M[1] = m->xx[1] - m->x[1] * m->x[1] / m->w;
+  M[2] = m->xx[2] - m->x[2] * m->x[2] / m->w;
+  M[3] = m->xx[3] - m->x[0] * m->x[1] / m->w;
+  M[4] = m->xx[4] - m->x[0] * m->x[2] / m->w;
+  M[5] = m->xx[5] - m->x[1] * m->x[2] / m->w;
+  {
+    const PetscReal small = REGULARITY * (M[0] + M[1] + M[2]);
+
+    for (PetscInt d = 0; d < DIM; d++) M[d] += small;
+    SymmetricInverse(dim, M, B);
+  }
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) G[i][j] = m->nx[i][j] - m->n[i] * m->x[j] / m->w;
+  for (PetscInt i = 0; i < DIM; i++) TensorApply(B, G[i][0], G[i][1], G[i][2], K[i]);
+  for (PetscInt i = 0; i < DIM; i++) {
+    Kn[i] = nK[i] = 0;
+    for (PetscInt j = 0; j < DIM; j++) {
+      Kn[i] += K[i][j] * n[j];
+      nK[i] += n[j] * K[j][i];
+    }
+    nKn += n[i] * Kn[i];
+  }
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) K[i][j] += -n[i] * nK[j] - Kn[i] * n[j] + n[i] * n[j] * nKn;
+  for (PetscInt i = 0; i < DIM; i++) {
+    trace += K[i][i];
+    for (PetscInt j = 0; j < DIM; j++) square += PetscSqr(0.5 * (K[i][j] + K[j][i]));
+  }
+  root  = 0.5 * PetscSqrtReal(PetscMax(0, 2 * square - trace * trace));
+  k1    = 0.5 * trace + root;
+  k2    = 0.5 * trace - root;
+  depth = m->s / m->w;
+  kappa = k1 / PetscMax(1 + depth * k1, THIN) + k2 / PetscMax(1 + depth * k2, THIN);
+  depth += 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane;
+  kappa = k1 / PetscMax(1 + depth * k1, THIN) + k2 / PetscMax(1 + depth * k2, THIN);
+  return PetscMax(-limit, PetscMin(limit, kappa));
+}
+
+/* Mean of column 6 over the collected normals that look the same way. */
+static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM])
+{
+  const PetscInt stride        = tension->liquid.stride;
+  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+                            *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
+                            *restrict value = nz + stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
+  PetscReal       r2[CHUNK], W[CHUNK], weight = 0, sum = 0;
+
+  for (PetscInt begin = 0; begin < m; begin += CHUNK) {
+    const PetscInt l = PetscMin(CHUNK, m - begin);
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < l; k++)
+      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
+    KernelEvaluate(tension->kernel, l, r2, W, NULL);
+    SIMD_LOOP(reduction(+ : weight, sum))
+    for (PetscInt k = 0; k < l; k++) {
+      const PetscInt  b = begin + k;
+      const PetscReal w = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? W[k] : 0;
+
+      weight += w;
+      sum += w * value[b];
+    }
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
+typedef enum { PASS_NORMAL, PASS_CURVATURE, PASS_MEAN } PassKind;
+
+/* One pass over the owned particles of the sorted liquid. Normal and depth go to FIELD_WORK3 (zero where the surface is
+ * not near) and FIELD_WORK1, the curvature to FIELD_WORK1, its mean times sigma to FIELD_CAPILLARY. */
+static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
+{
+  Liquid         *liquid = &tension->liquid;
+  const CellGrid *grid   = &liquid->grid;
+  const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
+  const PetscInt  width = kind == PASS_NORMAL ? DIM : 2 * DIM + 1, copies = 1 << (2 * cloud->domain->dim);
+  PetscReal      *normal = cloud->field[FIELD_WORK3], *scalar = cloud->field[FIELD_WORK1];
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < grid->count; c++) {
+    PetscInt n = -1;
+
+    for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
+      const PetscInt  a      = LiquidParticle(liquid, p);
+      const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
+                                liquid->sorted[2 * liquid->count + p]};
+
+      if (a >= cloud->n_owned || (kind == PASS_NORMAL && !tension->band_cells.near[BandCell(&tension->band_cells, x)]))
+        continue;
+      if (n < 0) {
+        PetscCall(LiquidCollect(liquid, c, width, tension->walls ? copies : 1, &n));
+        if (tension->walls) n = Mirror(tension, cloud->domain, x, width, n);
+      }
+      if (kind == PASS_NORMAL) {
+        PetscReal g[DIM], phi, length;
+
+        SumPhase(tension, n, x, &phi, g);
+        length = Norm(g);
+        if (V * length * H < tension->threshold) continue;
+        for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
+        scalar[a] = FlatDepth(tension, V * phi);
+      } else if (kind == PASS_CURVATURE) {
+        Moments m;
+
+        SumNormals(tension, n, x, normal + DIM * a, &m);
+        scalar[a] = Curvature(tension, cloud->domain->dim, &m, normal + DIM * a);
+      } else
+        cloud->field[FIELD_CAPILLARY][a] = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension *
+                                           Mean(tension, n, x, normal + DIM * a);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+  PetscReal      *normal  = cloud->field[FIELD_WORK3];
+  PetscBool      *keep;
+
+  PetscFunctionBegin;
+  PetscCall(TensionBand(tension, cloud, KernelSmoothingLength(tension->kernel) + tension->spacing));
+  PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_WORK1], cloud->n_owned));
+  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
+  PetscCall(Pass(tension, cloud, PASS_NORMAL));
+  PetscCall(CloudUpdate(cloud, FIELD_WORK3));
+  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
+  PetscCall(PetscMalloc1(cloud->n_total, &keep));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0);
+  PetscCall(LiquidSort(&tension->liquid, cloud, support, keep));
+  PetscCall(PetscFree(keep));
+  LiquidLoad(&tension->liquid, DIM, DIM, normal);
+  LiquidLoad(&tension->liquid, 2 * DIM, 1, cloud->field[FIELD_WORK1]);
+  PetscCall(Pass(tension, cloud, PASS_CURVATURE));
+  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
+  LiquidLoad(&tension->liquid, 2 * DIM, 1, cloud->field[FIELD_WORK1]);
+  PetscCall(Pass(tension, cloud, PASS_MEAN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,99 @@
+/* The liquid around a cell, in columns that the compiler can vectorise over. */
+#include "types.h"
+
+/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
+   the particles of one share the work of collecting them. */
+#define CELLS_A_SUPPORT 3
+
+PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
+{
+  const PetscInt *layer = cloud->integer[INT_LAYER];
+  PetscReal      *x;
+
+  PetscFunctionBegin;
+  if (cloud->n_total > liquid->capacity) {
+    liquid->capacity = cloud->n_total + cloud->n_total / 8;
+    PetscCall(PetscFree(liquid->sorted));
+    PetscCall(PetscFree(liquid->index));
+    PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->capacity, &liquid->sorted));
+    PetscCall(PetscMalloc1(liquid->capacity, &liquid->index));
+  }
+  liquid->support = support;
+  liquid->count   = 0;
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if (layer[a] == 0 && (!keep || keep[a])) liquid->index[liquid->count++] = a;
+  PetscCall(PetscMalloc1(DIM * liquid->count, &x));
+  for (PetscInt k = 0; k < liquid->count; k++)
+    for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * liquid->index[k] + d];
+  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / CELLS_A_SUPPORT));
+  for (PetscInt k = 0; k < liquid->count; k++)
+    for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[])
+{
+  for (PetscInt w = 0; w < width; w++)
+    for (PetscInt k = 0; k < liquid->count; k++)
+      liquid->sorted[(column + w) * liquid->count + k] = field[width * LiquidParticle(liquid, k) + w];
+}
+
+/* How many cells further along x may hold points within 'radius' of a cell that is dy, dz cells away; -1: none. */
+static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
+{
+  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
+                  rest = radius * radius - y * y - z * z;
+
+  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
+}
+
+/* One pass over the cells around c: counts (width 0) or copies. */
+static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt width)
+{
+  const CellGrid *grid = &liquid->grid;
+  const PetscInt  x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
+  const PetscInt  reach = (PetscInt)(liquid->support / grid->size) + 1;
+  PetscInt        n     = 0;
+
+  for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
+    for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
+      const PetscInt along = CellsAlong(grid->size, liquid->support, dy, dz),
+                     line  = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
+
+      if (along < 0) continue;
+      {
+        const PetscInt begin  = grid->start[line + PetscMax(0, x - along)],
+                       length = grid->start[line + PetscMin(grid->n[0] - 1, x + along) + 1] - begin;
+
+        for (PetscInt w = 0; w < width; w++)
+          for (PetscInt k = 0; k < length; k++)
+            liquid->near[w * liquid->stride + n + k] = liquid->sorted[w * liquid->count + begin + k];
+        n += length;
+      }
+    }
+  return n;
+}
+
+PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt width, PetscInt copies, PetscInt *n)
+{
+  PetscFunctionBegin;
+  *n = Gather(liquid, c, 0);
+  if (*n * copies > liquid->stride) {
+    liquid->stride = *n * copies * 2;
+    PetscCall(PetscFree(liquid->near));
+    PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->stride, &liquid->near));
+  }
+  Gather(liquid, c, width);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LiquidReset(Liquid *liquid)
+{
+  PetscFunctionBegin;
+  PetscCall(CellGridReset(&liquid->grid));
+  PetscCall(PetscFree(liquid->sorted));
+  PetscCall(PetscFree(liquid->near));
+  PetscCall(PetscFree(liquid->index));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
