@@ -38,6 +38,7 @@ typedef enum {
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
+  X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \
   X(WORK1, "work1", 1, PARITY_SCALAR, "", "scratch")                                                                   \
   X(WORK3, "work3", 3, PARITY_VECTOR, "", "scratch")
 

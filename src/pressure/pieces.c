@@ -141,9 +141,10 @@ static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, P
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density,
-                  *p  = cloud->field[FIELD_PRESSURE];
-  const PetscReal own = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
-  PetscReal       ax = 0, ay = 0, az = 0;
+                  *p     = cloud->field[FIELD_PRESSURE];
+  const PetscReal  own   = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
+  const PetscReal *slope = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
+  PetscReal        ax = 0, ay = 0, az = 0;
 
   KernelGradient(cloud->kernel, row->n, row->r2, row->F);
   SIMD_LOOP(reduction(+ : ax, ay, az))
@@ -158,6 +159,13 @@ static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, P
   out[0] = ax;
   out[1] = ay;
   out[2] = az;
+  if (Dot(slope, slope) > 0) {
+    PetscReal M[6], part[DIM];
+
+    SymmetricInverse(cloud->domain->dim, cloud->field[FIELD_MOMENT] + 6 * a, M);
+    TensorApply(M, slope[0], slope[1], slope[2], part);
+    for (PetscInt d = 0; d < DIM; d++) out[d] -= (slope[d] - part[d]) / density[a];
+  }
 }
 
 /* Eq. (9). */

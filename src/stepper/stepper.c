@@ -289,6 +289,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(PetscArraycpy(cloud->field[FIELD_PREDICTED], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   PetscCall(PressureSetUp(stepper->pressure, dt));
   PetscCall(PressureForget(stepper->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);

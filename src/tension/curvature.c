@@ -196,9 +196,9 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
 }
 
 /* kappa (1/m) of the free surface from the sums around a particle with normal n. */
-static PetscReal Curvature(Tension tension, PetscInt dim, const Moments *m, const PetscReal n[DIM])
+static PetscReal Curvature(Tension tension, const Moments *m, const PetscReal n[DIM])
 {
-  const PetscReal limit = (dim - 1) / tension->spacing;
+  const PetscReal limit = (tension->dim - 1) / tension->spacing;
   PetscReal M[6], B[6], G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM],
                                                   nKn = 0;
 
@@ -213,7 +213,7 @@ static PetscReal Curvature(Tension tension, PetscInt dim, const Moments *m, cons
     const PetscReal small = REGULARITY * (M[0] + M[1] + M[2]);
 
     for (PetscInt d = 0; d < DIM; d++) M[d] += small;
-    SymmetricInverse(dim, M, B);
+    SymmetricInverse(tension->dim, M, B);
   }
   for (PetscInt i = 0; i < DIM; i++)
     for (PetscInt j = 0; j < DIM; j++) G[i][j] = m->nx[i][j] - m->n[i] * m->x[j] / m->w;
@@ -242,15 +242,17 @@ static PetscReal Curvature(Tension tension, PetscInt dim, const Moments *m, cons
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
-/* Mean of column 6 over the collected normals that look the same way. */
-static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM])
+/* Mean of column 6 over the collected values whose normals look the same way, and its slope along the surface. */
+static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM], PetscReal slope[DIM])
 {
   const PetscInt stride        = tension->liquid.stride;
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict value = nz + stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       r2[CHUNK], W[CHUNK], weight = 0, sum = 0;
+  PetscReal       r2[CHUNK], W[CHUNK], M[6], B[6];
+  PetscReal       count = 0, sw = 0, f = 0, sx = 0, sy = 0, sz = 0, fx = 0, fy = 0, fz = 0;
+  PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
@@ -259,16 +261,48 @@ static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const
     for (PetscInt k = 0; k < l; k++)
       r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
     KernelEvaluate(tension->kernel, l, r2, W, NULL);
-    SIMD_LOOP(reduction(+ : weight, sum))
+    SIMD_LOOP(reduction(+ : count, sw, f, sx, sy, sz, fx, fy, fz, xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < l; k++) {
       const PetscInt  b = begin + k;
-      const PetscReal w = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? W[k] : 0;
+      const PetscReal w = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? W[k] : 0, v = value[b];
+      const PetscReal dx = cx[b] - x0, dy = cy[b] - y0, dz = cz[b] - z0, wx = w * dx, wy = w * dy, wz = w * dz;
 
-      weight += w;
-      sum += w * value[b];
+      count += w > 0 ? 1 : 0;
+      sw += w;
+      f += w * v;
+      sx += wx;
+      sy += wy;
+      sz += wz;
+      fx += wx * v;
+      fy += wy * v;
+      fz += wz * v;
+      xx += wx * dx;
+      yy += wy * dy;
+      zz += wz * dz;
+      xy += wx * dy;
+      xz += wx * dz;
+      yz += wy * dz;
     }
   }
-  return weight > 0 ? sum / weight : 0;
+  slope[0] = slope[1] = slope[2] = 0;
+  if (count < FEWEST) return sw > 0 ? f / sw : 0;
+  M[0] = xx - sx * sx / sw;
+  M[1] = yy - sy * sy / sw;
+  M[2] = zz - sz * sz / sw;
+  M[3] = xy - sx * sy / sw;
+  M[4] = xz - sx * sz / sw;
+  M[5] = yz - sy * sz / sw;
+  {
+    const PetscReal small = REGULARITY * (M[0] + M[1] + M[2]);
+    PetscReal       along;
+
+    for (PetscInt d = 0; d < DIM; d++) M[d] += small;
+    SymmetricInverse(tension->dim, M, B);
+    TensorApply(B, fx - f * sx / sw, fy - f * sy / sw, fz - f * sz / sw, slope);
+    along = Dot(slope, n);
+    for (PetscInt d = 0; d < DIM; d++) slope[d] -= along * n[d];
+  }
+  return f / sw;
 }
 
 typedef enum { PASS_NORMAL, PASS_CURVATURE, PASS_MEAN } PassKind;
@@ -310,12 +344,34 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
         Moments m;
 
         SumNormals(tension, n, x, normal + DIM * a, &m);
-        scalar[a] = Curvature(tension, cloud->domain->dim, &m, normal + DIM * a);
+        scalar[a] = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension *
+                    Curvature(tension, &m, normal + DIM * a);
       } else
-        cloud->field[FIELD_CAPILLARY][a] = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension *
-                                           Mean(tension, n, x, normal + DIM * a);
+        cloud->field[FIELD_CAPILLARY][a] =
+          Mean(tension, n, x, normal + DIM * a, cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = FIELD_CAPILLARY and its slope, which gives back
+   what normals, fit and mean have smoothed away of a curvature that varies over a few H. With c = 2 a drop's second
+   mode has its period to 3 % at R/d0 = 8 (15 to 20 % too long without). */
+static PetscErrorCode Sharpen(Tension tension, Cloud cloud)
+{
+  PetscReal *value = cloud->field[FIELD_CAPILLARY], *slope = cloud->field[FIELD_CAPILLARY_SLOPE], *first, *first_slope;
+  const PetscReal c = tension->sharpening;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(cloud->n_fluid, &first, DIM * cloud->n_fluid, &first_slope));
+  PetscCall(PetscArraycpy(first, value, cloud->n_fluid));
+  PetscCall(PetscArraycpy(first_slope, slope, DIM * cloud->n_fluid));
+  PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
+  LiquidLoad(&tension->liquid, 2 * DIM, 1, value);
+  PetscCall(Pass(tension, cloud, PASS_MEAN));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] = first[a] + c * (first[a] - value[a]);
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] = first_slope[k] + c * (first_slope[k] - slope[k]);
+  PetscCall(PetscFree2(first, first_slope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -344,5 +400,6 @@ PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudUpdate(cloud, FIELD_WORK1));
   LiquidLoad(&tension->liquid, 2 * DIM, 1, cloud->field[FIELD_WORK1]);
   PetscCall(Pass(tension, cloud, PASS_MEAN));
+  if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

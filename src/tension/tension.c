@@ -33,11 +33,12 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->ratio       = 1.75;
   t->calibration = 3.959;
   t->band        = 1;
+  t->sharpening  = 2;
   t->threshold   = 0.2;
   t->angle       = 90;
   for (PetscInt d = 0; d < domain->dim; d++)
     if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;
-  PetscCall(PetscStrncpy(t->type, TENSION_CAHN_HILLIARD, sizeof(t->type)));
+  PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
   t->smoothing = KernelSmoothingLength(kernel);
   *tension     = t;
@@ -63,20 +64,30 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                               tension->type, tension->type, sizeof(tension->type), NULL));
   PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5",
                              "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
-  PetscCall(PetscOptionsReal("-tension_calibration",
-                             "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
-                             "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
-  PetscCall(PetscOptionsReal("-tension_band",
-                             "distance from the surface within which tension is evaluated, over 2H (1)",
-                             "TensionSetFromOptions", tension->band, &tension->band, NULL));
-  PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
-                             "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(TensionList, tension->type, &tension->apply));
   PetscCheckUser(tension->apply, tension->comm,
                  "-tension_type %s is not a surface tension model; there are " TENSION_CURVATURE
                  ", " TENSION_CAHN_HILLIARD " and " TENSION_NONE,
                  tension->type);
+  PetscOptionsBegin(tension->comm, NULL, "Surface tension model", "Tension");
+  if (tension->apply == TensionApply_CahnHilliard) {
+    PetscCall(PetscOptionsReal("-tension_calibration",
+                               "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
+                               "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
+    PetscCall(PetscOptionsReal("-tension_band",
+                               "distance from the surface within which tension is evaluated, over 2H (1)",
+                               "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  }
+  if (tension->apply == TensionApply_Curvature) {
+    PetscCall(PetscOptionsReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)",
+                               "TensionSetFromOptions", tension->sharpening, &tension->sharpening, NULL));
+    PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
+                               "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
+  }
+  PetscOptionsEnd();
+  PetscCheckUser(tension->sharpening >= 0 && tension->sharpening <= 4, tension->comm,
+                 "-tension_sharpening is %g; it must lie between 0 and 4", (double)tension->sharpening);
   PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm,
                  "-tension_ratio is %g; H/h must lie between 1 and 4", (double)tension->ratio);
   PetscCheckUser(tension->calibration > 0, tension->comm, "-tension_calibration is %g; it must be positive",
@@ -112,6 +123,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
 {
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscCall(tension->apply(tension, cloud));
@@ -123,8 +135,8 @@ PetscErrorCode TensionView(Tension tension, PetscViewer viewer)
 {
   PetscFunctionBegin;
   if (tension->active)
-    PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m, kappa = %g sigma H\n", tension->type,
-                                     (double)KernelSmoothingLength(tension->kernel), (double)tension->calibration));
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m\n", tension->type,
+                                     (double)KernelSmoothingLength(tension->kernel)));
   else
     PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: none\n"));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,5 +1,9 @@
 /* Floor 5: surface tension as a registered type.
 
+   curvature (default): the pressure solver puts sigma times the curvature on the free surface; see curvature.c for how
+   the curvature is found. A drop's pressure is 2 sigma/R to 0.1 % at R/d0 = 8 (sigma/R to 0.5 % in 2-d). Momentum is
+   conserved as well as the curvature is known, not exactly. Walls have a contact angle.
+
    cahn_hilliard: Eqs. (5)-(7) of Kuri et al. with a longer kernel W^H. The divergence of S uses the same kernel as grad
    phi: the paper's mixture (W^h outside) makes a resting drop roughen, because only with one kernel does S_a . grad
    phi_a = 0 remove the particle's own term. For the same reason the symmetric pair form and the one-sided sum_b V_b S_b
@@ -17,14 +21,15 @@ typedef struct _p_Tension *Tension;
 
 /* TensionCreate - for the bodies of a scene; nothing is borrowed beyond the calls. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
-/* TensionSetFromOptions - -tension_type, -tension_ratio (H/h), -tension_calibration (kappa/(sigma H)), -tension_band.
- * Collective. */
+/* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -wall_contact_angle;
+   cahn_hilliard: -tension_calibration (kappa/(sigma H)), -tension_band. Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);
-/* TensionApply - adds the acceleration (m/s2) of the fluid to FIELD_ACCELERATION, from positions and INT_SURFACE;
-   updates the ghosts of the fields in between. Nothing is evaluated further than band * 2H + d0 from a surface
-   particle. Collective. */
+/* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to
+   FIELD_ACCELERATION or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero
+   otherwise). Updates the ghosts of the fields in between; overwrites FIELD_WORK1 and FIELD_WORK3. Only near a surface
+   particle is anything evaluated. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);

@@ -66,6 +66,7 @@ struct _p_Tension {
   char            type[64];
   TensionFunction apply;
   PetscReal       spacing, smoothing, ratio, calibration, band;
+  PetscReal       sharpening;            /* of the curvature */
   PetscReal       threshold;             /* of |grad phi| H: the surface is near */
   PetscReal       angle;                 /* contact angle, rad */
   PetscBool       walls;                 /* the box has any */
