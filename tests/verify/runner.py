@@ -281,18 +281,25 @@ def convergence(entries, case, jobs):
 
 
 def side_by_side(rows):
-    """A table with a line a quantity, both schemes beside each other, and its counts."""
-    lines = {}
+    """A table with a line a quantity, both schemes beside each other, and its counts. The first line of an entry names
+    it and the options of its run with the default scheme."""
+    lines, seen = {}, set()
     for row in compact(rows):
-        line = lines.setdefault((row["case"], row["quantity"]), dict(row, default="-", within="-", printed="-"))
+        name, options = row["case"], " ".join(row["options"].split())
+        if name not in seen and row["scheme"] == "default" and options:
+            row["case"] = f"{name} `{options}`"
+        elif name in seen:
+            row["case"] = ""
+        seen.add(name)
+        line = lines.setdefault((name, row["quantity"]), dict(row, default="-", within="-", printed="-"))
         if row["scheme"] == "default":
             line.update({"default": row["measured"], "within": row["pass"]})
         else:
             line["printed"] = row["measured"] + (" (!)" if row["pass"] == "reported: no" else "")
     good, bad = counts(rows)
     versions = ", ".join(sorted({f"{row['version']} ({row['date']})" for row in rows}))
-    words = [{**line, "as printed": line["printed"]} for line in lines.values()]
-    return (table(words, ["case", "quantity", "default", "expected", "tolerance", "within", "as printed"]) +
+    words = [{**line, "default scheme": line["default"], "as printed": line["printed"]} for line in lines.values()]
+    return (table(words, ["case", "quantity", "default scheme", "expected", "tolerance", "within", "as printed"]) +
             f"\n\n{good} within tolerance, {bad} not. The scheme as printed is reported, not judged; (!): beyond the "
             f"tolerance. Written by `make verify-readme` from runs of {versions}.")
 
