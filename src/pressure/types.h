@@ -46,6 +46,7 @@ struct _p_Pressure {
   Vec         b, x;
   PetscInt    solver_layout;  /* the local order the solver was made for */
   PetscReal   closure_factor; /* of the filling of full_diagonal */
+  PetscReal   regularization; /* background pressure of the corrected gradient over h |grad p| */
   PetscBool   free_surface;   /* any particle is on one */
   PetscBool   constant_null;
   PetscInt    age, rebuild_interval, kept_steps,

@@ -47,7 +47,7 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
   if (paper)
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
   else
-    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   s->shifting = (PetscBool)!paper;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
