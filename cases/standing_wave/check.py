@@ -49,12 +49,12 @@ def mode(folder):
 def check(folder):
     t, a, wave, rest, lost = mode(folder)
     rate, damping, residual = fit(t, a)
-    return [("period, relative error", RATE / rate - 1, 0.01),
-            ("effective viscosity over that at which the wave decays by e in 10 periods",
-             damping / (RATE / (20 * np.pi)), 1),
-            ("deviation from the fitted wave over the amplitude, rms", residual, 0.05),
-            ("energy of other motion over that of the wave, mean", rest.mean() / wave.max(), 1),
-            ("particles lost", lost, 0)]
+    return [physics.relative("period", 2 * np.pi / rate, 2 * np.pi / RATE, 0.01, "s"),
+            physics.shown("effective viscosity", damping / (2 * K**2), 1e-6, "m2/s"),
+            physics.shown("amplitude lost in a period, share", 1 - np.exp(-damping * 2 * np.pi / rate)),
+            physics.at_most("deviation from the fitted wave, rms over the amplitude", residual, 0.05),
+            physics.shown("energy of other motion over that of the wave", rest.mean() / wave.max()),
+            physics.at_most("particles lost", lost, 0)]
 
 
 if __name__ == "__main__":
