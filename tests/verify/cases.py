@@ -116,8 +116,10 @@ ENTRIES += both("dam_break", "impact", REGULAR, file="impact.opts", spacings=(0.
 ENTRIES += [Entry("dam_break", "impact, 3-d", REGULAR, LONG, file="impact_3d.opts")]
 
 # the main case
-ENTRIES += both("drop_impact", "0.5 mm", QUARTER + "0.5e-3", LONG,
-                "-options_file options/paper.opts " + QUARTER + "0.5e-3", ranks=2)
+IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
+ENTRIES += [Entry("drop_impact", "0.5 mm", QUARTER + "0.5e-3", LONG, ranks=2, spacings=IMPACTS),
+            Entry("drop_impact", "0.5 mm", "-options_file options/paper.opts " + QUARTER + "0.5e-3", LONG, True, ranks=2,
+                  spacings=IMPACTS[:3])]
 ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
             Entry("drop_impact", "0.5 mm, 2.42 m/s",
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2)]

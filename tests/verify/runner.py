@@ -9,7 +9,7 @@
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
 output/verify/verify.csv and verify.md: rows of entries that did not run now are kept. Runs stay in
-output/verify/<id>. --from judges a run that exists instead of running the entry. The last line is
+output/verify/<id>. --from judges a run that exists instead of running the entry (with --convergence: ID-SPACING). The last line is
 'N within tolerance, M not'; the exit code tells whether any of the program's default is not. Rows of the
 reference scheme are reported only.
 """
@@ -259,14 +259,15 @@ def convergence_table(entry, outcomes):
     return "\n".join(lines + ([""] + stops if stops else []))
 
 
-def convergence(entries, case, jobs):
+def convergence(entries, case, jobs, existing):
     chosen = [e for e in entries if e.spacings]
     if not chosen:
         sys.exit(f"runner.py: no entry of {case or 'the list'} has spacings")
     todo = [(e, s, os.path.join(OUTPUT, "convergence", f"{e.id}-{s:.3g}")) for e in chosen for s in e.spacings]
     os.makedirs(os.path.join(OUTPUT, "convergence"), exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        outcomes = list(pool.map(lambda job: execute(job[0], job[2], f"-spacing {job[1]:.17g}"), todo))
+        outcomes = list(pool.map(lambda job: execute(job[0], job[2], f"-spacing {job[1]:.17g}",
+                                                     existing.get(os.path.basename(job[2]))), todo))
     for name in dict.fromkeys(e.case for e in chosen):
         tables = []
         for e in chosen:
@@ -332,19 +333,19 @@ def main():
     entries = [e for e in cases.ENTRIES if (not case or e.case == case) and label in (e.label, "")]
     if not entries:
         sys.exit(f"runner.py: no entry is of {a.case}; there are {', '.join(sorted({e.case for e in cases.ENTRIES}))}")
+    existing = dict(pair.split("=", 1) for pair in a.existing)
     if a.list:
         print("\n".join(f"{e.size:6}{e.id:45}{e.options}" for e in entries))
         return 0
     if a.readme:
         return readme()
     if a.convergence:
-        return convergence(entries, a.case, max(1, a.jobs))
+        return convergence(entries, a.case, max(1, a.jobs), existing)
     sized = [e for e in entries if e.size in SIZES[a.size]]
     if not sized:
         sys.exit(f"runner.py: {a.case} has no entry of size {a.size}; make verify-long runs all")
     if a.test:
         return test(sized)
-    existing = dict(pair.split("=", 1) for pair in a.existing)
     return verify(sized, max(1, a.jobs), existing)
 
 
