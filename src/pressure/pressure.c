@@ -13,6 +13,7 @@ static PetscErrorCode PressureRegisterAll(void)
   PetscCall(PetscFunctionListAdd(&ClosureList, CLOSURE_FULL, ClosureFull));
   PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_SYMMETRIC, GradientSymmetric));
   PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_CORRECTED, GradientCorrected));
+  PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_CONSERVED, GradientConserved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,7 +51,8 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
   PetscCheckUser(pressure->closure, pressure->cloud->comm,
                  "-pressure_closure %s is not a closure; there are " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
   PetscCheckUser(pressure->gradient, pressure->cloud->comm,
-                 "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC " and " GRADIENT_CORRECTED,
+                 "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC ", " GRADIENT_CORRECTED
+                 " and " GRADIENT_CONSERVED,
                  gradient);
   pressure->summed = summed;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -117,8 +119,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1",
                  (double)pressure->rebuild_growth);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
-  pressure->lattice_diagonal = PressureLatticeDiagonal(cloud);
-  pressure->row_scale        = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
+  PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
+  pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
   PetscCall(TabulateSurfaceFraction(pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,6 +19,7 @@ typedef struct _p_Pressure *Pressure;
 #define GRADIENT_SYMMETRIC "symmetric"     /* Eq. (9): p_a/rho_a^2 + p_b/rho_b^2, conserves momentum */
 #define GRADIENT_CORRECTED                                                                                             \
   "corrected" /* B_a (p_b - p_a)/rho_a and a background pressure inside, symmetric at the surface */
+#define GRADIENT_CONSERVED "conserved" /* corrected, the neighbours paying for what that does to momentum */
 
 typedef struct {
   PetscInt           iterations;
@@ -62,9 +63,9 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
-/* PressureLatticeDiagonal - Lambda_0 of Nair & Tomar: the diagonal of Eq. (8) on a full lattice, for V = d0^dim and
- * density 1; 1/m2. Not collective. */
-PetscReal PressureLatticeDiagonal(Cloud cloud);
+/* PressureLattice - of a full lattice: diagonal, Lambda_0 of Nair & Tomar, that of Eq. (8) for V = d0^dim and density 1
+   (1/m2); sum, sum V W with the particle itself, what the density term takes for rest density (1). Not collective. */
+void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum);
 
 /* The PC type -pc_type twolevel: see pc_twolevel.c. */
 #define PCTWOLEVEL "twolevel"

@@ -47,7 +47,7 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   }
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   if (stepper->shifting)
-    PetscCall(Shift(stepper, dt, new_r));
+    PetscCall(Shift(stepper, dt));
   else
     PetscCall(PetscArraycpy(v, new_v, DIM * cloud->n_fluid));
 

@@ -48,7 +48,7 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
   else
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
-  s->shifting = (PetscBool)!paper;
+  s->shifting = s->centered = (PetscBool)!paper;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

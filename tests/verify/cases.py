@@ -53,6 +53,7 @@ def both(case, label="", options="", size=SHORT, as_printed="", **more):
 LATTICE = "-packing_type lattice"
 QUINTIC = "-kernel_type quintic_spline -kernel_ratio 1"
 CORRECTED = "-pressure_gradient corrected"
+CONSERVED = "-pressure_gradient conserved"
 QUARTER = "-options_file options/quarter.opts -spacing "
 # The printed scheme throws a block of particles apart in one step; its centre falls all the same.
 LOOSE = LATTICE + " -displacement_max 1e6 -density_max 1e3"
@@ -63,11 +64,7 @@ ENTRIES = []
 for n, upper in BLOCKS.items():
     ENTRIES += both("free_fall", f"{n} particles", "", TEST, LOOSE, shared="-a_upper " + upper, file="block.opts",
                     twin_size=TEST)
-ENTRIES += both("free_fall", "2000 particles", "", TEST, misses=(
-    "distance fallen by the centre of mass", "parabola, error over the distance", "momentum, error over m v",
-    "angular momentum, change over m v R"))
-ENTRIES += [Entry("free_fall", "2000 particles, no shifting", "-shifting 0", TEST, misses=(
-    "angular momentum, change over m v R",))]
+ENTRIES += both("free_fall", "2000 particles", CONSERVED, TEST)
 
 # viscosity and walls
 SHEAR = (1e-4, 5e-5, 2.5e-5)
@@ -98,9 +95,8 @@ FIRST = "-steps_max 6 -snapshot_interval 1e-5 -ksp_rtol 1e-8"
 ENTRIES += both("square_patch", "first pressures", CORRECTED + " -packing_jitter 0 -pressure_relaxation_ratio 1e6",
                 TEST, shared=FIRST)
 ENTRIES += [Entry("square_patch", "first pressures, density term on", f"{FIRST} {CORRECTED} -packing_jitter 0")]
-ENTRIES += both("square_patch", "half a turn", CORRECTED, TEST, spacings=(0.04, 0.02, 0.01),
-                misses=("angular momentum, relative change",))
-ENTRIES += both("stretching_drop", "", CORRECTED, TEST, spacings=(0.08, 0.04, 0.02), misses=("area of the ellipse",))
+ENTRIES += both("square_patch", "half a turn", CONSERVED, TEST, spacings=(0.04, 0.02, 0.01))
+ENTRIES += both("stretching_drop", "", CORRECTED, TEST, spacings=(0.08, 0.04, 0.02))
 ENTRIES += both("central_force", "", CORRECTED, spacings=(0.08, 0.04, 0.02))
 ENTRIES += [Entry("central_force", "R/d0 = 20", CORRECTED + " -spacing 0.05", TEST)]
 
