@@ -106,7 +106,7 @@ ENTRIES += [Entry("central_force", "R/d0 = 20", CORRECTED + " -spacing 0.05", TE
 
 # gravity and a free surface
 REGULAR = "-packing_jitter 0"
-WAVE = f"{QUINTIC} {REGULAR} -time_centered"
+WAVE = f"{QUINTIC} {REGULAR} -time_centered -pressure_gradient symmetric"
 ENTRIES += [Entry("standing_wave", "40 spacings", WAVE + " -spacing 0.025 -time_end 2", TEST)]
 ENTRIES += [Entry("standing_wave", "50 spacings", WAVE + " -spacing 0.02", spacings=(0.04, 0.02, 0.0125)),
             Entry("standing_wave", "50 spacings", PRINTED + "-spacing 0.02", printed=True)]
