@@ -19,22 +19,21 @@ def experiment(name):
         return np.genfromtxt([line for line in file if line[0] != "#"], delimiter=",", names=True)
 
 
-def front(x, spacing):
-    """The end of the liquid that hangs together from the left: no gap of 1.5 spacings in x."""
-    s = np.sort(x)
+def reach(s, spacing):
+    """The end of the liquid that hangs together from the wall or floor: no gap of 1.5 spacings among the coordinates."""
+    s = np.sort(s)
     gaps = np.flatnonzero(np.diff(s) > 1.5 * spacing)
     return (s[gaps[0]] if len(gaps) else s[-1]) + spacing / 2
 
 
 def motion(folder):
-    """Times (s), front over A, mean depth of the fifth of A next to the wall over 2 A, energy over its start."""
+    """Times (s), front over A, height over 2 A of the three layers next to the wall, energy over its start."""
     t, z, h, energy = [], [], [], []
     for time, head, f in physics.snapshots(folder):
         x, spacing, up = f["position"], float(head["spacing"]), int(head["dimension"]) - 1
-        width = A / 2 if up == 2 else spacing  # half the channel of case_3d.opts; one layer of particles
         t.append(time)
-        z.append(front(x[:, 0], spacing) / A)
-        h.append((x[:, 0] < A / 5).sum() * spacing**3 / (width * A / 5) / (2 * A))
+        z.append(reach(x[:, 0], spacing) / A)
+        h.append(reach(x[x[:, 0] < 3 * spacing, up], spacing) / (2 * A))
         energy.append((0.5 * (f["velocity"]**2).sum(axis=1) + G * x[:, up]).sum())
     return np.array(t), np.array(z), np.array(h), np.array(energy) / energy[0]
 
