@@ -20,7 +20,7 @@ def experiment(name):
 
 
 def reach(s, spacing):
-    """The end of the liquid that hangs together from the wall or floor: no gap of 1.5 spacings among the coordinates."""
+    """The end of the liquid that hangs together from the wall or floor: no gap of 1.5 spacings in the coordinate."""
     s = np.sort(s)
     gaps = np.flatnonzero(np.diff(s) > 1.5 * spacing)
     return (s[gaps[0]] if len(gaps) else s[-1]) + spacing / 2
@@ -39,8 +39,8 @@ def motion(folder):
 
 
 def collapse(folder):
-    """Against Martin and Moyce. How long their barrier held the water is not known: the front is compared at their times
-    and, with a lag fitted, for its course."""
+    """Against Martin and Moyce. How long their barrier held the water is not known: the front is compared at their
+    times and, with a lag fitted, for its course."""
     t, z, h, energy = motion(folder)
     e, c = experiment("front"), experiment("height")
     scaled = t * np.sqrt(2 * G / A)
