@@ -72,6 +72,10 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme == SchemeConsistent)
     PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
                                s->shifting, &s->shifting, NULL));
+  if (s->scheme == SchemeConsistent)
+    PetscCall(PetscOptionsBool("-shifting_conserved",
+                               "shifting keeps momentum and angular momentum, at more loss of energy",
+                               "StepperSetFromOptions", s->shifting_conserved, &s->shifting_conserved, NULL));
   PetscCall(
     PetscOptionsEList("-viscosity_form",
                       "cleary: Eq. (1), keeps angular momentum; morris: exact for shear, mirrored no-slip walls",

@@ -29,7 +29,7 @@ struct _p_Stepper {
   PetscReal      cfl, step_min, step_max, step_fixed, displacement_max, density_max, guard;
   ViscosityForm  viscosity_form;
   PetscBool      centered; /* consistent: forces at the middle of the step */
-  PetscBool      shifting;
+  PetscBool      shifting, shifting_conserved;
   PetscReal      shifting_strength, shifting_cap;
   PetscReal      relaxation_ratio;
   PetscReal      reference_velocity; /* m/s */

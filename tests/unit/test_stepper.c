@@ -61,7 +61,8 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   PetscCall(SetupMoments(&s));
   PetscCall(PressureCreate(cloud, &s.pressure));
   PetscCall(StepperCreate(cloud, s.tension, s.pressure, &stepper));
-  uneven = Unevenness(cloud);
+  stepper->shifting_conserved = PETSC_TRUE;
+  uneven                      = Unevenness(cloud);
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt d = 0; d < DIM; d++)
       cloud->field[FIELD_PREDICTED][DIM * a + d] =

@@ -53,7 +53,7 @@ def both(case, label="", options="", size=SHORT, as_printed="", **more):
 LATTICE = "-packing_type lattice"
 QUINTIC = "-kernel_type quintic_spline -kernel_ratio 1"
 CORRECTED = "-pressure_gradient corrected"
-CONSERVED = "-pressure_gradient conserved"
+CONSERVED = "-pressure_gradient conserved -shifting_conserved"
 QUARTER = "-options_file options/quarter.opts -spacing "
 # The printed scheme throws a block of particles apart in one step; its centre falls all the same.
 LOOSE = LATTICE + " -displacement_max 1e6 -density_max 1e3"
