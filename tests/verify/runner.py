@@ -9,7 +9,7 @@
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
 output/verify/verify.csv and verify.md: rows of entries that did not run now are kept. Runs stay in
-output/verify/<id>. --from judges a run that exists instead of running the entry (with --convergence: ID-SPACING). The last line is
+output/verify/<id>. --from judges a run that exists instead of running the entry (--convergence: ID-SPACING). The last line is
 'N within tolerance, M not'; the exit code tells whether any of the program's default is not. Rows of the
 reference scheme are reported only.
 """
@@ -135,7 +135,7 @@ def everything(entries, jobs, existing):
 def table(rows, columns):
     """A table in markdown, its columns aligned."""
     lines = [columns] + [["-" * 3] * len(columns)] + [[str(row[c]) for c in columns] for row in rows]
-    width = [max(len(line[k]) for line in lines) for k in range(len(columns))]
+    width = [min(40, max(len(line[k]) for line in lines)) for k in range(len(columns))]
     return "\n".join("| " + " | ".join(word.ljust(n) for word, n in zip(line, width)) + " |" for line in lines)
 
 
