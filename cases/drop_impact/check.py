@@ -52,6 +52,27 @@ def drop_liquid(folder):
     return results
 
 
+def secondary(folder):
+    """What has come off the pool by 15 ms, in the computed part of the box: particles above 1 mm below the level that do
+    not hang together with the rest by steps of two spacings; their share of the kinetic energy."""
+    results = []
+    for t, head, f in physics.snapshots(folder):
+        if abs(t - 15e-3) > 0.6e-3:
+            continue
+        x, energy = f["position"], (f["velocity"]**2).sum(axis=1)
+        above = x[:, 2] > -1e-3
+        label = physics.components(x[above], 2 * float(head["spacing"]))
+        off = label > 0
+        share = energy[above][off].sum() / energy.sum()
+        drop = (f["body"] == 1).sum()
+        results = [physics.shown("secondary droplets of two particles and more at 15 ms",
+                                 (np.bincount(label)[1:] > 1).sum()),
+                   physics.shown("single particles come off at 15 ms", (np.bincount(label)[1:] == 1).sum()),
+                   physics.shown("volume come off at 15 ms, of the drop's", 100 * off.sum() / drop, unit="%"),
+                   physics.shown("kinetic energy come off at 15 ms, of all", 100 * share, unit="%")]
+    return results
+
+
 def check(folder):
     series = rundata.read_series(folder)
     reference = rundata.read_reference() if rundata.reference_applies(folder) else NONE
@@ -90,7 +111,7 @@ def check(folder):
                              compare.at(reference, "kinetic_energy", t), 0.15, "uJ", 1e-6))
     results.append(physics.shown("jet height at 60 ms", 1e3 * compare.at(series, "jet_height", 60e-3),
                                  1e3 * compare.at(reference, "jet_height", 60e-3), "mm"))
-    return results + drop_liquid(folder)
+    return results + drop_liquid(folder) + secondary(folder)
 
 
 if __name__ == "__main__":

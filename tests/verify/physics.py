@@ -144,3 +144,29 @@ def semi_axes(position):
     """Of the ellipse with the second moments of the particles."""
     centred = position[:, :2] - position[:, :2].mean(axis=0)
     return 2 * np.sqrt((centred**2).mean(axis=0))
+
+
+def components(position, reach):
+    """Label of each particle: particles that hang together by steps below reach (m) have the same. Cells of size reach
+    and a breadth-first walk; labels count from 0, the largest set first."""
+    cells, label = {}, np.full(len(position), -1)
+    keys = np.floor(position / reach).astype(int)
+    for a, key in enumerate(map(tuple, keys)):
+        cells.setdefault(key, []).append(a)
+    near = [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
+    count = 0
+    for first in range(len(position)):
+        if label[first] >= 0:
+            continue
+        label[first], front = count, [first]
+        while front:
+            a = front.pop()
+            others = [b for d in near for b in cells.get((keys[a][0] + d[0], keys[a][1] + d[1], keys[a][2] + d[2]), ())
+                      if label[b] < 0]
+            for b in others:
+                if ((position[a] - position[b])**2).sum() < reach**2:
+                    label[b] = count
+                    front.append(b)
+        count += 1
+    order = np.argsort(np.argsort(-np.bincount(label, minlength=1), kind="stable"))
+    return order[label]

@@ -9,7 +9,8 @@
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
 output/verify/verify.csv and verify.md: rows of entries that did not run now are kept. Runs stay in
-output/verify/<id>. --from judges a run that exists instead of running the entry (--convergence: ID-SPACING). The last line is
+output/verify/<id>. --from judges a run that exists instead of running the entry (--convergence: ID-SPACING).
+The last line is
 'N within tolerance, M not'; the exit code tells whether any of the program's default is not. Rows of the
 reference scheme are reported only.
 """
