@@ -11,17 +11,22 @@ import physics  # noqa: E402
 
 def check(folder):
     states = list(physics.snapshots(folder))
-    exact = physics.ellipse(-100.0, 0.0, [t for t, _, _ in states])
+    times = [t for t, _, _ in states]
+    exact = physics.ellipse(-100.0, 0.0, times)
     axes = np.array([physics.semi_axes(f["position"]) for _, _, f in states])
-    start = axes[0]  # a lattice cut to a circle
+    axes /= axes[0]  # at the start a lattice cut to a circle of radius 1
     energy = [(f["velocity"]**2).sum() for _, _, f in states]
-    return [("semi-axis a, largest relative error", np.abs(axes[:, 0] / start[0] / exact[:, 0] - 1).max(),
-             0.01), ("semi-axis b, largest relative error", np.abs(axes[:, 1] / start[1] / exact[:,
-                                                                                                 1] - 1).max(),
-                                                                                                 0.01),
-            ("area of the ellipse, relative change", axes[-1].prod() / start.prod() - 1,
-             0.005), ("kinetic energy, relative change", energy[-1] / energy[0] - 1, 0.02),
-             ("particles lost", len(states[0][2]["id"]) - len(states[-1][2]["id"]), 0)]
+    results = []
+    for k, name in enumerate("ab"):
+        worst = np.abs(axes[:, k] / exact[:, k] - 1).argmax()
+        results.append(physics.relative(f"semi-axis {name} at {times[-1] * 1e3:g} ms", axes[-1, k], exact[-1, k], 0.01,
+                                        "m"))
+        results.append(physics.relative(f"semi-axis {name} when it is worst", axes[worst, k], exact[worst, k], 0.01,
+                                        "m"))
+    return results + [
+        physics.relative("area of the ellipse", np.pi * axes[-1].prod(), np.pi, 0.005, "m2"),
+        physics.relative("kinetic energy over that at the start", energy[-1] / energy[0], 1, 0.02),
+        physics.at_most("particles lost", len(states[0][2]["id"]) - len(states[-1][2]["id"]), 0)]
 
 
 if __name__ == "__main__":
