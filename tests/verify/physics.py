@@ -42,9 +42,9 @@ class Result(NamedTuple):
         percent = f"{100 * self.tolerance:.3g} %" if self.tolerance > 1e-5 else f"{self.tolerance:g}, relative"
         limit = {"relative": percent, "absolute": f"+- {self.tolerance:.3g}{unit}",
                  "shown": "-"}.get(self.kind, f"{self.kind} {self.tolerance:.3g}{unit}")
-        digits = 5 if self.kind in ("relative", "absolute") else 3
-        expected = "-" if np.isnan(self.expected) else f"{self.expected:.{digits}g}{unit}"
-        return f"{self.measured:.{digits}g}{unit}", expected, limit
+        form = "#.5g" if self.kind in ("relative", "absolute") else ".3g"
+        measured, expected = (f"{x:{form}}".rstrip(".") + unit for x in (self.measured, self.expected))
+        return measured, "-" if np.isnan(self.expected) else expected, limit
 
 
 def relative(name, measured, expected, tolerance, unit=""):
