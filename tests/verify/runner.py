@@ -53,7 +53,8 @@ def version():
     git = ["git", "-C", runs.ROOT]
     try:
         commit = subprocess.run(git + ["rev-parse", "--short", "HEAD"], check=True, stdout=subprocess.PIPE, text=True)
-        changed = subprocess.run(git + ["diff", "--quiet", "HEAD", "--", "src", "cases", "options"], check=False)
+        changed = subprocess.run(git + ["diff", "--quiet", "HEAD", "--", "src", "options", "cases/*.opts", "cases/*.py"],
+                                 check=False)
     except (OSError, subprocess.CalledProcessError):
         return "-"
     return commit.stdout.strip() + ("+" if changed.returncode else "")
@@ -254,7 +255,7 @@ def convergence_table(entry, outcomes):
              table(rows, ["quantity"] + heads + ["order", "expected", "tolerance"])]
     stops = [f"- at {h}: {o.reason}" for h, o in zip(heads, outcomes) if o.reason]
     if len(stops) == len(heads):
-        lines = [lines[0].replace(", against spacing:", " did not run:")]
+        lines = [lines[0].replace(", against spacing:", " stopped:")]
     return "\n".join(lines + ([""] + stops if stops else []))
 
 
