@@ -77,9 +77,9 @@ ENTRIES += both("poiseuille", "", "", TEST, LATTICE, spacings=SHEAR)
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
 VORTEX = "-time_centered -packing_jitter 0.25"
-ENTRIES += both("taylor_green", "Re 100, 50 x 50", VORTEX, TEST, spacings=VORTICES)
+ENTRIES += both("taylor_green", "Re 100", VORTEX, TEST, spacings=VORTICES)
 ENTRIES += [Entry("taylor_green", "Re 100, 100 x 100", VORTEX + " -spacing 0.01")]
-ENTRIES += both("taylor_green", "Re 1000, 50 x 50", VORTEX, shared="-water_viscosity 0.001", spacings=VORTICES)
+ENTRIES += both("taylor_green", "Re 1000", VORTEX, shared="-water_viscosity 0.001", spacings=VORTICES)
 ENTRIES += [Entry("taylor_green", "Re 1000, 100 x 100", VORTEX + " -water_viscosity 0.001 -spacing 0.01")]
 
 # at rest
