@@ -51,10 +51,10 @@ def load(case):
 def version():
     """The commit, with + if the sources differ from it."""
     git = ["git", "-C", runs.ROOT]
+    sources = ["src", "options", "cases/*.opts", "cases/*.py"]
     try:
         commit = subprocess.run(git + ["rev-parse", "--short", "HEAD"], check=True, stdout=subprocess.PIPE, text=True)
-        changed = subprocess.run(git + ["diff", "--quiet", "HEAD", "--", "src", "options", "cases/*.opts", "cases/*.py"],
-                                 check=False)
+        changed = subprocess.run(git + ["diff", "--quiet", "HEAD", "--"] + sources, check=False)
     except (OSError, subprocess.CalledProcessError):
         return "-"
     return commit.stdout.strip() + ("+" if changed.returncode else "")
