@@ -1,4 +1,7 @@
 # isph: incompressible SPH on PETSc.   make | make run | make test | make test-long | make lint | make clean
+#   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
+#   make convergence CASE=couette   a case at several spacings; writes the tables of its README
+#   make verify-readme              writes the table of README.md from the last runs
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
@@ -63,10 +66,28 @@ test: isph $(UNIT)
 test-long: isph $(UNIT)
 	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
 
+VERIFY = $(MPI) $(PYTHON) tests/verify/runner.py
+JOBS   = 2
+CASE   =
+FROM   =
+
+# FROM="ID=FOLDER ...": judge runs that exist instead of running these entries; IDs: tests/verify/runner.py --list
+verify: isph
+	@$(VERIFY) --size short --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+
+verify-long: isph
+	@$(VERIFY) --size long --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+
+convergence: isph
+	@$(VERIFY) --convergence --case "$(CASE)" --jobs $(JOBS)
+
+verify-readme:
+	@$(VERIFY) --readme
+
 lint:
 	@tests/run.sh tests/lint
 
 clean:
 	rm -rf $(BUILD) isph
 
-.PHONY: all packages run test test-long lint clean force
+.PHONY: all packages run test test-long verify verify-long convergence verify-readme lint clean force

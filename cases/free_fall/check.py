@@ -14,16 +14,24 @@ G, V = np.array([1.0, -2.0, -9.81]), np.array([0.5, 0.0, 2.0])
 
 def check(folder):
     states = list(physics.snapshots(folder))
-    (_, _, a), (t, _, b) = states[0], states[-1]
+    (_, head, a), (t, _, b) = states[0], states[-1]
+    if len(a["id"]) != len(b["id"]):
+        raise ValueError(f"{len(a['id'])} particles at the start, {len(b['id'])} at the end")
     fall = V * t + 0.5 * G * t * t
     spin = [np.cross(f["position"] - f["position"].mean(axis=0),
                      f["velocity"] - f["velocity"].mean(axis=0)).sum(axis=0) for f in (a, b)]
-    scale = len(a["id"]) * 0.078 * np.linalg.norm(V)
+    radius = np.linalg.norm(a["position"] - a["position"].mean(axis=0), axis=1).max()
+    scale = len(a["id"]) * max(radius, float(np.ravel(head["spacing"])[0])) * np.linalg.norm(V)
     moved = b["position"].mean(axis=0) - a["position"].mean(axis=0)
     gained = b["velocity"].mean(axis=0) - V
-    return [("parabola, error over the distance fallen", np.abs(moved - fall).max() / np.linalg.norm(fall), 1e-10),
-            ("momentum, error over m v", np.abs(gained - G * t).max() / np.linalg.norm(V), 1e-10),
-            ("angular momentum, over m v R", np.abs(spin[1] - spin[0]).max() / scale, 1e-10)]
+    results = [physics.relative("distance fallen by the centre of mass", -moved[2], -fall[2], 1e-12, "m"),
+               physics.at_most("parabola, error over the distance", np.abs(moved - fall).max() / np.linalg.norm(fall),
+                               1e-12),
+               physics.at_most("momentum, error over m v", np.abs(gained - G * t).max() / np.linalg.norm(V), 1e-12),
+               physics.at_most("angular momentum, change over m v R", np.abs(spin[1] - spin[0]).max() / scale, 1e-10)]
+    if len(a["id"]) == 1:
+        results.append(physics.at_most("pressure of a single particle", np.abs(b["pressure"]).max(), 0, "Pa"))
+    return results
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ def exact(y, t):
 
 
 def check(folder):
-    return physics.shear(folder, exact, U)
+    return physics.shear(folder, exact, U, 0.5e-3)
 
 
 if __name__ == "__main__":

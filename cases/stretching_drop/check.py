@@ -11,17 +11,19 @@ import physics  # noqa: E402
 
 def check(folder):
     states = list(physics.snapshots(folder))
-    exact = physics.ellipse(-100.0, 0.0, [t for t, _, _ in states])
+    times = [t for t, _, _ in states]
+    exact = physics.ellipse(-100.0, 0.0, times)
     axes = np.array([physics.semi_axes(f["position"]) for _, _, f in states])
-    start = axes[0]  # a lattice cut to a circle
+    axes /= axes[0]  # at the start a lattice cut to a circle of radius 1
     energy = [(f["velocity"]**2).sum() for _, _, f in states]
-    return [("semi-axis a, largest relative error", np.abs(axes[:, 0] / start[0] / exact[:, 0] - 1).max(),
-             0.01), ("semi-axis b, largest relative error", np.abs(axes[:, 1] / start[1] / exact[:,
-                                                                                                 1] - 1).max(),
-                                                                                                 0.01),
-            ("area of the ellipse, relative change", axes[-1].prod() / start.prod() - 1,
-             0.005), ("kinetic energy, relative change", energy[-1] / energy[0] - 1, 0.02),
-             ("particles lost", len(states[0][2]["id"]) - len(states[-1][2]["id"]), 0)]
+    end = f"at {times[-1] * 1e3:g} ms"
+    return [
+        physics.relative(f"semi-axis a {end}", axes[-1, 0], exact[-1, 0], 0.01, "m"),
+        physics.relative(f"semi-axis b {end}", axes[-1, 1], exact[-1, 1], 0.01, "m"),
+        physics.at_most("largest relative error of a and b at all times", np.abs(axes / exact - 1).max(), 0.01),
+        physics.relative("area of the ellipse", np.pi * axes[-1].prod(), np.pi, 0.005, "m2"),
+        physics.relative("kinetic energy over that at the start", energy[-1] / energy[0], 1, 0.02),
+        physics.at_most("particles lost", len(states[0][2]["id"]) - len(states[-1][2]["id"]), 0)]
 
 
 if __name__ == "__main__":

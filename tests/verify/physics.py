@@ -1,11 +1,70 @@
-"""What the checkers in cases/*/check.py share: snapshots of a run, the report, the exact solutions of drops
-that stay ellipses."""
+"""What the checkers in cases/*/check.py share: results (measured, expected, tolerance), snapshots of a run, the exact
+solutions of drops that stay ellipses. check(folder) of a case returns a list of Result."""
 import os
 import sys
+from typing import NamedTuple
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
+
+
+class Result(NamedTuple):
+    """A measured quantity and what it must be. Kinds: 'relative' |measured/expected - 1| <= tolerance; 'absolute'
+    |measured - expected| <= tolerance; 'at most' |measured| <= tolerance; 'at least' measured >= tolerance; 'shown'
+    is not judged. A measured value that is not finite is beyond every tolerance."""
+    name: str
+    measured: float
+    expected: float
+    tolerance: float
+    kind: str
+    unit: str = ""
+
+    def error(self):
+        """What falls with the spacing: the deviation, relative or absolute as the tolerance; nan if there is none."""
+        if self.kind == "relative":
+            return abs(self.measured / self.expected - 1)
+        if self.kind == "at least" or self.kind == "shown" and np.isnan(self.expected):
+            return np.nan
+        return abs(self.measured - (0.0 if self.kind == "at most" else self.expected))
+
+    def passed(self):
+        """Whether it is within the tolerance; None for 'shown'."""
+        if self.kind == "shown":
+            return None
+        if self.kind == "at least":
+            return bool(self.measured >= self.tolerance)
+        return bool(self.error() <= self.tolerance)
+
+    def words(self):
+        """Measured, expected and tolerance as the tables print them."""
+        unit = f" {self.unit}" if self.unit else ""
+        percent = f"{100 * self.tolerance:.3g} %" if self.tolerance > 1e-5 else f"{self.tolerance:g}, relative"
+        limit = {"relative": percent, "absolute": f"+- {self.tolerance:.3g}{unit}",
+                 "shown": "-"}.get(self.kind, f"{self.kind} {self.tolerance:.3g}{unit}")
+        form = "#.5g" if self.kind in ("relative", "absolute") else ".3g"
+        measured, expected = (f"{x:{form}}".rstrip(".") + unit for x in (self.measured, self.expected))
+        return measured, "-" if np.isnan(self.expected) else expected, limit
+
+
+def relative(name, measured, expected, tolerance, unit=""):
+    return Result(name, float(measured), float(expected), tolerance, "relative", unit)
+
+
+def absolute(name, measured, expected, tolerance, unit=""):
+    return Result(name, float(measured), float(expected), tolerance, "absolute", unit)
+
+
+def at_most(name, measured, tolerance, unit=""):
+    return Result(name, float(measured), np.nan, tolerance, "at most", unit)
+
+
+def at_least(name, measured, tolerance, unit=""):
+    return Result(name, float(measured), np.nan, tolerance, "at least", unit)
+
+
+def shown(name, measured, expected=np.nan, unit=""):
+    return Result(name, float(measured), float(expected), np.nan, "shown", unit)
 
 
 def snapshots(folder):
@@ -15,14 +74,22 @@ def snapshots(folder):
         yield float(attributes["time"]), attributes, runs.fields(path)
 
 
-def report(results):
-    """Prints 'ok name: value (tolerance)' or 'FAIL name: value (tolerance)' for each (name, value, tolerance);
-    passes if |value| <= tolerance. Returns the number that failed."""
+def options(head):
+    """The options of a run, {name: value}, from the attributes of a snapshot."""
+    lines = (line.split(None, 1) for line in head["options"].decode().splitlines())
+    return {words[0]: words[1].strip() if len(words) > 1 else "" for words in lines if words}
+
+
+def report(results, title=""):
+    """Prints 'ok name: ...', 'FAIL name: ...' or, if it is not judged, 'shown name: ...' for each result. Returns the
+    number beyond tolerance."""
     failed = 0
-    for name, value, tolerance in results:
-        passed = abs(value) <= tolerance
-        failed += not passed
-        print(f"{'ok' if passed else 'FAIL'} {name}: {value:.3g} ({tolerance:g})", flush=True)
+    for result in results:
+        measured, expected, limit = result.words()
+        passed = result.passed()
+        failed += passed is False
+        state = {True: "ok", False: "FAIL", None: "shown"}[passed]
+        print(f"{state} {title}{result.name}: {measured}, expected {expected}, tolerance {limit}", flush=True)
     return failed
 
 
@@ -33,35 +100,23 @@ def main(check):
     sys.exit(1 if report(check(sys.argv[1])) else 0)
 
 
-def short(case, options, names, label="", file="case.opts"):
-    """For the tests: runs cases/<case>/<file> with options and reports the results whose name is in names, all
-    if that is None. A run that fails counts as one failure. Returns the
-    number of failures."""
-    folder = os.path.join(runs.ROOT, "cases", case)
-    sys.path.insert(0, folder)
-    sys.modules.pop("check", None)
-    import check
-    sys.path.remove(folder)
-    path = runs.scratch(case + label)
-    process = runs.start(f"-options_file {folder}/{file} {options} -progress_interval 0 -output_dir {path}",
-                         timeout=1800)
-    if process.returncode:
-        print(f"FAIL {case}{label}: the run failed: {process.stderr.strip()[-300:]}", flush=True)
-        return 1
-    return report((f"{case}{label} {n}", v, t) for n, v, t in check.check(path) if names is None or n in names)
-
-
-def shear(folder, exact, scale):
-    """Results of a plane shear flow: the errors of the x velocity against exact(y, t), over scale (m/s)."""
+def shear(folder, exact, scale, places):
+    """Results of a plane shear flow with x velocity exact(y, t): the errors over scale (m/s), and the velocity at the
+    last time at the height places (m), from the particles within a spacing of it by a straight line."""
     rms, largest = [], []
-    for t, _, f in snapshots(folder):
+    for t, head, f in snapshots(folder):
         if t == 0:
             continue
-        e = (f["velocity"][:, 0] - exact(f["position"][:, 1], t)) / scale
+        y, u = f["position"][:, 1], f["velocity"][:, 0]
+        e = (u - exact(y, t)) / scale
         rms.append(np.sqrt((e**2).mean()))
         largest.append(np.abs(e).max())
-    return [("rms velocity error over U, largest of all times", max(rms), 0.01),
-            ("largest velocity error over U, last time", largest[-1], 0.01)]
+    near = np.abs(y - places) < 1.1 * float(np.ravel(head["spacing"])[0])
+    slope, value = np.polyfit(y[near] - places, u[near] - exact(y[near], t), 1)
+    wanted = exact(np.array([places]), t)[0]
+    return [relative(f"velocity at y = {places:g} m, last time", wanted + value, wanted, 0.01, "m/s"),
+            at_most("rms velocity error over U, largest of all times", max(rms), 0.01),
+            at_most("largest velocity error over U, last time", largest[-1], 0.01)]
 
 
 def ellipse(strain, rate, times, steps=4000):

@@ -1,0 +1,112 @@
+"""The list of verification runs: `make verify`, `make verify-long`, `make convergence` and the physics of `make test`
+all read it, with tests/verify/runner.py. A new case is a folder in cases/ (options, README, check.py with check(folder)
+returning a list of physics.Result) and an entry here."""
+import re
+from typing import NamedTuple
+
+TEST, SHORT, LONG = "test", "short", "long"
+PRINTED = "-options_file options/printed.opts "
+
+
+class Entry(NamedTuple):
+    """One run and its check.
+
+    case      folder in cases/
+    label     tells the entries of a case apart
+    options   after the case's file, relative to the top folder
+    size      test: seconds, part of `make test`; short: up to a few minutes, `make verify`; long: `make verify-long`
+    printed   of the reference scheme, as printed: its rows are reported and never count as failures
+    file      options file of the case
+    spacings  of `make convergence`, from coarse to fine; none: not part of it
+    misses    names of results known to be beyond their tolerance: `make test` leaves them out, `make verify` does not
+    ranks     processes; entries with more than one run alone
+    """
+    case: str
+    label: str = ""
+    options: str = ""
+    size: str = SHORT
+    printed: bool = False
+    file: str = "case.opts"
+    spacings: tuple = ()
+    misses: tuple = ()
+    ranks: int = 1
+
+    @property
+    def id(self):
+        words = [self.case, re.sub(r"[^A-Za-z0-9.]+", "_", self.label), "printed" if self.printed else ""]
+        return "-".join(w for w in words if w)
+
+    @property
+    def scheme(self):
+        return "reference scheme, as printed" if self.printed else "default"
+
+
+def both(case, label="", options="", size=SHORT, as_printed="", **more):
+    """The entry and its twin with the reference scheme. options go to the entry alone, as_printed to the twin alone
+    (after printed.opts), shared to both; twin_size: size of the twin, test is short if it is not given."""
+    shared = more.pop("shared", "")
+    twin_size = more.pop("twin_size", SHORT if size == TEST else size)
+    return [Entry(case, label, f"{shared} {options}".strip(), size, **more),
+            Entry(case, label, f"{shared} {PRINTED}{as_printed}".strip(), twin_size, True, **dict(more, misses=()))]
+
+
+LATTICE = "-packing_type lattice"
+QUINTIC = "-kernel_type quintic_spline -kernel_ratio 1"
+CORRECTED = "-pressure_gradient corrected"
+QUARTER = "-options_file options/quarter.opts -spacing "
+# The printed scheme throws a block of particles apart in one step; its centre falls all the same.
+LOOSE = LATTICE + " -displacement_max 1e6 -density_max 1e3"
+BLOCKS = {1: "0.01,0.01,0.01", 2: "0.02,0.01,0.01", 8: "0.02,0.02,0.02", 27: "0.03,0.03,0.03"}
+
+ENTRIES = []
+# free fall: to round-off
+for n, upper in BLOCKS.items():
+    ENTRIES += both("free_fall", f"{n} particles", "", TEST, LOOSE, shared="-a_upper " + upper, file="block.opts",
+                    twin_size=TEST)
+ENTRIES += both("free_fall", "2000 particles", "", TEST, misses=(
+    "distance fallen by the centre of mass", "parabola, error over the distance", "momentum, error over m v",
+    "angular momentum, change over m v R"))
+ENTRIES += [Entry("free_fall", "2000 particles, no shifting", "-shifting 0", TEST, misses=(
+    "angular momentum, change over m v R",))]
+
+# viscosity and walls
+SHEAR = (1e-4, 5e-5, 2.5e-5)
+ENTRIES += both("couette", "", "", TEST, LATTICE, spacings=SHEAR)
+ENTRIES += both("poiseuille", "", "", TEST, LATTICE, spacings=SHEAR)
+
+# no free surface; the start is a lattice with random displacements of up to a quarter spacing
+VORTICES = (0.04, 0.02, 0.01)
+VORTEX = "-time_centered -packing_jitter 0.25"
+ENTRIES += both("taylor_green", "Re 100", VORTEX, TEST, spacings=VORTICES)
+ENTRIES += [Entry("taylor_green", "Re 100, 100 x 100", VORTEX + " -spacing 0.01")]
+ENTRIES += both("taylor_green", "Re 1000", VORTEX, shared="-water_viscosity 0.001", spacings=VORTICES)
+ENTRIES += [Entry("taylor_green", "Re 1000, 100 x 100", VORTEX + " -water_viscosity 0.001 -spacing 0.01")]
+
+# at rest
+ENTRIES += [Entry("film_at_rest", "film, 1 mm, 0.6 s", QUINTIC + " -spacing 1e-3 -time_end 0.6", TEST)]
+ENTRIES += both("film_at_rest", "film", QUINTIC, spacings=(1e-3, 2e-3 / 3, 0.5e-3))
+ENTRIES += [Entry("film_at_rest", "film, default kernel"),
+            Entry("film_at_rest", "film, dt 4e-5 s", QUINTIC + " -spacing 1e-3 -time_end 0.6 -time_step 4e-5"),
+            Entry("film_at_rest", "film, dt 1e-6 s", QUINTIC + " -spacing 1e-3 -time_end 0.6 -time_step 1e-6", LONG)]
+ENTRIES += [Entry("film_at_rest", "tank, 0.05", QUINTIC + " -packing_jitter 0 -spacing 0.05", TEST, file="tank.opts",
+                  misses=("rms speed over sqrt(g H), second half",))]
+ENTRIES += both("film_at_rest", "tank", QUINTIC + " -packing_jitter 0", shared="-spacing 0.025", file="tank.opts",
+                spacings=(0.1, 0.05, 0.025))
+
+# free surface without gravity: negative pressure, large deformation, long runs
+FIRST = "-steps_max 6 -snapshot_interval 1e-5 -ksp_rtol 1e-8"
+ENTRIES += both("square_patch", "first pressures", CORRECTED + " -packing_jitter 0 -pressure_relaxation_ratio 1e6",
+                TEST, shared=FIRST)
+ENTRIES += [Entry("square_patch", "first pressures, density term on", f"{FIRST} {CORRECTED} -packing_jitter 0")]
+ENTRIES += both("square_patch", "half a turn", CORRECTED, TEST, spacings=(0.04, 0.02, 0.01),
+                misses=("angular momentum, relative change",))
+ENTRIES += both("stretching_drop", "", CORRECTED, TEST, spacings=(0.08, 0.04, 0.02), misses=("area of the ellipse",))
+ENTRIES += both("central_force", "", CORRECTED, spacings=(0.08, 0.04, 0.02))
+ENTRIES += [Entry("central_force", "R/d0 = 20", CORRECTED + " -spacing 0.05", TEST)]
+
+# the main case
+ENTRIES += both("drop_impact", "0.5 mm", QUARTER + "0.5e-3", LONG,
+                "-options_file options/paper.opts " + QUARTER + "0.5e-3", ranks=2)
+ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
+            Entry("drop_impact", "0.5 mm, 2.42 m/s",
+                  "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2)]

@@ -1,0 +1,345 @@
+"""Runs the entries of tests/verify/cases.py and judges them.
+
+    runner.py [--size test|short|long] [--case CASE[:LABEL]] [--jobs N] [--from ID=FOLDER ...]
+                                           make verify, make verify-long
+    runner.py --test [--size ...]          the part of `make test` and `make test-long`
+    runner.py --convergence --case CASE    make convergence CASE=...
+    runner.py --readme                     make verify-readme: top README and cases with markers
+    runner.py --list                       the entries
+
+--size short runs the entries of sizes test and short, --size long all. Prints one table and writes
+output/verify/verify.csv and verify.md: rows of entries that did not run now are kept. Runs stay in
+output/verify/<id>. --from judges a run that exists instead of running the entry. The last line is
+'N within tolerance, M not'; the exit code tells whether any of the program's default is not. Rows of the
+reference scheme are reported only.
+"""
+import argparse
+import concurrent.futures
+import csv
+import datetime
+import importlib.util
+import math
+import os
+import re
+import shlex
+import subprocess
+import sys
+import time
+import traceback
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import cases  # noqa: E402
+import physics  # noqa: E402
+import runs  # noqa: E402
+
+OUTPUT = os.path.join(runs.ROOT, "output", "verify")
+TIMEOUT = {"test": 300, "short": 1200, "long": 7 * 86400}  # s
+SIZES = {"test": ("test",), "short": ("test", "short"), "long": ("test", "short", "long")}
+COLUMNS = ("case", "label", "scheme", "options", "quantity", "measured", "expected", "tolerance", "pass", "seconds",
+           "version", "date", "id", "value")
+
+
+def load(case):
+    """check(folder) of cases/<case>/check.py."""
+    path = os.path.join(runs.ROOT, "cases", case, "check.py")
+    spec = importlib.util.spec_from_file_location("check_" + case, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.check
+
+
+def version():
+    """The commit, with + if the sources differ from it."""
+    git = ["git", "-C", runs.ROOT]
+    sources = ["src", "options", "cases/*.opts", "cases/*.py"]
+    try:
+        commit = subprocess.run(git + ["rev-parse", "--short", "HEAD"], check=True, stdout=subprocess.PIPE, text=True)
+        changed = subprocess.run(git + ["diff", "--quiet", "HEAD", "--"] + sources, check=False)
+    except (OSError, subprocess.CalledProcessError):
+        return "-"
+    return commit.stdout.strip() + ("+" if changed.returncode else "")
+
+
+class Outcome:
+    """What an entry gave: results, or the reason why there are none."""
+
+    def __init__(self, entry, results=(), reason="", seconds=math.nan):
+        self.entry, self.results, self.reason, self.seconds = entry, list(results), reason, seconds
+
+    def rows(self):
+        """The lines of the tables."""
+        fixed = dict(case=self.entry.case, label=self.entry.label, scheme=self.entry.scheme,
+                     options=self.entry.options, seconds=f"{self.seconds:.3g}", version=version(),
+                     date=datetime.date.today().isoformat(), id=self.entry.id)
+        lines = []
+        if self.reason:
+            lines = [("run", self.reason, "runs to the end", "-", False, math.nan)]
+        for result in self.results:
+            lines.append((result.name, *result.words(), result.passed(), result.measured))
+        words = {True: "yes", False: "NO", None: "-"}
+        return [dict(fixed, quantity=name, measured=measured, expected=expected, tolerance=tolerance, value=value,
+                     **{"pass": verdict(words[passed], self.entry.printed)})
+                for name, measured, expected, tolerance, passed, value in lines]
+
+
+def verdict(word, printed):
+    """A row of the reference scheme is marked: it is reported, not judged."""
+    return f"reported: {word.lower()}" if printed and word != "-" else word
+
+
+def last_words(process):
+    """Why a run failed, from what it printed."""
+    lines = [line.strip() for line in process.stderr.splitlines() if line.strip() and not line.startswith("---")]
+    text = next((line for line in lines if "isph: error:" in line), lines[-1] if lines else "")
+    text = text.replace("isph: error: ", "").split(": try ")[0]  # the program's advice does not fit a table
+    return text[:200].replace("|", "/") or f"exit code {process.returncode}"
+
+
+def execute(entry, folder, extra="", existing=None):
+    """Runs an entry in the folder and checks it: an Outcome, whatever happens."""
+    options = f"-options_file cases/{entry.case}/{entry.file} {entry.options} {extra}"
+    started = time.monotonic()
+    try:
+        if not existing:
+            options = shlex.split(options) + ["-progress_interval", "0", "-output_overwrite", "-output_dir", folder]
+            process = runs.start(options, entry.ranks, TIMEOUT[entry.size])
+            if process.returncode:
+                return Outcome(entry, reason=last_words(process), seconds=time.monotonic() - started)
+        seconds = float(runs.series(existing or folder)["wall_time"][-1])
+        return Outcome(entry, load(entry.case)(existing or folder), seconds=seconds)
+    except subprocess.TimeoutExpired:
+        return Outcome(entry, reason=f"not done after {TIMEOUT[entry.size]} s")
+    except Exception as error:  # a check that cannot judge a run is a failed row
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        return Outcome(entry, reason=f"check: {error} ({os.path.basename(where.filename)}:{where.lineno})")
+
+
+def everything(entries, jobs, existing):
+    """The outcomes, in the order of the list; single-process entries run jobs at a time, the others alone."""
+    def one(entry):
+        outcome = execute(entry, os.path.join(OUTPUT, entry.id), existing=existing.get(entry.id))
+        good = sum(r.passed() is True for r in outcome.results)
+        bad = sum(r.passed() is False for r in outcome.results) + bool(outcome.reason)
+        print(f"{entry.id}: {good} within, {bad} not, {outcome.seconds:.3g} s {outcome.reason}", file=sys.stderr,
+              flush=True)
+        return outcome
+
+    outcomes = {}
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        single = [e for e in entries if e.ranks == 1]
+        outcomes.update(zip((e.id for e in single), pool.map(one, single)))
+    outcomes.update((e.id, one(e)) for e in entries if e.ranks > 1)
+    return [outcomes[e.id] for e in entries]
+
+
+def table(rows, columns):
+    """A table in markdown, its columns aligned."""
+    lines = [columns] + [["-" * 3] * len(columns)] + [[str(row[c]) for c in columns] for row in rows]
+    width = [max(len(line[k]) for line in lines) for k in range(len(columns))]
+    return "\n".join("| " + " | ".join(word.ljust(n) for word, n in zip(line, width)) + " |" for line in lines)
+
+
+def compact(rows):
+    """Rows for reading: the case's name with its label, the options beside the scheme."""
+    short = []
+    for row in rows:
+        options = " ".join(row["options"].replace("-options_file options/printed.opts", "").split())
+        short.append(dict(row, case=", ".join(w for w in (row["case"], row["label"]) if w),
+                          **{"scheme/options": " ".join(w for w in (row["scheme"], options) if w)}))
+    return short
+
+
+def read_rows():
+    """The rows of the last verify.csv, of entries that are still in the list."""
+    try:
+        with open(os.path.join(OUTPUT, "verify.csv"), newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    except OSError:
+        return []
+    order = {entry.id: k for k, entry in enumerate(cases.ENTRIES)}
+    return sorted((row for row in rows if row["id"] in order), key=lambda row: order[row["id"]])
+
+
+def counts(rows):
+    """(within tolerance, not) of the program's default."""
+    judged = [row["pass"] for row in rows]
+    return judged.count("yes"), judged.count("NO")
+
+
+def write_tables(new):
+    """verify.csv and verify.md with the new rows and those of entries that did not run now."""
+    ran = {row["id"] for row in new}
+    order = {entry.id: k for k, entry in enumerate(cases.ENTRIES)}
+    rows = sorted(new + [row for row in read_rows() if row["id"] not in ran], key=lambda row: order[row["id"]])
+    with open(os.path.join(OUTPUT, "verify.csv"), "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(rows)
+    good, bad = counts(rows)
+    with open(os.path.join(OUTPUT, "verify.md"), "w", encoding="utf-8") as file:
+        file.write("# Verification\n\nRows of the reference scheme, as printed, are reported; they do not count.\n\n")
+        file.write(table(compact(rows), ["case", "scheme/options", "quantity", "measured", "expected", "tolerance",
+                                         "pass", "seconds", "version", "date"]))
+        file.write(f"\n\n{good} within tolerance, {bad} not\n")
+
+
+def verify(entries, jobs, existing):
+    os.makedirs(OUTPUT, exist_ok=True)
+    rows = [row for outcome in everything(entries, jobs, existing) for row in outcome.rows()]
+    write_tables(rows)
+    print(table(compact(rows), ["case", "scheme/options", "quantity", "measured", "expected", "tolerance", "pass"]))
+    reported = [row["pass"] for row in rows if row["pass"].startswith("reported")]
+    print(f"reference scheme, as printed: {reported.count('reported: yes')} within tolerance, "
+          f"{reported.count('reported: no')} not (reported, not counted)")
+    good, bad = counts(rows)
+    print(f"{good} within tolerance, {bad} not")
+    return 1 if bad else 0
+
+
+def test(entries):
+    """For `make test` and `make test-long`: 'ok' and 'FAIL' lines. In entries of size test, results known to miss their
+    tolerance are left out; of the reference scheme only these entries are judged."""
+    failed = 0
+    for entry in entries:
+        outcome = execute(entry, runs.scratch(entry.id))
+        judged = entry.size == "test" or not entry.printed
+        left_out = entry.misses if entry.size == "test" else ()
+        if outcome.reason:
+            failed += judged
+            print(f"{'FAIL' if judged else 'shown'} {entry.id}: {outcome.reason}", flush=True)
+        elif judged:
+            failed += physics.report([r for r in outcome.results if r.name not in left_out], entry.id + " ")
+        else:
+            print(f"shown {entry.id}: {sum(r.passed() is False for r in outcome.results)} beyond tolerance", flush=True)
+    return 1 if failed else 0
+
+
+def replace(path, name, text):
+    """Puts text between the markers <!-- name --> and <!-- /name --> of a file."""
+    with open(path, encoding="utf-8") as file:
+        old = file.read()
+    new, n = re.subn(f"(<!-- {name} -->\n).*?(<!-- /{name} -->)", lambda m: m[1] + text + "\n" + m[2], old, flags=re.S)
+    if n != 1:
+        sys.exit(f"runner.py: {path} must have the lines <!-- {name} --> and <!-- /{name} --> once, not {n} times")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(new)
+
+
+def order_of(errors, spacings):
+    """Observed order between the coarsest and the finest run that have an error."""
+    have = [(e, s) for e, s in zip(errors, spacings) if e is not None and math.isfinite(e) and e > 0]
+    if len(have) < 2:
+        return "-"
+    (coarse, wide), (fine, narrow) = have[0], have[-1]
+    return f"{math.log(coarse / fine) / math.log(wide / narrow):.1f}"
+
+
+def convergence_table(entry, outcomes):
+    """One entry at its spacings: the measured figures, the order, what must be reached."""
+    heads = [f"{s:.3g}" for s in entry.spacings]
+    names = list(dict.fromkeys(r.name for o in outcomes for r in o.results))
+    rows = []
+    for name in names:
+        found = [next((r for r in o.results if r.name == name), None) for o in outcomes]
+        last = next(r for r in reversed(found) if r)
+        limits = list(dict.fromkeys(r.words()[2] for r in found if r))
+        row = {"quantity": name, "order": order_of([r.error() if r else None for r in found], entry.spacings),
+               "expected": last.words()[1], "tolerance": ", ".join(limits)}
+        for head, r in zip(heads, found):
+            row[head] = "-" if r is None else r.words()[0] + ("" if r.passed() is not False else " (!)")
+        rows.append(row)
+    seconds = {h: "-" if math.isnan(o.seconds) else f"{o.seconds:.3g}" for h, o in zip(heads, outcomes)}
+    rows.append(dict(seconds, quantity="run time, s (one process)", order="", expected="", tolerance=""))
+    title = ", ".join(w for w in (entry.label, entry.scheme) if w)
+    lines = [f"**{title}** (`{entry.options or 'options of the case'}`), against spacing:", "",
+             table(rows, ["quantity"] + heads + ["order", "expected", "tolerance"])]
+    stops = [f"- at {h}: {o.reason}" for h, o in zip(heads, outcomes) if o.reason]
+    if len(stops) == len(heads):
+        lines = [lines[0].replace(", against spacing:", " stopped:")]
+    return "\n".join(lines + ([""] + stops if stops else []))
+
+
+def convergence(entries, case, jobs):
+    chosen = [e for e in entries if e.spacings]
+    if not chosen:
+        sys.exit(f"runner.py: no entry of {case or 'the list'} has spacings")
+    todo = [(e, s, os.path.join(OUTPUT, "convergence", f"{e.id}-{s:.3g}")) for e in chosen for s in e.spacings]
+    os.makedirs(os.path.join(OUTPUT, "convergence"), exist_ok=True)
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        outcomes = list(pool.map(lambda job: execute(job[0], job[2], f"-spacing {job[1]:.17g}"), todo))
+    for name in dict.fromkeys(e.case for e in chosen):
+        tables = []
+        for e in chosen:
+            if e.case == name:
+                tables.append(convergence_table(e, [o for o in outcomes if o.entry is e]))
+        text = "\n\n".join(tables + [f"Written by `make convergence CASE={name}` at version {version()}, "
+                                     f"{datetime.date.today().isoformat()}. (!): beyond the tolerance. Order: of the "
+                                     "error, between the coarsest and the finest run."])
+        print(text)
+        replace(os.path.join(runs.ROOT, "cases", name, "README.md"), "measured", "\n" + text + "\n")
+    return 0
+
+
+def side_by_side(rows):
+    """A table with a line a quantity, both schemes beside each other, and its counts."""
+    lines = {}
+    for row in compact(rows):
+        line = lines.setdefault((row["case"], row["quantity"]), dict(row, default="-", within="-", printed="-"))
+        if row["scheme"] == "default":
+            line.update({"default": row["measured"], "within": row["pass"]})
+        else:
+            line["printed"] = row["measured"] + (" (!)" if row["pass"] == "reported: no" else "")
+    good, bad = counts(rows)
+    versions = ", ".join(sorted({f"{row['version']} ({row['date']})" for row in rows}))
+    words = [{**line, "as printed": line["printed"]} for line in lines.values()]
+    return (table(words, ["case", "quantity", "default", "expected", "tolerance", "within", "as printed"]) +
+            f"\n\n{good} within tolerance, {bad} not. The scheme as printed is reported, not judged; (!): beyond the "
+            f"tolerance. Written by `make verify-readme` from runs of {versions}.")
+
+
+def readme():
+    """The tables between <!-- verify --> and <!-- /verify -->: all cases in the top README, its own in a case's."""
+    rows = read_rows()
+    if not rows:
+        sys.exit("runner.py: output/verify/verify.csv is missing; run make verify first")
+    replace(os.path.join(runs.ROOT, "README.md"), "verify", "\n" + side_by_side(rows) + "\n")
+    for case in dict.fromkeys(row["case"] for row in rows):
+        path = os.path.join(runs.ROOT, "cases", case, "README.md")
+        with open(path, encoding="utf-8") as file:
+            marked = "<!-- verify -->" in file.read()
+        if marked:
+            replace(path, "verify", "\n" + side_by_side([row for row in rows if row["case"] == case]) + "\n")
+    return 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--size", choices=list(SIZES), default="short")
+    parser.add_argument("--case", default="")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--from", dest="existing", action="append", default=[], metavar="ID=FOLDER")
+    for mode in ("test", "convergence", "readme", "list"):
+        parser.add_argument("--" + mode, action="store_true")
+    a = parser.parse_args()
+    case, _, label = a.case.partition(":")
+    entries = [e for e in cases.ENTRIES if (not case or e.case == case) and label in (e.label, "")]
+    if not entries:
+        sys.exit(f"runner.py: no entry is of {a.case}; there are {', '.join(sorted({e.case for e in cases.ENTRIES}))}")
+    if a.list:
+        print("\n".join(f"{e.size:6}{e.id:45}{e.options}" for e in entries))
+        return 0
+    if a.readme:
+        return readme()
+    if a.convergence:
+        return convergence(entries, a.case, max(1, a.jobs))
+    sized = [e for e in entries if e.size in SIZES[a.size]]
+    if not sized:
+        sys.exit(f"runner.py: {a.case} has no entry of size {a.size}; make verify-long runs all")
+    if a.test:
+        return test(sized)
+    existing = dict(pair.split("=", 1) for pair in a.existing)
+    return verify(sized, max(1, a.jobs), existing)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
