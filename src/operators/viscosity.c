@@ -103,48 +103,107 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* normal[d]: 1 for the directions normal to the wall faces that point x (m) is behind, else 0. */
+static inline void WallNormals(Domain domain, const PetscReal x[DIM], PetscReal normal[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    normal[d] = (domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d]) ||
+                (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d]);
+}
+
+/* Whether dummy particles may be within the kernel's support of x (m). */
+static inline PetscBool NearWall(Cloud cloud, const PetscReal x[DIM])
+{
+  const Domain    domain = cloud->domain;
+  const PetscReal reach  = KernelSupport(cloud->kernel);
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if ((domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d] + reach) ||
+        (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d] - reach))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Takes from the velocity gradient G (rows: components of the velocity) of fluid particle a what walls gave it by
+   sliding. */
+static void RemoveSliding(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[],
+                          PetscReal G[DIM][DIM])
+{
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b    = row->index[k];
+    const PetscReal f    = cloud->volume[b] * row->F[k];
+    const PetscReal r[3] = {row->dx[k], row->dy[k], row->dz[k]};
+    PetscReal       normal[DIM];
+
+    if (!cloud->integer[INT_LAYER][b]) continue;
+    WallNormals(cloud->domain, cloud->field[FIELD_POSITION] + DIM * b, normal);
+    for (PetscInt i = 0; i < DIM; i++)
+      for (PetscInt j = 0; j < DIM; j++)
+        G[i][j] -= (1 - normal[i]) * (velocity[DIM * b + i] - velocity[DIM * a + i]) * f * r[j];
+  }
+}
+
+/* sum V (v_b - v_a).grad W of a wall particle: the fluid only, its velocity normal to the wall only. */
+static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[])
+{
+  const PetscReal *v   = velocity;
+  PetscReal        sum = 0, normal[DIM];
+
+  WallNormals(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, normal);
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b = row->index[k];
+    const PetscReal f = cloud->integer[INT_LAYER][b] ? 0 : cloud->volume[b] * row->F[k];
+
+    sum +=
+      f * (normal[0] * (v[3 * b] - v[3 * a]) * row->dx[k] + normal[1] * (v[3 * b + 1] - v[3 * a + 1]) * row->dy[k] +
+           normal[2] * (v[3 * b + 2] - v[3 * a + 2]) * row->dz[k]);
+  }
+  return sum;
+}
+
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *volume = cloud->volume;
-  const PetscInt  *layer = cloud->integer[INT_LAYER];
+  const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
+  const PetscReal *x = cloud->field[FIELD_POSITION], *volume = cloud->volume, *v = velocity;
   PairRow          row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal *B = cloud->field[FIELD_MOMENT] + 6 * a, *v = velocity, vx = v[3 * a], vy = v[3 * a + 1],
-                    vz = v[3 * a + 2];
-    PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
+    const PetscReal *B  = corrected ? cloud->field[FIELD_MOMENT] + 6 * a : identity;
+    const PetscReal  vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
+    PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
 
     PairRowLoad(cloud, x, a, &row);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
-    if (layer[a] == 0 && corrected) {
-      /* the velocity gradient once, then B: div v = sum_ij G_ij B_ij, G_ij = sum V (v_b - v_a)_i grad_j W */
-      SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yx, yz, zx, zy))
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscInt  b = row.index[k];
-        const PetscReal f = volume[b] * row.F[k], ux = (v[3 * b] - vx) * f, uy = (v[3 * b + 1] - vy) * f,
-                        uz = (v[3 * b + 2] - vz) * f;
-
-        xx += ux * row.dx[k];
-        xy += ux * row.dy[k];
-        xz += ux * row.dz[k];
-        yx += uy * row.dx[k];
-        yy += uy * row.dy[k];
-        yz += uy * row.dz[k];
-        zx += uz * row.dx[k];
-        zy += uz * row.dy[k];
-        zz += uz * row.dz[k];
-      }
-      div[a] = B[0] * xx + B[1] * yy + B[2] * zz + B[3] * (xy + yx) + B[4] * (xz + zx) + B[5] * (yz + zy);
-    } else {
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscInt  b = row.index[k];
-        const PetscReal f = layer[a] && layer[b] ? 0 : volume[b] * row.F[k];
-
-        xx += f * ((v[3 * b] - vx) * row.dx[k] + (v[3 * b + 1] - vy) * row.dy[k] + (v[3 * b + 2] - vz) * row.dz[k]);
-      }
-      div[a] = xx;
+    if (cloud->integer[INT_LAYER][a]) {
+      div[a] = WallDivergence(cloud, a, &row, velocity);
+      continue;
     }
+    /* the velocity gradient once, then B: div v = sum_ij G_ij B_ij, G_ij = sum V (v_b - v_a)_i grad_j W */
+    SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yx, yz, zx, zy))
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt  b = row.index[k];
+      const PetscReal f = volume[b] * row.F[k], ux = (v[3 * b] - vx) * f, uy = (v[3 * b + 1] - vy) * f,
+                      uz = (v[3 * b + 2] - vz) * f;
+
+      xx += ux * row.dx[k];
+      xy += ux * row.dy[k];
+      xz += ux * row.dz[k];
+      yx += uy * row.dx[k];
+      yy += uy * row.dy[k];
+      yz += uy * row.dz[k];
+      zx += uz * row.dx[k];
+      zy += uz * row.dy[k];
+      zz += uz * row.dz[k];
+    }
+    if (NearWall(cloud, x + DIM * a)) {
+      PetscReal G[DIM][DIM] = {{xx, xy, xz}, {yx, yy, yz}, {zx, zy, zz}};
+
+      RemoveSliding(cloud, a, &row, velocity, G);
+      div[a] = B[0] * G[0][0] + B[1] * G[1][1] + B[2] * G[2][2] + B[3] * (G[0][1] + G[1][0]) +
+               B[4] * (G[0][2] + G[2][0]) + B[5] * (G[1][2] + G[2][1]);
+    } else
+      div[a] = B[0] * xx + B[1] * yy + B[2] * zz + B[3] * (xy + yx) + B[4] * (xz + zx) + B[5] * (yz + zy);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -92,8 +92,10 @@ PetscErrorCode OutputSetFromOptions(Output output)
   PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", output->precise,
                              &output->precise, NULL));
   PetscCall(GaugesSetFromOptions(output, PetscOptionsObject));
+  PetscCall(PointsSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(GaugesCheck(output));
+  PetscCall(PointsCheck(output));
   PetscCall(CheckInterval(output, "-series_interval", output->series.interval));
   PetscCall(CheckInterval(output, "-snapshot_interval", output->snapshot.interval));
   PetscCall(CheckInterval(output, "-checkpoint_interval", output->checkpoint.interval));

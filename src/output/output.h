@@ -30,8 +30,8 @@ typedef struct {
 /* OutputCreate - for the particles of a cloud (borrowed). Collective. */
 PetscErrorCode OutputCreate(Cloud cloud, Output *output);
 /* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s),
-   -checkpoint_interval (s), -snapshot_walls, -snapshot_double, -gauge_*. The bodies of the scene must be known. Refuses
-   negative intervals and sizes, and a pool that is no body. Collective. */
+   -checkpoint_interval (s), -snapshot_walls, -snapshot_double, -gauge_* (-gauge_points: columns of the series). The
+   bodies of the scene must be known. Refuses negative intervals and sizes, and a pool that is no body. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
    a run already unless -output_overwrite, which removes the files of that run; writes options.opts (every option in
@@ -62,6 +62,12 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state);
 /* OutputGauges - the values of the moment, from the swarm. Collective. */
 PetscErrorCode OutputGauges(Output output, GaugeValues *values);
+/* OutputPoints - pressure (Pa) and velocity (dim components, m/s) at each point of -gauge_points, values
+   [points][1 + dim], from the swarm: the Shepard mean sum V W f / sum V W over the fluid within the kernel's support,
+   also through periodic faces and mirrors. So a point on a wall reads the fluid in front of it, within the support.
+   With no fluid there the pressure is 0, that of the air, and the velocity nan.
+   Collective. */
+PetscErrorCode OutputPoints(Output output, PetscReal values[]);
 const char    *OutputFolder(Output output);
 PetscErrorCode OutputDestroy(Output *output);
 

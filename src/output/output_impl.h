@@ -35,6 +35,14 @@ typedef struct {
   PetscReal multiplicity;  /* 1 */
 } GaugeSetup;
 
+#define GAUGE_POINTS_MOST 64
+
+/* Points of which the series holds pressure and velocity. */
+typedef struct {
+  PetscInt  count, numbers;                    /* numbers: how many the user gave */
+  PetscReal at[(GAUGE_POINTS_MOST + 1) * DIM]; /* [count][dim] m */
+} GaugePoints;
+
 struct _p_Output {
   MPI_Comm       comm;
   PetscMPIInt    rank, size;
@@ -48,6 +56,7 @@ struct _p_Output {
   PetscInt       entries, entry_capacity;
   PetscReal      wall_start, wall_before; /* s: MPI_Wtime at the start; spent before the restart */
   GaugeSetup     gauge;
+  GaugePoints    points;
 };
 
 /* --- output.c --- */
@@ -97,6 +106,14 @@ PetscErrorCode GaugesCheck(Output output);
  */
 void     GaugeBodyBounds(Output output, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
 PetscInt GaugeMirrors(Output output);
+
+/* --- gauge_points.c --- */
+/* PointsSetFromOptions - inside an options block; PointsCheck - refuses bad values, after it. Collective. */
+PetscErrorCode PointsSetFromOptions(Output output, OptionItems PetscOptionsObject);
+PetscErrorCode PointsCheck(Output output);
+/* PointsColumns - how many columns the points have. PointsName - the name of one, with its unit. Not collective. */
+PetscInt       PointsColumns(Output output);
+PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t length);
 
 /* --- storage.c: HDF5 files of rows spread over the ranks; errors are collected and agreed upon when the file is closed
  * --- */

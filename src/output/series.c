@@ -5,7 +5,8 @@
 #include <unistd.h>
 
 #define SERIES_FILE "series.csv"
-#define LINE_LENGTH 1024
+#define LINE_LENGTH 16384 /* 32 bytes for each of the columns above and 4 for each of the GAUGE_POINTS_MOST points */
+#define NAME_LENGTH 64
 
 /* The columns: name and value, from state (StepState), gauges (GaugeValues) and wall (s). The places of the first three
  * are fixed. */
@@ -38,26 +39,33 @@ static const char *const names[] = {
 
 #define COLUMNS ((PetscInt)(sizeof(names) / sizeof(names[0])))
 
-static void HeadLine(char line[LINE_LENGTH])
+static PetscErrorCode HeadLine(Output output, char line[LINE_LENGTH])
 {
   size_t used = 0;
 
+  PetscFunctionBegin;
   for (PetscInt c = 0; c < COLUMNS; c++)
     used += (size_t)snprintf(line + used, LINE_LENGTH - used, "%s%s", c ? "," : "", names[c]);
+  for (PetscInt c = 0; c < PointsColumns(output); c++) {
+    char name[NAME_LENGTH];
+
+    PetscCall(PointsName(output, c, name, sizeof(name)));
+    used += (size_t)snprintf(line + used, LINE_LENGTH - used, ",%s", name);
+  }
   (void)snprintf(line + used, LINE_LENGTH - used, "\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Copies the head and the whole lines up to a step to a temporary file that then takes the name. Rank 0; returns an
    errno, EILSEQ when the file has other columns. */
-static int Cut(const char path[], const char temporary[], PetscInt restart_step, PetscInt *last_step)
+static int Cut(const char path[], const char temporary[], const char head[], PetscInt restart_step, PetscInt *last_step)
 {
   FILE *from = fopen(path, "r"), *to;
-  char  line[LINE_LENGTH], head[LINE_LENGTH];
+  char  line[LINE_LENGTH];
   int   error = 0;
 
   *last_step = -1;
   if (!from) return errno == ENOENT ? 0 : errno;
-  HeadLine(head);
   to = fopen(temporary, "w");
   if (!to) error = errno;
   if (!error && (!fgets(line, sizeof(line), from) || strcmp(line, head))) error = EILSEQ;
@@ -82,13 +90,10 @@ static int Cut(const char path[], const char temporary[], PetscInt restart_step,
 }
 
 /* Opens the file to append, with the head when it is new. Rank 0; returns an errno. */
-static int Open(Output output, const char path[])
+static int Open(Output output, const char path[], const char head[])
 {
-  char head[LINE_LENGTH];
-
   output->series_file = fopen(path, "a");
   if (!output->series_file) return errno;
-  HeadLine(head);
   (void)fseek(output->series_file, 0, SEEK_END);
   if (ftell(output->series_file) == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file)))
     return errno;
@@ -97,42 +102,51 @@ static int Open(Output output, const char path[])
 
 PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
 {
-  char     path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN];
+  char     path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN], head[LINE_LENGTH];
   PetscInt last  = -1;
   int      error = 0, other;
 
   PetscFunctionBegin;
   PetscCall(OutputPath(output, SERIES_FILE, path));
   PetscCall(OutputPath(output, SERIES_FILE ".tmp", temporary));
-  if (!output->rank && same) error = Cut(path, temporary, restart_step, &last);
+  PetscCall(HeadLine(output, head));
+  if (!output->rank && same) error = Cut(path, temporary, head, restart_step, &last);
   other = error == EILSEQ;
   PetscCallMPI(MPI_Bcast(&other, 1, MPI_INT, 0, output->comm));
-  PetscCheckUser(!other, output->comm,
-                 "%s has other columns than this version of the program writes; move it away to continue the run.",
-                 path);
-  if (!output->rank && !error) error = Open(output, path);
+  PetscCheckUser(
+    !other, output->comm,
+    "%s has other columns than this run writes (-gauge_points, or the version of the program); move it away to "
+    "continue the run.",
+    path);
+  if (!output->rank && !error) error = Open(output, path, head);
   PetscCall(FolderStatus(output, error, "write", path));
   PetscCallMPI(MPI_Bcast(&last, 1, MPIU_INT, 0, output->comm));
   output->series_step = last;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One line of values; whole numbers come out as such up to 12 digits. Returns an errno. */
-static int Line(FILE *file, const StepState *state, const GaugeValues *gauges, PetscReal wall)
+/* One value, after a comma unless it is the first; whole numbers come out as such up to 12 digits. Returns an errno. */
+static int Value(FILE *file, PetscBool first, double value)
 {
+  if (!first && fputs(",", file) < 0) return errno;
+  if (value != value) return fputs("nan", file) < 0 ? errno : 0; /* no "-nan" */
+  return fprintf(file, "%.12g", value) < 0 ? errno : 0;
+}
+
+/* One line: the columns, then the n values of the points. Returns an errno. */
+static int Line(FILE *file, const StepState *state, const GaugeValues *gauges, PetscReal wall, PetscInt n,
+                const PetscReal point[])
+{
+  int          error    = 0;
   const double values[] = {
 #define COLUMN_VALUE(name, value) (double)(value),
     SERIES_COLUMNS(COLUMN_VALUE)
 #undef COLUMN_VALUE
   };
 
-  for (PetscInt c = 0; c < COLUMNS; c++) {
-    if (c && fputs(",", file) < 0) return errno;
-    if (values[c] != values[c]) { /* no "-nan" */
-      if (fputs("nan", file) < 0) return errno;
-    } else if (fprintf(file, "%.12g", values[c]) < 0)
-      return errno;
-  }
+  for (PetscInt c = 0; c < COLUMNS && !error; c++) error = Value(file, (PetscBool)(c == 0), values[c]);
+  for (PetscInt c = 0; c < n && !error; c++) error = Value(file, PETSC_FALSE, (double)point[c]);
+  if (error) return error;
   if (fputs("\n", file) < 0 || fflush(file)) return errno;
   return 0;
 }
@@ -141,12 +155,15 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state)
 {
   char        path[PETSC_MAX_PATH_LEN];
   GaugeValues gauges;
+  PetscReal   point[GAUGE_POINTS_MOST * (1 + DIM)];
   int         error = 0;
 
   PetscFunctionBegin;
   PetscCall(OutputGauges(output, &gauges));
+  PetscCall(OutputPoints(output, point));
   PetscCall(OutputPath(output, SERIES_FILE, path));
-  if (!output->rank) error = Line(output->series_file, state, &gauges, OutputWallTime(output));
+  if (!output->rank)
+    error = Line(output->series_file, state, &gauges, OutputWallTime(output), PointsColumns(output), point);
   PetscCall(FolderStatus(output, error, "write", path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -84,7 +84,7 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
   return PETSC_TRUE;
 }
 
-/* The share of the lattice cell around x that is inside body and box. */
+/* The share of the lattice cell around x that is inside body and box, displaced as the body displaces it. */
 static PetscReal CellShare(Domain domain, const BoxLattice *lattice, Body body, const PetscReal x[DIM])
 {
   const PetscInt points = domain->dim == 3 ? SUBPOINTS * SUBPOINTS * SUBPOINTS : SUBPOINTS * SUBPOINTS;
@@ -95,6 +95,7 @@ static PetscReal CellShare(Domain domain, const BoxLattice *lattice, Body body, 
     PetscReal      y[DIM]  = {x[0], x[1], x[2]};
 
     for (PetscInt d = 0; d < domain->dim; d++) y[d] += ((at[d] + 0.5) / SUBPOINTS - 0.5) * lattice->pitch[d];
+    BodyDisplace(body, y);
     inside += BodyContains(body, y);
   }
   return (PetscReal)inside / points;
@@ -117,13 +118,14 @@ static PetscErrorCode FitLevel(Packing packing, PetscInt b, const BoxLattice *la
     for (PetscInt j = 0; j < lattice->n[1]; j++) {
       for (PetscInt i = 0; i < lattice->n[0]; i++) {
         const PetscInt index[DIM] = {i, j, k};
-        PetscReal      x[DIM], s;
+        PetscReal      x[DIM], placed[DIM], s;
         PetscBool      inside = PETSC_TRUE;
 
-        for (PetscInt d = 0; d < DIM; d++) x[d] = lattice->origin[d] + index[d] * lattice->pitch[d];
+        for (PetscInt d = 0; d < DIM; d++) x[d] = placed[d] = lattice->origin[d] + index[d] * lattice->pitch[d];
+        BodyDisplace(body, placed);
         for (PetscInt d = 0; d < domain->dim; d++)
-          if (x[d] <= domain->lower[d] || x[d] >= domain->upper[d]) inside = PETSC_FALSE;
-        s = PointDistance(packing, b, (k * lattice->n[1] + j) * lattice->n[0] + i, x);
+          if (placed[d] <= domain->lower[d] || placed[d] >= domain->upper[d]) inside = PETSC_FALSE;
+        s = PointDistance(packing, b, (k * lattice->n[1] + j) * lattice->n[0] + i, placed);
         target += s < -reach ? inside : s > reach ? 0 : CellShare(domain, lattice, body, x);
         if (!inside || s > bound) continue;
         if (s < -bound)
@@ -176,6 +178,7 @@ static PetscErrorCode Visit_Lattice(Packing packing, PackingVisitor visitor, voi
           PetscReal      x[DIM];
 
           for (PetscInt d = 0; d < DIM; d++) x[d] = lattice.origin[d] + index[d] * lattice.pitch[d];
+          BodyDisplace(SceneBody(scene, b), x);
           if (!Belongs(packing, level, b, (k * lattice.n[1] + j) * lattice.n[0] + i, x)) continue;
           for (PetscInt d = 0; d < domain->dim; d++) {
             x[d] += jitter * (2 * RandomUnit(seed, (unsigned long long)id * DIM + (unsigned long long)d) - 1);

@@ -271,6 +271,11 @@ void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
+void BodyDisplace(Body body, PetscReal x[DIM])
+{
+  if (body->shape->displace) body->shape->displace(body, x);
+}
+
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) v[d] = body->uniform[d];

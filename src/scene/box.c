@@ -54,7 +54,7 @@ static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 
 const ShapeOps *ShapeBox(void)
 {
-  static const ShapeOps ops = {BoxSetFromOptions, BoxDistance, BoxBounds};
+  static const ShapeOps ops = {BoxSetFromOptions, BoxDistance, BoxBounds, NULL};
 
   return &ops;
 }

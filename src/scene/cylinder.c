@@ -66,7 +66,7 @@ static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]
 
 const ShapeOps *ShapeCylinder(void)
 {
-  static const ShapeOps ops = {CylinderSetFromOptions, CylinderDistance, CylinderBounds};
+  static const ShapeOps ops = {CylinderSetFromOptions, CylinderDistance, CylinderBounds, NULL};
 
   return &ops;
 }

@@ -102,7 +102,7 @@ static void EllipsoidBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 
 const ShapeOps *ShapeEllipsoid(void)
 {
-  static const ShapeOps ops = {EllipsoidSetFromOptions, EllipsoidDistance, EllipsoidBounds};
+  static const ShapeOps ops = {EllipsoidSetFromOptions, EllipsoidDistance, EllipsoidBounds, NULL};
 
   return &ops;
 }

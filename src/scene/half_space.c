@@ -44,7 +44,7 @@ static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 
 const ShapeOps *ShapeHalfSpace(void)
 {
-  static const ShapeOps ops = {HalfSpaceSetFromOptions, HalfSpaceDistance, HalfSpaceBounds};
+  static const ShapeOps ops = {HalfSpaceSetFromOptions, HalfSpaceDistance, HalfSpaceBounds, NULL};
 
   return &ops;
 }

@@ -2,17 +2,21 @@
    forces.
 
    -bodies film,drop  and, for each body <b>:
-   -<b>_shape box|sphere|cylinder|ellipsoid|half_space, its sizes, -<b>_density, -<b>_viscosity, -<b>_tension,
+   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave, its sizes, -<b>_density, -<b>_viscosity, -<b>_tension,
    -<b>_color,
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
    the uniform part). Every shape is cut by the box.
 
    Sizes (m): box _lower, _upper (default: the simulation box); sphere _center, _radius; cylinder _center, _radius,
    _axis x|y|z or a vector, _height (0: infinite); ellipsoid _center, _radii; half_space _point, _normal (out of the
-   liquid). Velocities: rotation _rotation_rate (rad/s), _rotation_center; strain _strain_rate (1/s, diagonal or full
-   gradient), _strain_center; shear _shear_rate (1/s), _shear_direction, _shear_normal, _shear_center; taylor_green
-   _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the width of the box). In two dimensions a
-   sphere is a circle and so on; z is ignored. */
+   liquid); wave _lower, _upper (as a box, the last number of _upper is the mean level), _wave_amplitude a,
+   _wave_length (along x; a whole number of half waves in the width). The top of a wave is at a cos k(x - x_lower) + k
+   a^2/2 coth(kH) cos 2k(x - x_lower) from the level: a cosine and what a standing wave of finite height adds in second
+   order. The lattice packing moves its points there along the field of the linear wave, which keeps every volume, so
+   that the amplitude may be a fraction of the spacing. Velocities: rotation _rotation_rate (rad/s), _rotation_center;
+   strain _strain_rate (1/s, diagonal or full gradient), _strain_center; shear _shear_rate (1/s), _shear_direction,
+   _shear_normal, _shear_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
+   width of the box). In two dimensions a sphere is a circle and so on; z is ignored. */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
@@ -36,6 +40,7 @@ typedef struct {
                                    OptionItems PetscOptionsObject); /* reads its sizes inside an options block */
   PetscReal (*distance)(Body body, const PetscReal x[DIM]);
   void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
+  void (*displace)(Body body, PetscReal x[DIM]); /* see BodyDisplace; NULL: not at all */
 } ShapeOps;
 
 /* SceneCreate - a scene in a domain (borrowed, must outlive the scene). Collective. */
@@ -60,6 +65,9 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
 /* BodyBounds - a box (m) that holds shape and box's intersection. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
+/* BodyDisplace - moves a point x (m) of a lattice to where it is in the body: a map that keeps volumes and takes the
+   layers of the lattice to layers along a curved surface. The identity for most shapes. */
+void BodyDisplace(Body body, PetscReal x[DIM]);
 /* BodyVelocity - the initial velocity v (m/s) at x (m). */
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
 /* SceneAcceleration - gravity and central force g (m/s2) at x (m). SceneForcePotential - its potential energy a unit

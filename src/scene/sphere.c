@@ -41,7 +41,7 @@ static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 
 const ShapeOps *ShapeSphere(void)
 {
-  static const ShapeOps ops = {SphereSetFromOptions, SphereDistance, SphereBounds};
+  static const ShapeOps ops = {SphereSetFromOptions, SphereDistance, SphereBounds, NULL};
 
   return &ops;
 }

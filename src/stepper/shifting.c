@@ -11,7 +11,8 @@ PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[])
   Cloud            cloud = stepper->cloud;
   const PetscReal *u = cloud->field[FIELD_PREDICTED], *volume = cloud->volume, h = KernelSmoothingLength(cloud->kernel);
   const PetscReal  cap = stepper->shifting_cap * cloud->domain->spacing, scale = 1 / stepper->self_kernel;
-  PetscReal       *v = cloud->field[FIELD_VELOCITY];
+  const PetscInt  *layer = cloud->integer[INT_LAYER];
+  PetscReal       *v     = cloud->field[FIELD_VELOCITY];
   PairRow          row;
 
   PetscFunctionBegin;
@@ -58,7 +59,8 @@ PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[])
     SIMD_LOOP(reduction(+ : gx, gy, gz))
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b = row.index[k];
-      const PetscReal c = volume[b] * row.F[k] * (along[0] * row.dx[k] + along[1] * row.dy[k] + along[2] * row.dz[k]);
+      const PetscReal c =
+        (layer[b] ? 0 : volume[b]) * row.F[k] * (along[0] * row.dx[k] + along[1] * row.dy[k] + along[2] * row.dz[k]);
 
       gx += c * (u[3 * b] - ux);
       gy += c * (u[3 * b + 1] - uy);

@@ -1,0 +1,158 @@
+/* Box whose top is a standing wave along x at its largest displacement. */
+#include "sceneimpl.h"
+
+#define STEPS      16 /* of the map */
+#define SAMPLES    64 /* of half a wave, for the nearest point */
+#define BISECTIONS 60
+#define ROUNDING   1e-6 /* of a half wave */
+
+typedef struct {
+  PetscReal lower[DIM], upper[DIM]; /* m; upper[up]: the level */
+  PetscReal amplitude;              /* m */
+  PetscReal k;                      /* 2 pi over the wave's length, 1/m */
+} Wave;
+
+static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  Domain         domain = body->domain;
+  const PetscInt up     = domain->dim - 1;
+  Wave          *wave;
+  PetscReal      length = 0, halves;
+  PetscBool      found;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&wave));
+  body->shape_data = wave;
+  PetscCall(PetscArraycpy(wave->lower, domain->lower, DIM));
+  PetscCall(PetscArraycpy(wave->upper, domain->upper, DIM));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower", "Lower corner of a wave's box (m)",
+                                "ShapeWave", wave->lower, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
+                                "Upper corner of a wave's box, the last number is the mean level (m)", "ShapeWave",
+                                wave->upper, NULL));
+  for (PetscInt d = 0; d < domain->dim; d++)
+    PetscCheckUser(wave->upper[d] > wave->lower[d], domain->comm, "-%supper must be above -%slower in every direction",
+                   body->prefix, body->prefix);
+  PetscCall(PetscOptionsReal("-wave_amplitude",
+                             "Amplitude of the wave (m), positive: a crest stands at the lower x, required",
+                             "ShapeWave", 0, &wave->amplitude, &found));
+  PetscCheckUser(found && PetscAbsReal(wave->amplitude) < 0.5 * (wave->upper[up] - wave->lower[up]), domain->comm,
+                 "-%swave_amplitude must be given and below half the depth, %g m", body->prefix,
+                 0.5 * (double)(wave->upper[up] - wave->lower[up]));
+  length = wave->upper[0] - wave->lower[0];
+  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length",
+                              "Length of the wave along x (m), default the width of its box", &length));
+  wave->k = 2 * PETSC_PI / length;
+  halves  = 2 * (wave->upper[0] - wave->lower[0]) / length;
+  PetscCheckUser(halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < ROUNDING, domain->comm,
+                 "-%swave_length is %g m: the width of the body, %g m, must hold a whole number of half waves",
+                 body->prefix, (double)length, (double)(wave->upper[0] - wave->lower[0]));
+  PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < 0.5, domain->comm,
+                 "-%swave_amplitude is %g m: more than 0.08 of the wave's length is no wave of this form", body->prefix,
+                 (double)wave->amplitude);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The surface above the level (m) at s = x - lower[0] (m), and its slope. */
+static PetscReal WaveSurface(const Wave *wave, PetscInt up, PetscReal s, PetscReal *slope)
+{
+  const PetscReal a = wave->amplitude, k = wave->k, depth = wave->upper[up] - wave->lower[up],
+                  second = 0.5 * k * a * a / PetscTanhReal(k * depth);
+
+  *slope = -k * (a * PetscSinReal(k * s) + 2 * second * PetscSinReal(2 * k * s));
+  return a * PetscCosReal(k * s) + second * PetscCosReal(2 * k * s);
+}
+
+/* Distance of a point to the surface, negative below. The nearest point is in the same half wave, between two mirrors
+   of the curve: the best of some samples, then the zero of the derivative of the squared distance around it. */
+static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal x[DIM])
+{
+  const PetscReal half = PETSC_PI / wave->k, z = x[up] - wave->upper[up], across = x[0] - wave->lower[0];
+  PetscReal       s = across - 2 * half * PetscFloorReal(across / (2 * half)), best = PETSC_MAX_REAL, low = 0, high = 0;
+  PetscReal       slope, eta, square;
+
+  s = PetscMin(s, 2 * half - s);
+  for (PetscInt m = 0; m <= SAMPLES; m++) {
+    const PetscReal at = half * m / SAMPLES;
+
+    eta    = WaveSurface(wave, up, at, &slope);
+    square = PetscSqr(at - s) + PetscSqr(eta - z);
+    if (square >= best) continue;
+    best = square;
+    low  = half * PetscMax(m - 1, 0) / SAMPLES;
+    high = half * PetscMin(m + 1, SAMPLES) / SAMPLES;
+  }
+  for (PetscInt n = 0; n < BISECTIONS; n++) {
+    const PetscReal middle = 0.5 * (low + high);
+
+    eta = WaveSurface(wave, up, middle, &slope);
+    if (middle - s + (eta - z) * slope > 0)
+      high = middle;
+    else
+      low = middle;
+  }
+  eta    = WaveSurface(wave, up, low, &slope);
+  square = PetscSqrtReal(PetscMin(best, PetscSqr(low - s) + PetscSqr(eta - z)));
+  return z < WaveSurface(wave, up, s, &slope) ? -square : square;
+}
+
+static PetscReal WaveDistance(Body body, const PetscReal x[DIM])
+{
+  const Wave    *wave = (const Wave *)body->shape_data;
+  const PetscInt up   = body->domain->dim - 1;
+  PetscReal      deep = SurfaceDistance(wave, up, x);
+
+  for (PetscInt d = 0; d <= up; d++)
+    deep = PetscMax(deep, PetscMax(wave->lower[d] - x[d], d < up ? x[d] - wave->upper[d] : deep));
+  return deep;
+}
+
+static void WaveBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Wave    *wave = (const Wave *)body->shape_data;
+  const PetscInt up   = body->domain->dim - 1;
+  PetscReal      slope;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    lower[d] = wave->lower[d];
+    upper[d] = wave->upper[d];
+  }
+  upper[up] += PetscMax(WaveSurface(wave, up, 0, &slope), WaveSurface(wave, up, PETSC_PI / wave->k, &slope));
+}
+
+/* The velocity, up to a factor a second, of the linear standing wave: without divergence, zero through the bottom and
+   the sides. */
+static void WaveFlow(const Wave *wave, PetscInt up, PetscReal x, PetscReal z, PetscReal v[2])
+{
+  const PetscReal k = wave->k, depth = wave->upper[up] - wave->lower[up], height = z - wave->lower[up],
+                  scale = wave->amplitude / PetscSinhReal(k * depth), phase = k * (x - wave->lower[0]);
+
+  v[0] = -scale * PetscSinReal(phase) * PetscCoshReal(k * height);
+  v[1] = scale * PetscCosReal(phase) * PetscSinhReal(k * height);
+}
+
+/* Runge and Kutta's fourth-order steps along WaveFlow over the unit of time. */
+static void WaveDisplace(Body body, PetscReal x[DIM])
+{
+  const Wave     *wave = (const Wave *)body->shape_data;
+  const PetscInt  up   = body->domain->dim - 1;
+  const PetscReal step = 1.0 / STEPS;
+
+  for (PetscInt n = 0; n < STEPS; n++) {
+    PetscReal a[2], b[2], c[2], d[2];
+
+    WaveFlow(wave, up, x[0], x[up], a);
+    WaveFlow(wave, up, x[0] + 0.5 * step * a[0], x[up] + 0.5 * step * a[1], b);
+    WaveFlow(wave, up, x[0] + 0.5 * step * b[0], x[up] + 0.5 * step * b[1], c);
+    WaveFlow(wave, up, x[0] + step * c[0], x[up] + step * c[1], d);
+    x[0] += step / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]);
+    x[up] += step / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]);
+  }
+}
+
+const ShapeOps *ShapeWave(void)
+{
+  static const ShapeOps ops = {WaveSetFromOptions, WaveDistance, WaveBounds, WaveDisplace};
+
+  return &ops;
+}
