@@ -8,33 +8,59 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
 
+REACH = 1.5  # spacings: the width of the smoothing that draws the outline
+LOW = 2  # spacings: the outline is fitted above this height
+
+
+def phase(points, x, y, d0):
+    """The liquid's share around the points (x, y), from particles and their mirror images in the wall."""
+    both = np.vstack([points, points * (1, -1)])
+    w = np.empty_like(x)
+    for k in range(len(x)):
+        r2 = ((both - (x[k], y[k]))**2).sum(axis=1) / (REACH * d0)**2
+        w[k] = np.exp(-r2).sum() / (np.pi * REACH**2)
+    return w
+
+
+def outline(points, d0, rays=90):
+    """Where the share passes a half on rays from the middle of the drop's foot."""
+    middle = points[:, 0].mean()
+    angles = np.pi * (np.arange(rays) + 0.5) / rays
+    c, s = np.cos(angles), np.sin(angles)
+    low, high = np.full(rays, 2 * d0), np.full(rays, 2 * np.ptp(points[:, 0]))
+    for _ in range(40):
+        r = 0.5 * (low + high)
+        inside = phase(points, middle + r * c, r * s, d0) > 0.5
+        low, high = np.where(inside, r, low), np.where(inside, high, r)
+    return np.column_stack([middle + low * c, low * s])
+
 
 def circle(points):
-    """Centre and radius of the circle nearest to the points (Kasa 1976)."""
-    A = np.column_stack([points, np.ones(len(points))])
-    a, b, c = np.linalg.lstsq(A, (points**2).sum(axis=1), rcond=None)[0]
+    """Centre and radius of the circle nearest to the points, by linear least squares (Kasa 1976)."""
+    a, b, c = np.linalg.lstsq(np.column_stack([points, np.ones(len(points))]), (points**2).sum(axis=1), rcond=None)[0]
     return np.array([a / 2, b / 2]), np.sqrt(c + (a * a + b * b) / 4)
 
 
-def cap(angle, area):
-    """Radius of the circle whose part above a chord, which it meets under the angle (rad), has the area."""
-    return np.sqrt(area / (angle - np.sin(angle) * np.cos(angle)))
-
-
-def angle_of(head, f):
-    """Contact angle (rad): the height of the circle's centre over its radius is -cos; of the free surface's particles,
-    half a spacing inside it."""
+def check(folder):
+    states = list(physics.snapshots(folder))
+    start, end = (s[2]["position"][:, :2] for s in (states[0], states[-1]))
+    head, f = states[-1][1:]
+    wanted = float(physics.options(head).get("-wall_contact_angle", 90))
     d0 = float(np.ravel(head["spacing"])[0])
-    x = f["position"][:, :2]
-    surface = x[(f["surface"] == 1) & (x[:, 1] > 2 * d0)]
-    centre, radius = circle(surface)
-    radius += d0 / 2
-    return np.arccos(np.clip(-centre[1] / radius, -1, 1)), np.sqrt(((np.hypot(*(surface - centre).T) - radius + d0 / 2)**2).mean())/d0
+    area, t = len(end) * d0**2, np.radians(wanted)
+    edge = outline(end, d0)
+    centre, radius = circle(edge[edge[:, 1] > LOW * d0])
+    angle = np.arccos(np.clip(-centre[1] / radius, -1, 1))
+    exact = np.sqrt(area / (t - np.sin(t) * np.cos(t)))
+    before = np.linalg.norm(states[-2][2]["velocity"], axis=1).max()
+    return [
+        physics.absolute(f"contact angle, {wanted:g} degrees", np.degrees(angle), wanted, 4, "degrees"),
+        physics.relative(f"half the width of the foot, {wanted:g} degrees", 1e3 * radius * np.sin(angle),
+                         1e3 * exact * np.sin(t), 0.05, "mm"),
+        physics.relative(f"pressure, {wanted:g} degrees", np.median(f["pressure"]), 0.067 / exact, 0.05, "Pa"),
+        physics.shown("capillary number of the flow that is left", before * 0.1 / 0.067),
+        physics.at_most("particles lost", len(start) - len(end), 0)]
 
 
 if __name__ == "__main__":
-    for d in sys.argv[1:]:
-        for t, head, f in physics.snapshots(d):
-            a, e = angle_of(head, f)
-            x = f["position"]; m = x[:, 1] < 0.2e-3; u=np.abs(f["velocity"]).max()
-            print(d, f"{t*1e3:.0f} ms angle {np.degrees(a):.2f} rough {e:.3f} base {np.ptp(x[m,0])*1e3/2:.3f} umax {u:.2e} centre {x[:,:2].mean(0)} p {np.median(f['pressure']):.2f}")
+    physics.main(check)

@@ -2,7 +2,7 @@
    forces.
 
    -bodies film,drop  and, for each body <b>:
-   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave, its sizes, -<b>_density, -<b>_viscosity, -<b>_tension,
+   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread, its sizes, -<b>_density, -<b>_viscosity, -<b>_tension,
    -<b>_color,
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
    the uniform part). Every shape is cut by the box.
@@ -16,7 +16,9 @@
    that the amplitude may be a fraction of the spacing. Velocities: rotation _rotation_rate (rad/s), _rotation_center;
    strain _strain_rate (1/s, diagonal or full gradient), _strain_center; shear _shear_rate (1/s), _shear_direction,
    _shear_normal, _shear_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
-   width of the box). In two dimensions a sphere is a circle and so on; z is ignored. */
+   width of the box). thread: an infinite cylinder, _center, _radius, _axis, its radius waved by _wave_amplitude with
+   _wave_length, thickest at the center; three dimensions only. In two dimensions a sphere is a circle and so on; z is
+   ignored. */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
