@@ -82,7 +82,7 @@ def check(folder):
         physics.shown("volume of the main drop over that of a wave length", drops[0] / number),
         physics.shown("volume of the satellite over that of a wave length", drops[1] / number if drops[1:] else 0),
         physics.shown("particles in smaller pieces, of all", 1 - sum(drops) / number),
-        physics.shown("break-up", broken * 1e3, np.log(RADIUS / (0.5 * height[0] * RADIUS)) / exact * 1e3, "ms"),
+        physics.shown("break-up", broken * 1e3, np.log(2 / height[0]) / exact * 1e3, "ms"),
         physics.shown("height at the start over the radius", height[0], 0.03),
         physics.at_most("particles lost", number - len(x), 0)]
 
