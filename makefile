@@ -79,7 +79,7 @@ verify-long: isph
 	@$(VERIFY) --size long --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
 
 convergence: isph
-	@$(VERIFY) --convergence --case "$(CASE)" --jobs $(JOBS)
+	@$(VERIFY) --convergence --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
 
 verify-readme:
 	@$(VERIFY) --readme

@@ -272,7 +272,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CloudBegin(Cloud cloud)
+PetscErrorCode CloudBegin(Cloud cloud, PetscBool search)
 {
   const PetscBool sort = (PetscBool)(++cloud->since_sort >= cloud->sort_interval);
 
@@ -287,7 +287,7 @@ PetscErrorCode CloudBegin(Cloud cloud)
     if (2 * moved > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
   }
   PetscCall(UpdateGhosts(cloud));
-  PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  if (search) PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

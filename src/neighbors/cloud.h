@@ -60,8 +60,8 @@ PetscErrorCode CloudDestroy(Cloud *cloud);
    the uninterrupted one. Collective. */
 PetscErrorCode CloudResync(Cloud cloud);
 /* CloudBegin - starts a step: loads the swarm's state, migrates when particles have strayed too far, chooses the ghosts
-   again when the slack is used up, and finds the neighbours. Collective. */
-PetscErrorCode CloudBegin(Cloud cloud);
+   again when the slack is used up, and, when search is true, finds the neighbours. Collective. */
+PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);

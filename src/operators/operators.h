@@ -54,6 +54,15 @@ typedef enum {
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
    have the viscosity of their neighbour. Overwrites FIELD_WORK1 and FIELD_WORK3. Collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
+/* OperatorsShares - FIELD_WORK1 s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0 for walls and spray;
+   ghosts too. Collective. */
+PetscErrorCode OperatorsShares(Cloud cloud);
+/* OperatorsConserve - change ([n_fluid][3], of velocity or acceleration) of each particle a is paid for by its
+   neighbours b in the fluid: theirs by -s_a W_ab (change_a + beta_a x (x_b - mean x)), beta such that it has no torque
+   at positions x (m, ghosts current) either, nor has FIELD_WORK3, which holds displacements that were paid for in the
+   same way and took place at velocities u ([n_total][3]; no displacements: zeros). After OperatorsShares. Overwrites
+   FIELD_WORK3, FIELD_STRESS. Collective. */
+PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would

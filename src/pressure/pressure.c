@@ -13,6 +13,7 @@ static PetscErrorCode PressureRegisterAll(void)
   PetscCall(PetscFunctionListAdd(&ClosureList, CLOSURE_FULL, ClosureFull));
   PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_SYMMETRIC, GradientSymmetric));
   PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_CORRECTED, GradientCorrected));
+  PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_CONSERVED, GradientConserved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,6 +29,7 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->rebuild_growth  = 1.5;
   p->relaxation_time = 1e-3;
   p->closure_factor  = 2;
+  p->regularization  = 2;
   PetscCall(PetscStrncpy(p->mat_type, MATAIJ, sizeof(p->mat_type)));
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
@@ -49,7 +51,8 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
   PetscCheckUser(pressure->closure, pressure->cloud->comm,
                  "-pressure_closure %s is not a closure; there are " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
   PetscCheckUser(pressure->gradient, pressure->cloud->comm,
-                 "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC " and " GRADIENT_CORRECTED,
+                 "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC ", " GRADIENT_CORRECTED
+                 " and " GRADIENT_CONSERVED,
                  gradient);
   pressure->summed = summed;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -84,6 +87,10 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
     "PressureSetTypes", pressure->closure_factor, &pressure->closure_factor, NULL));
   PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
                               gradient, gradient, sizeof(gradient), NULL));
+  PetscCall(
+    PetscOptionsReal("-pressure_regularization",
+                     "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)",
+                     "PressureSetFromOptions", pressure->regularization, &pressure->regularization, NULL));
   PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed",
                               "PressureSetTypes", choices, 2, choices[choice], &choice, NULL));
   PetscCall(PetscOptionsReal(
@@ -107,11 +114,13 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
                  pressure->rebuild_interval);
   PetscCheckUser(pressure->closure_factor > 0, cloud->comm, "-pressure_closure_factor is %g; it must be positive",
                  (double)pressure->closure_factor);
+  PetscCheckUser(pressure->regularization >= 0, cloud->comm, "-pressure_regularization is %g; it must not be negative",
+                 (double)pressure->regularization);
   PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1",
                  (double)pressure->rebuild_growth);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
-  pressure->lattice_diagonal = PressureLatticeDiagonal(cloud);
-  pressure->row_scale        = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
+  PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
+  pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
   PetscCall(TabulateSurfaceFraction(pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

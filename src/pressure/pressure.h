@@ -17,7 +17,9 @@ typedef struct _p_Pressure *Pressure;
 #define CLOSURE_DOUBLED    "doubled"       /* Eq. (11), Bockmann 2012: diagonal of surface rows doubled */
 #define CLOSURE_FULL       "full_diagonal" /* Nair & Tomar 2014: diagonal filled up to that of a full neighbourhood */
 #define GRADIENT_SYMMETRIC "symmetric"     /* Eq. (9): p_a/rho_a^2 + p_b/rho_b^2, conserves momentum */
-#define GRADIENT_CORRECTED "corrected"     /* B_a (p_b - p_a)/rho_a inside, symmetric at the surface */
+#define GRADIENT_CORRECTED                                                                                             \
+  "corrected" /* B_a (p_b - p_a)/rho_a and a background pressure inside, symmetric at the surface */
+#define GRADIENT_CONSERVED "conserved" /* corrected, the neighbours paying for what that does to momentum */
 
 typedef struct {
   PetscInt           iterations;
@@ -35,15 +37,17 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
 /* PressureSetRelaxationTime - T (s) of the density term. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
-   -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_rebuild_interval,
-   -pressure_rebuild_growth, -mat_type; the KSP's options act at its creation. Collective. */
+   -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
+   -pressure_rebuild_interval, -pressure_rebuild_growth, -mat_type; the KSP's options act at its creation. Collective.
+ */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
 /* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
    ghosts; the former pressure is the start value. Reads FIELD_PREDICTED (owned and ghosts), FIELD_DENSITY (same),
-   FIELD_MOMENT, FIELD_LAMBDA, FIELD_NORMAL, INT_SURFACE of owned particles. A solver that does not converge is no
+   FIELD_MOMENT, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the free surface), INT_SURFACE of
+   owned particles. A solver that does not converge is no
    error: see result->reason; the pressure is then unchanged. dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
 /* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
@@ -59,9 +63,9 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
-/* PressureLatticeDiagonal - Lambda_0 of Nair & Tomar: the diagonal of Eq. (8) on a full lattice, for V = d0^dim and
- * density 1; 1/m2. Not collective. */
-PetscReal PressureLatticeDiagonal(Cloud cloud);
+/* PressureLattice - of a full lattice: diagonal, Lambda_0 of Nair & Tomar, that of Eq. (8) for V = d0^dim and density 1
+   (1/m2); sum, sum V W with the particle itself, what the density term takes for rest density (1). Not collective. */
+void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum);
 
 /* The PC type -pc_type twolevel: see pc_twolevel.c. */
 #define PCTWOLEVEL "twolevel"

@@ -32,6 +32,7 @@ struct _p_Pressure {
   PetscInt         closed_capacity;
   PetscReal        relaxation_time, relaxation_option;
   PetscReal        lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
+  PetscReal        lattice_sum;                                        /* sum V W on a full lattice, 1 */
   PetscReal        surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
   PetscReal       *div;                                                /* [owned capacity] 1/s */
   PetscInt         div_capacity;
@@ -46,6 +47,7 @@ struct _p_Pressure {
   Vec         b, x;
   PetscInt    solver_layout;  /* the local order the solver was made for */
   PetscReal   closure_factor; /* of the filling of full_diagonal */
+  PetscReal   regularization; /* background pressure of the corrected gradient over h |grad p| */
   PetscBool   free_surface;   /* any particle is on one */
   PetscBool   constant_null;
   PetscInt    age, rebuild_interval, kept_steps,
@@ -69,6 +71,7 @@ PetscReal      ClosureDoubled(Pressure, PetscInt, PetscReal);
 PetscReal      ClosureFull(Pressure, PetscInt, PetscReal);
 PetscErrorCode GradientSymmetric(Pressure, PetscReal[]);
 PetscErrorCode GradientCorrected(Pressure, PetscReal[]);
+PetscErrorCode GradientConserved(Pressure, PetscReal[]);
 PetscErrorCode TabulateSurfaceFraction(Pressure);
 
 #endif

@@ -13,7 +13,7 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
 
   PetscFunctionBegin;
   /* Stage 1: everything but pressure, at r^n or half a step later */
-  PetscCall(CloudBegin(cloud));
+  PetscCall(CloudBegin(cloud, (PetscBool)!stepper->centered));
   r = cloud->field[FIELD_POSITION];
   v = cloud->field[FIELD_VELOCITY];
   if (stepper->centered) { /* leapfrog: keeps the phase volume of an oscillation, which the kick at r^n multiplies by 1
@@ -47,7 +47,7 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   }
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   if (stepper->shifting)
-    PetscCall(Shift(stepper, dt, new_r));
+    PetscCall(Shift(stepper, dt));
   else
     PetscCall(PetscArraycpy(v, new_v, DIM * cloud->n_fluid));
 

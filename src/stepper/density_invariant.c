@@ -9,7 +9,7 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
 
   PetscFunctionBegin;
   /* Stage 1: everything but pressure, Eqs. (1), (2), (4)-(7), at r^n */
-  PetscCall(CloudBegin(cloud));
+  PetscCall(CloudBegin(cloud, PETSC_TRUE));
   PetscCall(OperatorsMoments(cloud)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));

@@ -1,76 +1,173 @@
+/* Particle shifting. Plain: every particle for itself, in one pass. Conserved (-shifting_conserved): whatever a
+   particle gains its neighbours lose, so that the centre of mass, momentum and angular momentum stay; in the drop
+   impact at 0.5 mm that costs about 5 % of the kinetic energy at 5 ms. */
 #include "types.h"
 
-#define LAMBDA_SHIFTED 0.2 /* below: a spray particle, not shifted */
+#define LAMBDA_SHIFTED 0.2 /* at most: a spray particle, not shifted */
 #define CLUMP_WEIGHT   0.2 /* of the term that resists pairing (Lind et al. 2012; Monaghan 2000) */
 
+#define SHIFT FIELD_WORK3 /* dr */
+#define SHARE FIELD_WORK1 /* see OperatorsShares */
+
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
-   'cap' spacings; particles on or near the surface lose the component along sum V grad W; then v_a += sum V (v_b -
-   v_a)(dr . B grad W), the first Taylor term. */
-PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[])
+   'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
+static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PairRow *restrict row, PetscReal dr[DIM])
 {
   Cloud            cloud = stepper->cloud;
   const PetscReal *u = cloud->field[FIELD_PREDICTED], *volume = cloud->volume, h = KernelSmoothingLength(cloud->kernel);
+  const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, ux = u[3 * a], uy = u[3 * a + 1], uz = u[3 * a + 2];
   const PetscReal  cap = stepper->shifting_cap * cloud->domain->spacing, scale = 1 / stepper->self_kernel;
+  PetscReal        cx = 0, cy = 0, cz = 0, speed2 = 0, factor, length;
+
+  KernelGradient(cloud->kernel, row->n, row->r2, row->F);
+  SIMD_LOOP(reduction(+ : cx, cy, cz) reduction(max : speed2))
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b     = row->index[k];
+    const PetscReal ratio = row->W[k] * scale, ratio2 = ratio * ratio,
+                    f  = volume[b] * row->F[k] * (1 + CLUMP_WEIGHT * ratio2 * ratio2);
+    const PetscReal wx = u[3 * b] - ux, wy = u[3 * b + 1] - uy, wz = u[3 * b + 2] - uz,
+                    w2 = wx * wx + wy * wy + wz * wz;
+
+    cx += f * row->dx[k];
+    cy += f * row->dy[k];
+    cz += f * row->dz[k];
+    speed2 = w2 > speed2 ? w2 : speed2;
+  }
+  factor = -stepper->shifting_strength * h * dt * PetscSqrtReal(speed2);
+  dr[0]  = factor * cx;
+  dr[1]  = factor * cy;
+  dr[2]  = factor * cz;
+  if (cloud->integer[INT_SURFACE][a]) {
+    const PetscReal n2 = Dot(normal, normal), share = n2 > 0 ? Dot(dr, normal) / n2 : 0;
+
+    for (PetscInt d = 0; d < DIM; d++) dr[d] -= share * normal[d];
+  }
+  length = Norm(dr);
+  if (length > cap)
+    for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
+}
+
+/* Pass 1: what each particle wants. */
+static PetscErrorCode Wishes(Stepper stepper, PetscReal dt)
+{
+  Cloud   cloud = stepper->cloud;
+  PairRow row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    PetscReal *dr = cloud->field[SHIFT] + DIM * a;
+
+    dr[0] = dr[1] = dr[2] = 0;
+    if (a >= cloud->n_fluid || cloud->field[SHARE][a] <= 0) continue;
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    Wish(stepper, dt, a, &row, dr);
+  }
+  PetscCall(CloudUpdate(cloud, SHIFT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a. */
+static void Taylor(Stepper stepper, PetscInt a, const PairRow *restrict row, const PetscReal dr[DIM],
+                   PetscReal change[DIM])
+{
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *u = cloud->field[FIELD_PREDICTED], *volume = cloud->volume;
   const PetscInt  *layer = cloud->integer[INT_LAYER];
-  PetscReal       *v     = cloud->field[FIELD_VELOCITY];
+  const PetscReal  ux = u[3 * a], uy = u[3 * a + 1], uz = u[3 * a + 2];
+  PetscReal        gx = 0, gy = 0, gz = 0, along[DIM];
+
+  TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, dr[0], dr[1], dr[2], along);
+  SIMD_LOOP(reduction(+ : gx, gy, gz))
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b = row->index[k];
+    const PetscReal c =
+      (layer[b] ? 0 : volume[b]) * row->F[k] * (along[0] * row->dx[k] + along[1] * row->dy[k] + along[2] * row->dz[k]);
+
+    gx += c * (u[3 * b] - ux);
+    gy += c * (u[3 * b + 1] - uy);
+    gz += c * (u[3 * b + 2] - uz);
+  }
+  change[0] = gx;
+  change[1] = gy;
+  change[2] = gz;
+}
+
+/* Pass 2: the displacement dr_a - sum_b s_b W_ab dr_b, s the shares, so that the mass moved has no sum, is added to x;
+   the change of the velocity goes to change. */
+static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[])
+{
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *wish = cloud->field[SHIFT], *share = cloud->field[SHARE];
   PairRow          row;
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SHIFT), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, ux = u[3 * a], uy = u[3 * a + 1], uz = u[3 * a + 2];
-    PetscReal        cx = 0, cy = 0, cz = 0, speed2 = 0, length, gx, gy, gz, dr[DIM], along[DIM];
+    PetscReal sx = wish[3 * a], sy = wish[3 * a + 1], sz = wish[3 * a + 2];
 
-    for (PetscInt d = 0; d < DIM; d++) v[DIM * a + d] = u[DIM * a + d];
-    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
     PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
-    SIMD_LOOP(reduction(+ : cx, cy, cz) reduction(max : speed2))
-    for (PetscInt k = 0; k < row.n; k++) {
-      const PetscInt  b     = row.index[k];
-      const PetscReal ratio = row.W[k] * scale, ratio2 = ratio * ratio,
-                      f  = volume[b] * row.F[k] * (1 + CLUMP_WEIGHT * ratio2 * ratio2);
-      const PetscReal wx = u[3 * b] - ux, wy = u[3 * b + 1] - uy, wz = u[3 * b + 2] - uz,
-                      w2 = wx * wx + wy * wy + wz * wz;
-
-      cx += f * row.dx[k];
-      cy += f * row.dy[k];
-      cz += f * row.dz[k];
-      speed2 = w2 > speed2 ? w2 : speed2;
-    }
-    {
-      const PetscReal factor = -stepper->shifting_strength * h * dt * PetscSqrtReal(speed2);
-
-      dr[0] = factor * cx;
-      dr[1] = factor * cy;
-      dr[2] = factor * cz;
-    }
-    if (cloud->integer[INT_SURFACE][a]) {
-      const PetscReal n2 = Dot(normal, normal), share = n2 > 0 ? Dot(dr, normal) / n2 : 0;
-
-      for (PetscInt d = 0; d < DIM; d++) dr[d] -= share * normal[d];
-    }
-    length = Norm(dr);
-    if (length > cap)
-      for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
-    TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, dr[0], dr[1], dr[2], along);
-    gx = gy = gz = 0;
-    SIMD_LOOP(reduction(+ : gx, gy, gz))
+    SIMD_LOOP(reduction(- : sx, sy, sz))
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b = row.index[k];
-      const PetscReal c =
-        (layer[b] ? 0 : volume[b]) * row.F[k] * (along[0] * row.dx[k] + along[1] * row.dy[k] + along[2] * row.dz[k]);
+      const PetscReal w = row.W[k] * share[b]; /* walls have none */
 
-      gx += c * (u[3 * b] - ux);
-      gy += c * (u[3 * b + 1] - uy);
-      gz += c * (u[3 * b + 2] - uz);
+      sx -= w * wish[3 * b];
+      sy -= w * wish[3 * b + 1];
+      sz -= w * wish[3 * b + 2];
     }
-    for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
-    v[3 * a] += gx;
-    v[3 * a + 1] += gy;
-    v[3 * a + 2] += gz;
+    {
+      const PetscReal dr[DIM] = {sx, sy, sz};
+
+      Taylor(stepper, a, &row, dr, change + DIM * a);
+      for (PetscInt d = 0; d < DIM; d++) {
+        x[DIM * a + d] += dr[d];
+        if (share[a] <= 0) change[DIM * a + d] = 0;
+      }
+    }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every particle for itself: one pass. */
+static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], PetscReal change[])
+{
+  Cloud   cloud = stepper->cloud;
+  PairRow row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal dr[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
+    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    Wish(stepper, dt, a, &row, dr);
+    Taylor(stepper, a, &row, dr, change + DIM * a);
+    for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Shift(Stepper stepper, PetscReal dt)
+{
+  Cloud      cloud  = stepper->cloud;
+  PetscReal *change = cloud->field[FIELD_ACCELERATION], *u = cloud->field[FIELD_PREDICTED],
+            *v = cloud->field[FIELD_VELOCITY], *x = cloud->field[FIELD_START];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SHIFT), 0, 0, 0, 0));
+  if (stepper->shifting_conserved) {
+    PetscCall(OperatorsShares(cloud));
+    PetscCall(Wishes(stepper, dt));
+    PetscCall(Displace(stepper, x, change));
+    PetscCall(CloudUpdate(cloud, FIELD_START));
+    PetscCall(OperatorsConserve(cloud, x, u, change));
+  } else
+    PetscCall(ShiftPlain(stepper, dt, x, change));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = u[k] + change[k];
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SHIFT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,8 @@
 #define VISCOUS_LIMIT   0.08 /* dt <= this h^2/nu: 0.125 is marginal for the form of Morris et al. */
 #define CAPILLARY_LIMIT 0.25 /* dt <= this sqrt(rho h^3/(2 pi sigma)) (Brackbill et al. 1992) */
 #define FORCE_LIMIT     0.03 /* dt <= this sqrt(h/|g|): a jittered film at rest is stable at 0.03, not at 0.045 */
+#define SPRAY_LAMBDA    0.2  /* at most: a particle almost alone, which meets no pressure */
+#define SPRAY_SHARE     0.8  /* of -displacement_max that it may move in a step */
 #define GROWTH          1.2  /* from one step to the next, at most */
 #define SAMPLES         5    /* points a direction at which the initial velocity of a body is read */
 
@@ -12,21 +14,27 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   Cloud           cloud = stepper->cloud;
   const PetscReal h = KernelSmoothingLength(cloud->kernel), left = end - state->time;
   ParticleArrays  arrays;
-  PetscReal       local[2] = {0, 0}, largest[2], step = PETSC_MAX_REAL;
+  PetscReal       local[3] = {0, 0, 0}, largest[3], step = PETSC_MAX_REAL;
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    PetscReal g[DIM];
+    const PetscReal speed = Norm(arrays.real[FIELD_VELOCITY] + DIM * a);
+    PetscReal       g[DIM];
 
     if (arrays.integer[INT_LAYER][a]) continue;
     SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
-    local[0] = PetscMax(local[0], Norm(arrays.real[FIELD_VELOCITY] + DIM * a));
+    if (arrays.real[FIELD_LAMBDA][a] > SPRAY_LAMBDA || state->step == 0)
+      local[0] = PetscMax(local[0], speed);
+    else
+      local[2] = PetscMax(local[2], speed);
     local[1] = PetscMax(local[1], Norm(g));
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(local, largest, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
   if (largest[0] > 0) step = PetscMin(step, stepper->cfl * h / largest[0]);
+  if (largest[2] > 0)
+    step = PetscMin(step, SPRAY_SHARE * stepper->displacement_max * cloud->domain->spacing / largest[2]);
   if (largest[1] > 0) step = PetscMin(step, FORCE_LIMIT * PetscSqrtReal(h / largest[1]));
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));

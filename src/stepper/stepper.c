@@ -47,8 +47,8 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
   if (paper)
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
   else
-    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
-  s->shifting = (PetscBool)!paper;
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
+  s->shifting = s->centered = (PetscBool)!paper;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,6 +72,10 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme == SchemeConsistent)
     PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
                                s->shifting, &s->shifting, NULL));
+  if (s->scheme == SchemeConsistent)
+    PetscCall(PetscOptionsBool("-shifting_conserved",
+                               "shifting keeps momentum and angular momentum, at more loss of energy",
+                               "StepperSetFromOptions", s->shifting_conserved, &s->shifting_conserved, NULL));
   PetscCall(
     PetscOptionsEList("-viscosity_form",
                       "cleary: Eq. (1), keeps angular momentum; morris: exact for shear, mirrored no-slip walls",

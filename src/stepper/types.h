@@ -29,7 +29,7 @@ struct _p_Stepper {
   PetscReal      cfl, step_min, step_max, step_fixed, displacement_max, density_max, guard;
   ViscosityForm  viscosity_form;
   PetscBool      centered; /* consistent: forces at the middle of the step */
-  PetscBool      shifting;
+  PetscBool      shifting, shifting_conserved;
   PetscReal      shifting_strength, shifting_cap;
   PetscReal      relaxation_ratio;
   PetscReal      reference_velocity; /* m/s */
@@ -46,9 +46,12 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
 /* Diagnose - density error, largest density and (if asked) divergence of FIELD_VELOCITY, at the positions where moments
  * and surface were last evaluated. Not collective. */
 PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
-/* Shift - FIELD_PREDICTED (the new velocity, ghosts current) -> FIELD_VELOCITY with the correction for the shift, which
- * is added to positions x [n_owned][3] (m). Not collective. */
-PetscErrorCode Shift(Stepper stepper, PetscReal dt, PetscReal x[]);
+/* Shift - moves FIELD_START (the new positions, m) towards an even distribution and takes FIELD_PREDICTED (the new
+   velocity, m/s, ghosts current) to where the particles then are: into FIELD_VELOCITY. Centre of mass, momentum and
+   angular momentum of the fluid stay, to round-off, except what mirrors and the box's period do to them. Lists, kernels
+   and B are those of FIELD_POSITION. Overwrites FIELD_WORK1, FIELD_WORK3, FIELD_STRESS, FIELD_ACCELERATION. Collective.
+ */
+PetscErrorCode Shift(Stepper stepper, PetscReal dt);
 /* StepSize - the step (s) the state allows, within the bounds of the options. Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 

@@ -254,7 +254,7 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
   PetscReal width = STEP_WIDTH * s->domain->spacing;
 
   PetscFunctionBegin;
-  PetscCall(CloudBegin(cloud));
+  PetscCall(CloudBegin(cloud, PETSC_TRUE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt d = 0; d < s->domain->dim; d++) {
       const unsigned long long place = (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d);

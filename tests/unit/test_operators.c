@@ -251,6 +251,34 @@ static PetscErrorCode CheckDivergence(const char options[], PetscInt nz, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Liquid in disorder that slides along a wall as one has no divergence, and neither have the wall's particles; liquid
+   that falls on it has. */
+static PetscErrorCode TestSliding(void)
+{
+  const char options[] = "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 2,2 -box_x periodic -box_ymin wall "
+                         "-bodies a -a_upper 2,1 -packing_jitter 0.25 ";
+  Setup      s;
+  PetscReal *div, slide = 0, fall = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscMalloc1(s.cloud->n_owned, &div));
+  for (PetscInt direction = 0; direction < 2; direction++) {
+    for (PetscInt a = 0; a < s.cloud->n_total; a++)
+      for (PetscInt d = 0; d < DIM; d++)
+        s.cloud->field[FIELD_VELOCITY][DIM * a + d] = s.cloud->integer[INT_LAYER][a] == 0 && d == direction;
+    PetscCall(OperatorsDivergence(s.cloud, s.cloud->field[FIELD_VELOCITY], PETSC_TRUE, div));
+    for (PetscInt a = 0; a < s.cloud->n_owned; a++)
+      *(direction ? &fall : &slide) = PetscMax(direction ? fall : slide, PetscAbsReal(div[a]));
+  }
+  PetscCall(PetscFree(div));
+  CHECK_CLOSE(SetupMax(slide), 0, 1e-5, "sliding_along_a_wall_has_no_divergence");
+  CHECK(SetupMax(fall) > 1, "leaving_a_wall_has");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Velocity n (t.r)^2, n and t normal to each other: nu lap v = 2 nu n. Returns the mean n.a over 2 nu, far from
  * surfaces. */
 static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const PetscReal t[DIM], PetscReal nu,
@@ -414,6 +442,7 @@ int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   TestEigenvalue();
+  PetscCall(TestSliding());
   PetscCall(TestLatticeTable());
   PetscCall(TestFlags());
   PetscCall(CheckDivergence(OPEN, 11, "divergence_3d"));

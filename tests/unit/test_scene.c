@@ -121,6 +121,9 @@ static PetscErrorCode TestShapes(void)
   PetscCall(CheckShape(CUBE "-bodies a -a_shape half_space -a_normal 1,-1,0.5 -a_point 0.1,0,0", "half_space"));
   PetscCall(CheckShape(SQUARE "-bodies a -a_shape ellipsoid -a_radii 0.3,0.7", "ellipse"));
   PetscCall(CheckShape(SQUARE "-bodies a -a_shape cylinder -a_radius 0.2 -a_axis y", "strip"));
+  PetscCall(CheckShape(CUBE "-bodies a -a_shape wave -a_wave_amplitude 0.1 -a_upper 1,1,0.3", "wave"));
+  PetscCall(
+    CheckShape(SQUARE "-bodies a -a_shape wave -a_wave_amplitude -0.05 -a_wave_length 0.8 -a_upper 1,0", "wave_2d"));
   PetscCall(CheckDistance(CUBE "-bodies a", 0.2, 0, 0, -0.8, "box_default_is_the_box"));
   PetscCall(CheckDistance(CUBE "-bodies a -a_upper 0,0,0", 3, 4, -0.5, 5, "box_edge"));
   PetscCall(CheckDistance(CUBE BALL, 3, 4, 0, 4.5, "sphere_outside"));
@@ -140,6 +143,42 @@ static PetscErrorCode TestShapes(void)
   PetscCall(CheckDistance(ellipsoid, 0.3, 0, 0, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_mid_plane_deep"));
   PetscCall(
     CheckDistance(ellipsoid, 0.3, 0, 1e-17, -0.2 * PetscSqrtReal(1 - 0.09 / 0.6), "ellipsoid_next_to_mid_plane"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A lattice of small cells, displaced: the level goes to the top, bottom and sides to themselves, and the area of a
+   cell, by the cross product of its displaced edges, stays. */
+static PetscErrorCode TestWave(void)
+{
+  const char      wave[] = SQUARE "-bodies a -a_shape wave -a_wave_amplitude 0.02 -a_wave_length 2 -a_upper 1,0 ";
+  const PetscReal k = PETSC_PI, second = 0.5 * k * 4e-4 / PetscTanhReal(k), cell = 1e-4;
+  PetscReal       top = 0, bottom = 0, side = 0, area = 0;
+  Domain          domain;
+  Scene           scene;
+
+  PetscFunctionBegin;
+  PetscCall(Read(wave, &domain, &scene));
+  for (PetscInt n = 0; n <= 40; n++) {
+    const PetscReal s            = -1 + n / 20.;
+    PetscReal       x[3][DIM]    = {{s, 0, 0}, {s, -1, 0}, {-1, s, 0}};
+    PetscReal       edge[4][DIM] = {{s - cell, -0.2, 0}, {s + cell, -0.2, 0}, {s, -0.2 - cell, 0}, {s, -0.2 + cell, 0}};
+
+    for (PetscInt p = 0; p < 3; p++) BodyDisplace(SceneBody(scene, 0), x[p]);
+    for (PetscInt p = 0; p < 4; p++) BodyDisplace(SceneBody(scene, 0), edge[p]);
+    top    = PetscMax(top, PetscAbsReal(BodyDistance(SceneBody(scene, 0), x[0])));
+    bottom = PetscMax(bottom, PetscAbsReal(x[1][1] + 1));
+    side   = PetscMax(side, PetscAbsReal(x[2][0] + 1));
+    area   = PetscMax(area, PetscAbsReal(((edge[1][0] - edge[0][0]) * (edge[3][1] - edge[2][1]) -
+                                        (edge[1][1] - edge[0][1]) * (edge[3][0] - edge[2][0])) /
+                                           (4 * cell * cell) -
+                                         1));
+  }
+  CHECK_CLOSE(top, 0, 1e-4, "wave_level_goes_to_the_top");
+  CHECK_CLOSE(bottom + side, 0, 1e-12, "wave_keeps_bottom_and_sides");
+  CHECK_CLOSE(area, 0, 1e-6, "wave_keeps_areas");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(CheckDistance(wave, -1, 0.02 + second + 0.2, 0, 0.2, "wave_above_a_crest"));
+  PetscCall(CheckDistance(wave, 0, -0.02 + second - 0.1, 0, -0.1, "wave_below_a_trough"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -243,7 +282,8 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-bodies a,a", "twice", "refuse_twice"));
   PetscCall(Refused(CUBE "-bodies 2a", "'2a' is not a name", "refuse_name"));
   PetscCall(Refused(CUBE "-bodies box", "taken", "refuse_box_name"));
-  PetscCall(Refused(CUBE "-bodies a -a_shape cone", "box, sphere, cylinder, ellipsoid, half_space", "refuse_shape"));
+  PetscCall(
+    Refused(CUBE "-bodies a -a_shape cone", "box, sphere, cylinder, ellipsoid, half_space, wave", "refuse_shape"));
   PetscCall(Refused(CUBE BALL "-a_velocity_type spin", "taylor_green", "refuse_velocity_type"));
   PetscCall(Refused(CUBE "-bodies a -a_shape sphere", "-a_radius is missing", "refuse_no_radius"));
   PetscCall(Refused(CUBE BALL "-a_radius -1", "-a_radius must be positive", "refuse_radius"));
@@ -253,6 +293,9 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis w", "is no direction", "refuse_axis"));
   PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis 0,0,0", "not zero", "refuse_zero_axis"));
   PetscCall(Refused(SQUARE "-bodies a -a_shape half_space -a_normal z", "in the plane", "refuse_normal_2d"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape wave", "-a_wave_amplitude must be given", "refuse_no_amplitude"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape wave -a_wave_amplitude 0.1 -a_wave_length 0.7",
+                    "whole number of half waves", "refuse_wave_length"));
   PetscCall(Refused(CUBE BALL "-a_density 0", "-a_density", "refuse_density"));
   PetscCall(Refused(CUBE BALL "-a_viscosity -1", "-a_viscosity", "refuse_viscosity"));
   PetscCall(Refused(CUBE BALL "-a_tension nan", "-a_tension", "refuse_tension"));
@@ -275,6 +318,7 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(UserErrorHandlerPush());
   PetscCall(TestShapes());
+  PetscCall(TestWave());
   PetscCall(TestVelocities());
   PetscCall(TestScene());
   PetscCall(TestRefusals());

@@ -9,7 +9,7 @@
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
 output/verify/verify.csv and verify.md: rows of entries that did not run now are kept. Runs stay in
-output/verify/<id>. --from judges a run that exists instead of running the entry. The last line is
+output/verify/<id>. --from judges a run that exists instead of running the entry (--convergence: ID-SPACING). The last line is
 'N within tolerance, M not'; the exit code tells whether any of the program's default is not. Rows of the
 reference scheme are reported only.
 """
@@ -135,7 +135,7 @@ def everything(entries, jobs, existing):
 def table(rows, columns):
     """A table in markdown, its columns aligned."""
     lines = [columns] + [["-" * 3] * len(columns)] + [[str(row[c]) for c in columns] for row in rows]
-    width = [max(len(line[k]) for line in lines) for k in range(len(columns))]
+    width = [min(40, max(len(line[k]) for line in lines)) for k in range(len(columns))]
     return "\n".join("| " + " | ".join(word.ljust(n) for word, n in zip(line, width)) + " |" for line in lines)
 
 
@@ -259,14 +259,15 @@ def convergence_table(entry, outcomes):
     return "\n".join(lines + ([""] + stops if stops else []))
 
 
-def convergence(entries, case, jobs):
+def convergence(entries, case, jobs, existing):
     chosen = [e for e in entries if e.spacings]
     if not chosen:
         sys.exit(f"runner.py: no entry of {case or 'the list'} has spacings")
     todo = [(e, s, os.path.join(OUTPUT, "convergence", f"{e.id}-{s:.3g}")) for e in chosen for s in e.spacings]
     os.makedirs(os.path.join(OUTPUT, "convergence"), exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        outcomes = list(pool.map(lambda job: execute(job[0], job[2], f"-spacing {job[1]:.17g}"), todo))
+        outcomes = list(pool.map(lambda job: execute(job[0], job[2], f"-spacing {job[1]:.17g}",
+                                                     existing.get(os.path.basename(job[2]))), todo))
     for name in dict.fromkeys(e.case for e in chosen):
         tables = []
         for e in chosen:
@@ -281,18 +282,25 @@ def convergence(entries, case, jobs):
 
 
 def side_by_side(rows):
-    """A table with a line a quantity, both schemes beside each other, and its counts."""
-    lines = {}
+    """A table with a line a quantity, both schemes beside each other, and its counts. The first line of an entry names
+    it and the options of its run with the default scheme."""
+    lines, seen = {}, set()
     for row in compact(rows):
-        line = lines.setdefault((row["case"], row["quantity"]), dict(row, default="-", within="-", printed="-"))
+        name, options = row["case"], " ".join(row["options"].split())
+        if name not in seen and row["scheme"] == "default" and options:
+            row["case"] = f"{name} `{options}`"
+        elif name in seen:
+            row["case"] = ""
+        seen.add(name)
+        line = lines.setdefault((name, row["quantity"]), dict(row, default="-", within="-", printed="-"))
         if row["scheme"] == "default":
             line.update({"default": row["measured"], "within": row["pass"]})
         else:
             line["printed"] = row["measured"] + (" (!)" if row["pass"] == "reported: no" else "")
     good, bad = counts(rows)
     versions = ", ".join(sorted({f"{row['version']} ({row['date']})" for row in rows}))
-    words = [{**line, "as printed": line["printed"]} for line in lines.values()]
-    return (table(words, ["case", "quantity", "default", "expected", "tolerance", "within", "as printed"]) +
+    words = [{**line, "default scheme": line["default"], "as printed": line["printed"]} for line in lines.values()]
+    return (table(words, ["case", "quantity", "default scheme", "expected", "tolerance", "within", "as printed"]) +
             f"\n\n{good} within tolerance, {bad} not. The scheme as printed is reported, not judged; (!): beyond the "
             f"tolerance. Written by `make verify-readme` from runs of {versions}.")
 
@@ -325,19 +333,19 @@ def main():
     entries = [e for e in cases.ENTRIES if (not case or e.case == case) and label in (e.label, "")]
     if not entries:
         sys.exit(f"runner.py: no entry is of {a.case}; there are {', '.join(sorted({e.case for e in cases.ENTRIES}))}")
+    existing = dict(pair.split("=", 1) for pair in a.existing)
     if a.list:
         print("\n".join(f"{e.size:6}{e.id:45}{e.options}" for e in entries))
         return 0
     if a.readme:
         return readme()
     if a.convergence:
-        return convergence(entries, a.case, max(1, a.jobs))
+        return convergence(entries, a.case, max(1, a.jobs), existing)
     sized = [e for e in entries if e.size in SIZES[a.size]]
     if not sized:
         sys.exit(f"runner.py: {a.case} has no entry of size {a.size}; make verify-long runs all")
     if a.test:
         return test(sized)
-    existing = dict(pair.split("=", 1) for pair in a.existing)
     return verify(sized, max(1, a.jobs), existing)
 
 

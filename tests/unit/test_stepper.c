@@ -1,0 +1,111 @@
+/* Shifting: the centre of mass, momentum and angular momentum stay, in two and three dimensions, of one and of two
+   liquids; it does move particles, and to where they are more even. Runs on any number of ranks. */
+#include "../../src/stepper/types.h"
+#include "setup.h"
+#include "check.h"
+
+#define DT   0.02 /* s */
+#define DROP "-spacing 1 -packing_jitter 0.25 -bodies a -a_shape sphere -a_radius 4.3 "
+#define TWO                                                                                                            \
+  "-spacing 1 -packing_jitter 0.25 -box_lower -9,-9,-9 -box_upper 9,9,9 -bodies a,b -a_lower -4,-4,-4 -a_upper 4,4,0 " \
+  "-b_lower -4,-4,0 -b_upper 4,4,3 -b_density 300 "
+#define FLAT "-dimension 2 -spacing 1 -packing_jitter 0.25 -box_lower -9,-9 -box_upper 9,9 -bodies a -a_radius 6 "
+#define ROUND                                                                                                          \
+  "-spacing 1 -packing_jitter 0.25 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y periodic -box_z periodic " \
+  "-bodies a "
+
+/* sums[0..2] of m r, [3..5] of m v, [6..8] of m r x v of the fluid, [9] of m |v|. */
+static void Sums(Cloud cloud, const PetscReal x[], const PetscReal v[], PetscReal sums[10])
+{
+  for (PetscInt i = 0; i < 10; i++) sums[i] = 0;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal m = cloud->volume[a] * cloud->rest_density[a], *r = x + DIM * a, *u = v + DIM * a;
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscInt e = (d + 1) % DIM, f = (d + 2) % DIM;
+
+      sums[d] += m * r[d];
+      sums[DIM + d] += m * u[d];
+      sums[2 * DIM + d] += m * (r[e] * u[f] - r[f] * u[e]);
+    }
+    sums[9] += m * Norm(u);
+  }
+  for (PetscInt i = 0; i < 10; i++) sums[i] = SetupSum(sums[i]);
+}
+
+/* Mean square of sum V grad W inside: how uneven the distribution is. */
+static PetscReal Unevenness(Cloud cloud)
+{
+  PetscReal sum = 0, count = 0;
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    if (cloud->integer[INT_SURFACE][a]) continue;
+    sum += Dot(cloud->field[FIELD_NORMAL] + DIM * a, cloud->field[FIELD_NORMAL] + DIM * a);
+    count++;
+  }
+  return SetupSum(sum) / SetupSum(count);
+}
+
+static PetscErrorCode CheckShift(const char options[], PetscBool open, const char label[])
+{
+  char           name[96];
+  Setup          s;
+  Stepper        stepper;
+  Cloud          cloud;
+  PetscReal      before[10], after[10], uneven, moved = 0;
+  const PetscInt turns = open ? 3 : 2; /* angular momentum means nothing in a periodic box */
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  cloud = s.cloud;
+  PetscCall(SetupMoments(&s));
+  PetscCall(PressureCreate(cloud, &s.pressure));
+  PetscCall(StepperCreate(cloud, s.tension, s.pressure, &stepper));
+  stepper->shifting_conserved = PETSC_TRUE;
+  uneven                      = Unevenness(cloud);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    for (PetscInt d = 0; d < DIM; d++)
+      cloud->field[FIELD_PREDICTED][DIM * a + d] =
+        d < cloud->domain->dim ? 1 + RandomUnit(9, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d)) : 0;
+  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  PetscCall(PetscArraycpy(cloud->field[FIELD_START], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_PREDICTED], before);
+  PetscCall(Shift(stepper, DT));
+  Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_VELOCITY], after);
+  for (PetscInt i = 0; i < turns; i++) {
+    static const char *const what[] = {"centre", "momentum", "angular_momentum"};
+    PetscReal                error  = 0;
+
+    for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(after[DIM * i + d] - before[DIM * i + d]));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%s", label, what[i]));
+    CHECK_CLOSE(error / before[9], 0, 1e-13, name);
+  }
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
+    const PetscReal step = cloud->field[FIELD_START][k] - cloud->field[FIELD_POSITION][k];
+
+    moved                           = PetscMax(moved, PetscAbsReal(step));
+    cloud->field[FIELD_POSITION][k] = cloud->field[FIELD_START][k];
+  }
+  moved = SetupMax(moved);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_moves", label));
+  CheckTrue(moved > 1e-3 && moved < 0.3, name);
+  PetscCall(CloudMoved(cloud, PETSC_TRUE));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_more_even", label));
+  CheckTrue(Unevenness(cloud) < uneven, name);
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(CheckShift(DROP "-box_lower -9,-9,-9 -box_upper 9,9,9 ", PETSC_TRUE, "drop"));
+  PetscCall(CheckShift(TWO, PETSC_TRUE, "two_liquids"));
+  PetscCall(CheckShift(FLAT "-a_shape sphere ", PETSC_TRUE, "flat"));
+  PetscCall(CheckShift(ROUND, PETSC_FALSE, "periodic"));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
