@@ -24,6 +24,7 @@ static PetscErrorCode SceneRegisterAll(void)
   PetscCall(PetscFunctionListAdd(&ShapeList, "cylinder", ShapeCylinder));
   PetscCall(PetscFunctionListAdd(&ShapeList, "ellipsoid", ShapeEllipsoid));
   PetscCall(PetscFunctionListAdd(&ShapeList, "half_space", ShapeHalfSpace));
+  PetscCall(PetscFunctionListAdd(&ShapeList, "thread", ShapeThread));
   PetscCall(PetscFunctionListAdd(&ShapeList, "wave", ShapeWave));
   PetscCall(VelocityRegisterAll(&VelocityList));
   PetscCall(PetscRegisterFinalize(SceneFinalizePackage));

@@ -48,6 +48,7 @@ const ShapeOps *ShapeSphere(void);
 const ShapeOps *ShapeCylinder(void);
 const ShapeOps *ShapeEllipsoid(void);
 const ShapeOps *ShapeHalfSpace(void);
+const ShapeOps *ShapeThread(void);
 const ShapeOps *ShapeWave(void);
 
 /* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */

@@ -9,12 +9,14 @@
    kappa. Depth: phi = F(s) of a half-space, lowered by kappa/2 int x^2 W dA where the surface is curved.
 
    Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
-   contact angle. */
+   contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is set
+   right in grad phi (SumMirrored) and in the normals of the images (Mirror). */
 #include "types.h"
 
 #define ALIKE      0.2       /* n_a . n_b above: the same side of the liquid */
 #define FEWEST     (DIM + 2) /* normals a fit needs */
 #define THIN       0.3       /* 1 + s k is taken no smaller */
+#define PARALLEL   0.5       /* times sin of the contact angle: below, the part of n along the wall is no contact line's */
 #define REGULARITY 1e-6      /* of the fit's matrix, relative to its trace */
 
 PetscErrorCode CurvatureSetUp(Tension tension)
@@ -55,14 +57,23 @@ static PetscReal FlatDepth(Tension tension, PetscReal phi)
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
+/* The mirror images that one wall adds to the collected particles. */
+typedef struct {
+  PetscInt  begin, end, axis;
+  PetscReal inward; /* +1 or -1: the way into the box along the axis */
+} Image;
+
 /* Continues the n collected candidates behind the walls within the support of the cell of x; normals (columns 3 to 5,
-   if width says there are any) so that their mean with the originals has the contact angle. Returns the new number. */
-static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, PetscInt n)
+   if width says there are any) so that their mean with the originals has the contact angle, unless the surface is too
+   close to parallel to the wall to end there. Returns the new number, and what each wall added. */
+static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, PetscInt n,
+                       Image image[2 * DIM], PetscInt *images)
 {
   Liquid         *liquid = &tension->liquid;
   const PetscReal reach = liquid->support + liquid->grid.size, c = PetscCosReal(tension->angle),
                   s = PetscSinReal(tension->angle);
 
+  *images = 0;
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
       const PetscReal wall = side ? domain->upper[d] : domain->lower[d], inward = side ? -1 : 1;
@@ -82,7 +93,8 @@ static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], P
             normal[e] = from[(DIM + e) * liquid->stride];
             if (e != d) along += PetscSqr(normal[e]);
           }
-          scale = along > 0 ? 2 * s / PetscSqrtReal(along) : 0;
+          if (along < PetscSqr(PARALLEL * s)) continue;
+          scale = 2 * s / PetscSqrtReal(along);
           for (PetscInt e = 0; e < DIM; e++) {
             normal[e] = (e == d ? 2 * c * inward : scale * normal[e]) - normal[e];
             length += PetscSqr(normal[e]);
@@ -92,22 +104,24 @@ static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], P
         }
         copies++;
       }
-      n = copies;
+      image[(*images)++] = (Image){n, copies, d, inward};
+      n                  = copies;
     }
   return n;
 }
 
 #define CHUNK 512
 
-/* phi and grad phi of the n collected candidates at x, without V. */
-static void SumPhase(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal *phi, PetscReal gradient[DIM])
+/* Adds phi and grad phi of the collected candidates first to n - 1 at x, without V. */
+static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
+                     PetscReal gradient[DIM])
 {
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
                             *restrict cz = cy + tension->liquid.stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
   PetscReal       r2[CHUNK], W[CHUNK], F[CHUNK], sum = 0, gx = 0, gy = 0, gz = 0;
 
-  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
+  for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
     SIMD_LOOP()
@@ -122,10 +136,38 @@ static void SumPhase(Tension tension, PetscInt n, const PetscReal x[DIM], PetscR
       gz += F[k] * (z0 - cz[begin + k]);
     }
   }
-  *phi        = sum;
-  gradient[0] = gx;
-  gradient[1] = gy;
-  gradient[2] = gz;
+  *phi += sum;
+  gradient[0] += gx;
+  gradient[1] += gy;
+  gradient[2] += gz;
+}
+
+/* phi and grad phi at x of the n collected particles and, behind them, the images. An image of the free surface has the
+   part of grad phi normal to the wall reversed: it would draw all normals near the wall towards 90 degrees. In its place
+   comes that of a surface which goes on straight under the contact angle, cot(angle) times the part along the wall. */
+static void SumMirrored(Tension tension, PetscInt n, const Image image[], PetscInt images, const PetscReal x[DIM],
+                        PetscReal *phi, PetscReal g[DIM])
+{
+  PetscReal of[2 * DIM][DIM], turn[2 * DIM];
+
+  *phi = g[0] = g[1] = g[2] = 0;
+  SumPhase(tension, 0, n, x, phi, g);
+  for (PetscInt k = 0; k < images; k++) {
+    of[k][0] = of[k][1] = of[k][2] = 0;
+    SumPhase(tension, image[k].begin, image[k].end, x, phi, of[k]);
+    for (PetscInt d = 0; d < DIM; d++) g[d] += of[k][d];
+  }
+  for (PetscInt k = 0; k < images; k++) {
+    PetscReal along = 0, square = 0;
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      if (d == image[k].axis) continue;
+      along += of[k][d] * g[d];
+      square += PetscSqr(g[d]);
+    }
+    turn[k] = along > 0 ? 2 * image[k].inward * along / (PetscSqrtReal(square) * PetscTanReal(tension->angle)) : 0;
+  }
+  for (PetscInt k = 0; k < images; k++) g[image[k].axis] -= turn[k];
 }
 
 /* Weighted sums over the collected normals that look the same way as n at x: number, weight, positions relative to x,
@@ -319,7 +361,8 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < grid->count; c++) {
-    PetscInt n = -1;
+    PetscInt n = -1, real = 0, images = 0;
+    Image    image[2 * DIM];
 
     for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
       const PetscInt  a      = LiquidParticle(liquid, p);
@@ -330,12 +373,13 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
         continue;
       if (n < 0) {
         PetscCall(LiquidCollect(liquid, c, width, tension->walls ? copies : 1, &n));
-        if (tension->walls) n = Mirror(tension, cloud->domain, x, width, n);
+        real = n;
+        if (tension->walls) n = Mirror(tension, cloud->domain, x, width, n, image, &images);
       }
       if (kind == PASS_NORMAL) {
         PetscReal g[DIM], phi, length;
 
-        SumPhase(tension, n, x, &phi, g);
+        SumMirrored(tension, real, image, images, x, &phi, g);
         length = Norm(g);
         if (V * length * H < tension->threshold) continue;
         for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;

@@ -18,6 +18,7 @@ class Entry(NamedTuple):
     printed   of the reference scheme, as printed: its rows are reported and never count as failures
     file      options file of the case
     spacings  of `make convergence`, from coarse to fine; none: not part of it
+    named     of the program's own parts beside its defaults, "Cahn-Hilliard" say: reported as well, never judged
     misses    names of results known to be beyond their tolerance: `make test` leaves them out, `make verify` does not
     ranks     processes; entries with more than one run alone
     """
@@ -28,17 +29,19 @@ class Entry(NamedTuple):
     printed: bool = False
     file: str = "case.opts"
     spacings: tuple = ()
+    named: str = ""
     misses: tuple = ()
     ranks: int = 1
 
     @property
     def id(self):
-        words = [self.case, re.sub(r"[^A-Za-z0-9.]+", "_", self.label), "printed" if self.printed else ""]
+        words = [self.case, re.sub(r"[^A-Za-z0-9.]+", "_", self.label),
+                 self.named.replace(" ", "_") or ("printed" if self.printed else "")]
         return "-".join(w for w in words if w)
 
     @property
     def scheme(self):
-        return "reference scheme, as printed" if self.printed else "default"
+        return self.named or ("reference scheme, as printed" if self.printed else "default")
 
 
 def both(case, label="", options="", size=SHORT, as_printed="", **more):
@@ -116,6 +119,31 @@ ENTRIES += [Entry("dam_break", "collapse", REGULAR, TEST, misses=LAGGING, spacin
             Entry("dam_break", "collapse, 3-d", REGULAR, file="case_3d.opts"),
             Entry("dam_break", "impact", REGULAR, file="impact.opts", spacings=(0.03, 0.015, 0.0075)),
             Entry("dam_break", "impact, 3-d", REGULAR, LONG, file="impact_3d.opts")]
+
+# surface tension: with the default model, the paper's (calibrated for the program; as printed), and the whole scheme
+# as printed
+def tensions(case, label="", size=SHORT, spacings=(), coarse=(), **more):
+    """The entry of the default, and those that are reported beside it, at the coarse spacings."""
+    paper = dict(more, size=SHORT, printed=True, spacings=coarse or spacings, misses=())
+    ch = "-tension_type cahn_hilliard"
+    return [Entry(case, label, size=size, spacings=spacings, **more),
+            Entry(case, label, ch, named="Cahn-Hilliard", **paper),
+            Entry(case, label, ch + " -tension_ratio 2.5 -tension_calibration 5.30", named="Cahn-Hilliard 2.5",
+                  **paper),
+            Entry(case, label, PRINTED.strip(), **paper)]
+
+
+ENTRIES += tensions("laplace_jump", "2-d", TEST, (0.5e-3, 0.25e-3, 0.125e-3), file="circle.opts")
+ENTRIES += [Entry("laplace_jump", f"2-d, seed {seed}", f"-packing_seed {seed}", file="circle.opts")
+            for seed in range(2, 6)]
+ENTRIES += tensions("laplace_jump", "3-d", spacings=(0.5e-3, 1e-3 / 3, 0.25e-3))
+ENTRIES += tensions("oscillating_drop", "2-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3), file="circle.opts")
+ENTRIES += tensions("oscillating_drop", "3-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 1e-3 / 3, 0.25e-3))
+ENTRIES += [Entry("capillary_wave", "32 a wave length", "-spacing 0.03125", TEST)]
+ENTRIES += tensions("capillary_wave", spacings=(0.0625, 0.03125, 0.015625))
+ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3), coarse=(0.25e-3, 0.2e-3, 1e-3 / 6))
+ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {angle}",
+                  spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)

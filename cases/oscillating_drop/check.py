@@ -1,0 +1,58 @@
+#!/usr/bin/python3
+"""Period and damping of the second mode of a drop.
+check.py RUN_FOLDER"""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
+import numpy as np  # noqa: E402
+import physics  # noqa: E402
+
+RHO, MU, SIGMA = 1100.0, 3.5e-3, 0.067  # kg/m3, Pa s, N/m
+
+
+def fit(t, q, frequency, damping):
+    """Frequency and damping (1/s) of exp(-b t)(A cos wt + B sin wt) + C by least squares, from a first guess; and the
+    root of the mean square of what is left over the largest q."""
+    def rest(w, b):
+        shape = np.exp(-b * t)
+        A = np.column_stack([shape * np.cos(w * t), shape * np.sin(w * t), np.ones_like(t)])
+        return np.sqrt(((A @ np.linalg.lstsq(A, q, rcond=None)[0] - q)**2).mean())
+
+    best, step = np.array([frequency, damping]), np.array([0.1 * frequency, damping])
+    while step[0] > 1e-6 * frequency:
+        around = [best + step * (i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        errors = [rest(*p) for p in around]
+        k = int(np.argmin(errors))
+        best, step = around[k], step * (0.5 if k == 4 else 1)
+    return best[0], best[1], min(errors) / np.abs(q - q.mean()).max()
+
+
+def check(folder):
+    times, q, lost = [], [], 0
+    for t, head, f in physics.snapshots(folder):
+        d0 = float(np.ravel(head["spacing"])[0])
+        x = f["position"]
+        dim = 2 if np.ptp(x[:, 2]) == 0 else 3
+        whole = dim == 2 or x[:, 0].min() < 0  # not an octant
+        if whole:
+            x = x - x.mean(axis=0)
+        n = len(x) * (1 if whole else 8)
+        lost = n - lost if not times else lost
+        radius = d0 * np.sqrt(n / np.pi) if dim == 2 else d0 * np.cbrt(0.75 * n / np.pi)
+        m = (x**2).mean(axis=0) / radius**2
+        times.append(t)
+        q.append(m[1] - m[0] if dim == 2 else m[2] - 0.5 * (m[0] + m[1]))
+    scale = SIGMA / (RHO * radius**3)  # Lamb, art. 275 and 355
+    damping = (4 if dim == 2 else 5) * MU / (RHO * radius**2)
+    frequency = np.sqrt((6 if dim == 2 else 8) * scale - damping**2)
+    w, b, error = fit(np.array(times), np.array(q), frequency, damping)
+    return [
+        physics.relative("period", 2e3 * np.pi / w, 2e3 * np.pi / frequency, 0.02, "ms"),
+        physics.relative("damping rate", b, damping, 0.5, "1/s"),
+        physics.at_most("deviation from a damped cosine, rms over the amplitude", error, 0.05),
+        physics.shown("R/d0", radius / d0)]
+
+
+if __name__ == "__main__":
+    physics.main(check)

@@ -1,0 +1,91 @@
+#!/usr/bin/python3
+"""Growth rate of the waves on a thread, and the drops it breaks into.
+check.py RUN_FOLDER"""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
+import numpy as np  # noqa: E402
+import physics  # noqa: E402
+
+RHO, MU, SIGMA, RADIUS, LENGTH = 1100.0, 3.5e-3, 0.067, 1e-3, 9.0146e-3  # kg/m3, Pa s, N/m, m, m
+FIRST, LAST = 1.5, 5.0  # times the amplitude at the start: where the growth is measured
+SMALL = 8  # particles of a quarter: a satellite has as many or more, spray less
+
+
+def bessel(x):
+    """I0, I1 and the derivative of I1 by their series."""
+    m = np.arange(1, 120)
+    terms = np.concatenate([[1.0], np.cumprod(0.25 * x * x / m**2)])
+    i0, i1 = terms.sum(), 0.5 * x * (terms / np.arange(1, 121)).sum()
+    return i0, i1, i0 - i1 / x
+
+
+def growth(x):
+    """Growth rate (1/s) of the wave number x/R: the root of Chandrasekhar's (1961, ch. XII) relation for a viscous
+    thread."""
+    def relation(s):
+        y = np.sqrt(x * x + s * RHO * RADIUS**2 / MU)
+        i0, i1, d1 = bessel(x)
+        _, j1, e1 = bessel(y)
+        return (2 * x * x * (x * x + y * y) * d1 / i0 * (1 - 2 * x * y / (x * x + y * y) * i1 / j1 * e1 / d1)
+                - (x**4 - y**4) - SIGMA * RHO * RADIUS / MU**2 * x * i1 / i0 * (1 - x * x))
+
+    low, high = 1e-6, np.sqrt(SIGMA / (RHO * RADIUS**3))
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if relation(middle) < 0 else (low, middle)
+    return low
+
+
+def pieces(x, reach):
+    """Sizes of the sets of particles that hang together by steps below reach (m), periodic in z, the largest first."""
+    free, sizes = np.ones(len(x), dtype=bool), []
+    while free.any():
+        front = [int(np.argmax(free))]
+        free[front] = False
+        size = 0
+        while front:
+            size += len(front)
+            near = np.zeros(len(x), dtype=bool)
+            for a in front:
+                r = x - x[a]
+                r[:, 2] -= LENGTH * np.round(r[:, 2] / LENGTH)
+                near |= (r**2).sum(axis=1) < reach**2
+            front = list(np.flatnonzero(near & free))
+            free[front] = False
+        sizes.append(size)
+    return sorted(sizes, reverse=True)
+
+
+def check(folder):
+    k = 2 * np.pi / LENGTH
+    times, height, broken, number, last = [], [], np.nan, 0, []
+    for t, head, f in physics.snapshots(folder):
+        d0 = float(np.ravel(head["spacing"])[0])
+        x = f["position"]
+        number = number or len(x)
+        times.append(t)
+        height.append(4 * d0**3 * np.cos(k * x[:, 2]).sum() / (np.pi * RADIUS**2 * LENGTH))  # of the radius, over it
+        last = pieces(x, 1.25 * d0)
+        around = np.histogram(x[:, 2], bins=np.arange(0, LENGTH + 1e-9, LENGTH / np.floor(LENGTH / (1.5 * d0))))[0]
+        if np.isnan(broken) and (around == 0).any():
+            broken = t
+    times, ratio = np.array(times), np.array(height) / height[0]
+    part = (ratio > FIRST) & (times < times[np.argmax(ratio > LAST)])
+    rate = np.polyfit(times[part], np.arccosh(ratio[part]), 1)[0]
+    exact, unit = growth(k * RADIUS), np.sqrt(SIGMA / (RHO * RADIUS**3))
+    drops = [n for n in last if n >= SMALL]
+    return [
+        physics.relative("growth rate, over sqrt(sigma/rho R^3)", rate / unit, exact / unit, 0.07),
+        physics.absolute("drops a wave length at the end", len(drops), 2, 0),
+        physics.shown("volume of the main drop over that of a wave length", drops[0] / number),
+        physics.shown("volume of the satellite over that of a wave length", drops[1] / number if drops[1:] else 0),
+        physics.shown("particles in smaller pieces, of all", 1 - sum(drops) / number),
+        physics.shown("break-up", broken * 1e3, np.log(2 / height[0]) / exact * 1e3, "ms"),
+        physics.shown("height at the start over the radius", height[0], 0.03),
+        physics.at_most("particles lost", number - len(x), 0)]
+
+
+if __name__ == "__main__":
+    physics.main(check)

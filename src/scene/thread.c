@@ -1,0 +1,145 @@
+/* Infinite thread of liquid with waves along it, the shape of Rayleigh's varicose mode: a circular cylinder whose points
+   are moved along the mode's velocity field for a unit of time, a map that keeps volumes. */
+#include "sceneimpl.h"
+
+#define STEPS 8  /* of the map */
+#define TERMS 24 /* of the Bessel functions' series */
+#define FAR   2  /* radii: beyond, the distance to the cylinder that holds the thread */
+
+typedef struct {
+  PetscReal center[DIM]; /* at a crest, m */
+  PetscReal axis[DIM];   /* unit vector */
+  PetscReal radius;      /* m */
+  PetscReal amplitude;   /* m */
+  PetscReal k;           /* 2 pi over the wave's length, 1/m */
+  PetscReal scale;       /* amplitude/I1(k radius), m */
+  PetscReal stretch;     /* the map changes distances at most by this factor, 1 */
+} Thread;
+
+/* Modified Bessel functions of order 0 and 1, the latter over its argument (Abramowitz and Stegun 9.6.10). */
+static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
+{
+  const PetscReal q    = 0.25 * x * x;
+  PetscReal       term = 1;
+
+  *I0        = 1;
+  *I1_over_x = 0.5;
+  for (PetscInt m = 1; m < TERMS; m++) {
+    term *= q / (m * m);
+    *I0 += term;
+    *I1_over_x += 0.5 * term / (m + 1);
+  }
+}
+
+static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  Domain    domain = body->domain;
+  Thread   *thread;
+  PetscReal length = 0, I0, I1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&thread));
+  body->shape_data = thread;
+  PetscCheckUser(domain->dim == 3, domain->comm, "-%sshape thread needs three dimensions", body->prefix);
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center",
+                                "A point on the axis where the thread is thickest (m)", "ShapeThread", thread->center,
+                                NULL));
+  PetscCall(
+    BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a thread (m), required", &thread->radius));
+  thread->axis[2] = 1;
+  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a thread: x, y, z or a vector", PETSC_FALSE,
+                            thread->axis));
+  PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves of a thread's radius (m)", "ShapeThread",
+                             thread->amplitude, &thread->amplitude, NULL));
+  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length", "Length of the waves along a thread (m)",
+                              &length));
+  thread->k = 2 * PETSC_PI / length;
+  PetscCheckUser(PetscAbsReal(thread->amplitude) <= 0.2 * thread->radius, domain->comm,
+                 "-%swave_amplitude is %g m; it must not be above a fifth of the radius", body->prefix,
+                 (double)thread->amplitude);
+  PetscCheckUser(thread->k * thread->radius <= PETSC_PI, domain->comm,
+                 "-%swave_length is %g m; it must not be below twice the radius", body->prefix, (double)length);
+  Bessel(thread->k * thread->radius, &I0, &I1);
+  thread->scale = thread->amplitude / (I1 * thread->k * thread->radius);
+  Bessel(FAR * thread->k * thread->radius, &I0, &I1);
+  thread->stretch = PetscExpReal(2 * PetscAbsReal(thread->scale) * thread->k * I0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* r = x - center, its part along the axis, and its distance from the axis (m). */
+static PetscReal Split(const Thread *thread, const PetscReal x[DIM], PetscReal r[DIM], PetscReal *along)
+{
+  *along = 0;
+  for (PetscInt d = 0; d < DIM; d++) *along += (x[d] - thread->center[d]) * thread->axis[d];
+  for (PetscInt d = 0; d < DIM; d++) r[d] = x[d] - thread->center[d] - *along * thread->axis[d];
+  return Norm(r);
+}
+
+/* The mode's velocity, up to a factor a second: grad of I0(kr) cos(kz), without divergence. */
+static void Flow(const Thread *thread, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  PetscReal       r[DIM], z, I0, I1;
+  const PetscReal distance = Split(thread, x, r, &z);
+
+  Bessel(thread->k * distance, &I0, &I1);
+  for (PetscInt d = 0; d < DIM; d++)
+    v[d] = thread->scale * (I1 * thread->k * r[d] * PetscCosReal(thread->k * z) -
+                            I0 * thread->axis[d] * PetscSinReal(thread->k * z));
+}
+
+/* Runge and Kutta's fourth-order steps along Flow over 'time'. */
+static void Map(const Thread *thread, PetscReal time, PetscReal x[DIM])
+{
+  const PetscReal step = time / STEPS;
+
+  for (PetscInt n = 0; n < STEPS; n++) {
+    PetscReal a[DIM], b[DIM], c[DIM], e[DIM], y[DIM];
+
+    Flow(thread, x, a);
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + 0.5 * step * a[d];
+    Flow(thread, y, b);
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + 0.5 * step * b[d];
+    Flow(thread, y, c);
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + step * c[d];
+    Flow(thread, y, e);
+    for (PetscInt d = 0; d < DIM; d++) x[d] += step / 6 * (a[d] + 2 * b[d] + 2 * c[d] + e[d]);
+  }
+}
+
+static void ThreadDisplace(Body body, PetscReal x[DIM])
+{
+  const Thread *thread = (const Thread *)body->shape_data;
+  PetscReal     r[DIM], z;
+
+  if (Split(thread, x, r, &z) < FAR * thread->radius) Map(thread, 1, x);
+}
+
+static PetscReal ThreadDistance(Body body, const PetscReal x[DIM])
+{
+  const Thread   *thread = (const Thread *)body->shape_data;
+  PetscReal       r[DIM], z, y[DIM] = {x[0], x[1], x[2]};
+  const PetscReal distance = Split(thread, x, r, &z);
+
+  if (distance > FAR * thread->radius) return distance - FAR * thread->radius + thread->radius / thread->stretch;
+  Map(thread, -1, y);
+  return (Split(thread, y, r, &z) - thread->radius) / thread->stretch;
+}
+
+static void ThreadBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Thread *thread = (const Thread *)body->shape_data;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal a = thread->axis[d], half = FAR * thread->radius * PetscSqrtReal(PetscMax(0, 1 - a * a));
+
+    lower[d] = a != 0 ? -PETSC_MAX_REAL : thread->center[d] - half;
+    upper[d] = a != 0 ? PETSC_MAX_REAL : thread->center[d] + half;
+  }
+}
+
+const ShapeOps *ShapeThread(void)
+{
+  static const ShapeOps ops = {ThreadSetFromOptions, ThreadDistance, ThreadBounds, ThreadDisplace};
+
+  return &ops;
+}

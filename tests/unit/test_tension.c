@@ -1,0 +1,234 @@
+/* The capillary pressure of the curvature model on disordered particles of known shapes, on what is too small to have a
+   curvature, and at walls. Lengths in spacings, tension 1. Runs on any number of ranks. */
+#include "setup.h"
+#include "check.h"
+
+#define MAX_POINTS 16000
+#define JITTER     0.1 /* of each coordinate, spacings */
+#define OPEN       "-spacing 1 -box_lower -24,-24,-24 -box_upper 24,24,24 -bodies a -a_tension 1 "
+#define OPEN_2D    "-dimension 2 -spacing 1 -box_lower -36,-36 -box_upper 36,36 -bodies a -a_tension 1 "
+#define LONG       "-spacing 1 -box_lower -24,-24,0 -box_upper 24,24,12 -box_z periodic -bodies a -a_tension 1 "
+#define FILM       "-spacing 1 -box_lower -7,-7,-20 -box_upper 7,7,20 -box_x periodic -box_y periodic -bodies a -a_tension 1 "
+#define OCTANT                                                                                                         \
+  "-spacing 1 -box_lower 0,0,0 -box_upper 24,24,24 -box_xmin symmetry -box_ymin symmetry -box_zmin symmetry -bodies "  \
+  "a -a_tension 1 "
+#define FLOOR "-dimension 2 -spacing 1 -box_lower -40,0 -box_upper 40,40 -box_ymin wall -bodies a -a_tension 1 "
+
+static PetscReal points[DIM * MAX_POINTS];
+
+/* A shape: whether a point belongs to it; its numbers. */
+typedef PetscBool (*Inside)(const PetscReal x[DIM], const PetscReal number[]);
+
+static PetscBool InShell(const PetscReal x[DIM], const PetscReal number[])
+{
+  return (PetscBool)(Norm(x) >= number[0] && Norm(x) < number[1]);
+}
+
+static PetscBool InTube(const PetscReal x[DIM], const PetscReal number[])
+{
+  return (PetscBool)(x[0] * x[0] + x[1] * x[1] < number[0] * number[0]);
+}
+
+static PetscBool InSlab(const PetscReal x[DIM], const PetscReal number[])
+{
+  return (PetscBool)(PetscAbsReal(x[2]) < 0.5 * number[0]);
+}
+
+/* Near the floor. */
+static PetscBool InFoot(const PetscReal x[DIM], const PetscReal number[])
+{
+  (void)number;
+  return (PetscBool)(x[1] < 5);
+}
+
+static PetscBool InPair(const PetscReal x[DIM], const PetscReal number[])
+{
+  const PetscReal r[DIM] = {PetscAbsReal(x[0]) - number[0], x[1], x[2]};
+
+  return (PetscBool)(Norm(r) < number[0]);
+}
+
+static PetscBool InCap(const PetscReal x[DIM], const PetscReal number[])
+{
+  const PetscReal r[DIM] = {x[0], x[1] + number[0] * PetscCosReal(number[1] * PETSC_PI / 180), 0};
+
+  return (PetscBool)(Norm(r) < number[0]);
+}
+
+/* The points of a lattice with cells centered at (i + 1/2) in a block of n[d] cells a direction about 'middle' that are
+   inside, each moved by up to 'jitter' a component, the mirror image in x, y or z by the mirrored vector. Returns their
+   number. */
+static PetscInt Fill(Inside inside, const PetscReal number[], const PetscInt n[DIM], const PetscReal middle[DIM],
+                     PetscReal jitter)
+{
+  PetscInt count = 0;
+
+  for (PetscInt k = 0; k < n[2]; k++)
+    for (PetscInt j = 0; j < n[1]; j++)
+      for (PetscInt i = 0; i < n[0]; i++) {
+        const PetscInt index[DIM] = {i, j, k};
+        PetscReal      x[DIM];
+
+        for (PetscInt d = 0; d < DIM; d++) x[d] = n[d] > 1 ? middle[d] + index[d] - 0.5 * (n[d] - 1) : middle[d];
+        if (!inside(x, number) || count == MAX_POINTS) continue;
+        for (PetscInt d = 0; d < DIM; d++) {
+          const PetscInt key = (PetscInt)(1e6 * PetscAbsReal(x[2]) + 1e3 * PetscAbsReal(x[1]) + PetscAbsReal(x[0]));
+          const PetscReal noise = 2 * RandomUnit(7, (unsigned long long)(DIM * key + d)) - 1;
+
+          points[DIM * count + d] = x[d] + (n[d] > 1 ? jitter * noise * (x[d] < 0 ? -1 : 1) : 0);
+        }
+        count++;
+      }
+  return count;
+}
+
+/* What the model gives: over the surface particles that 'counts' accepts (NULL: all) number, mean and standard
+   deviation; largest size of capillary pressure and slope of all particles, nan if any is. */
+typedef struct {
+  PetscReal number, mean, deviation, largest;
+} Outcome;
+
+static PetscErrorCode Measure(const char options[], PetscInt n, PetscInt layers, Inside counts,
+                              const PetscReal number[], Outcome *out)
+{
+  Setup     s;
+  PetscReal sum = 0, square = 0, surface = 0, largest = 0, bad = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupFill(options, n, points, layers, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal p = s.cloud->field[FIELD_CAPILLARY][a], *x = s.cloud->field[FIELD_POSITION] + DIM * a;
+    const PetscReal slope = Norm(s.cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+
+    if (PetscIsInfOrNanReal(p) || PetscIsInfOrNanReal(slope)) bad++;
+    largest = PetscMax(largest, PetscMax(PetscAbsReal(p), slope));
+    if (s.cloud->integer[INT_SURFACE][a] != 1 || (counts && !counts(x, number))) continue;
+    surface++;
+    sum += p;
+    square += p * p;
+  }
+  PetscCall(SetupClose(&s));
+  out->number    = SetupSum(surface);
+  out->mean      = SetupSum(sum) / PetscMax(1, out->number);
+  out->deviation = PetscSqrtReal(PetscMax(0, SetupSum(square) / PetscMax(1, out->number) - PetscSqr(out->mean)));
+  out->largest   = SetupSum(bad) > 0 ? NAN : SetupMax(largest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const PetscReal origin[DIM] = {0, 0, 0};
+
+/* The radius of a shape is that of its volume: the lattice decides on whole particles. */
+static PetscErrorCode TestShapes(void)
+{
+  const PetscInt  cube[DIM] = {30, 30, 30}, square[DIM] = {54, 54, 1}, tube[DIM] = {20, 20, 12}, slab[DIM] = {14, 14, 10};
+  const PetscReal ball[] = {0, 8}, disc[] = {0, 16}, hole[] = {7, 12}, hollow[] = {16, 26}, wire[] = {8}, thick[] = {10},
+                  inner[] = {0, 9.5}, around[] = {0, 21};
+  Outcome  o;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  n = Fill(InShell, ball, cube, origin, JITTER);
+  PetscCall(Measure(OPEN, n, 0, NULL, NULL, &o));
+  CHECK_CLOSE(o.mean * PetscPowReal(0.75 * n / PETSC_PI, 1. / 3) / 2, 1, 0.02, "sphere");
+  CHECK_CLOSE(o.deviation / o.mean, 0, 0.1, "sphere_even");
+  n = Fill(InShell, disc, square, origin, JITTER);
+  PetscCall(Measure(OPEN_2D, n, 0, NULL, NULL, &o));
+  CHECK_CLOSE(o.mean * PetscSqrtReal(n / PETSC_PI), 1, 0.03, "circle");
+  n = Fill(InTube, wire, tube, (const PetscReal[DIM]){0, 0, 6}, JITTER);
+  PetscCall(Measure(LONG, n, 0, NULL, NULL, &o));
+  CHECK_CLOSE(o.mean * PetscSqrtReal(n / (12 * PETSC_PI)), 1, 0.02, "cylinder");
+  n = Fill(InSlab, thick, slab, origin, JITTER);
+  PetscCall(Measure(FILM, n, 0, NULL, NULL, &o));
+  CHECK_CLOSE(o.mean, 0, 0.002, "plane");
+  CHECK_CLOSE(o.deviation, 0, 0.02, "plane_even");
+  n = Fill(InShell, hole, cube, origin, JITTER);
+  PetscCall(Measure(OPEN, n, 0, InShell, inner, &o));
+  CHECK_CLOSE(o.mean * 7 / 2, -1, 0.05, "bubble");
+  n = Fill(InShell, hollow, square, origin, JITTER);
+  PetscCall(Measure(OPEN_2D, n, 0, InShell, around, &o));
+  CHECK_CLOSE(o.mean * 16, -1, 0.05, "hollow_circle");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An octant between three mirrors is the whole drop. */
+static PetscErrorCode TestMirrors(void)
+{
+  const PetscInt  cube[DIM] = {18, 18, 18}, half[DIM] = {9, 9, 9};
+  const PetscReal ball[] = {0, 8}, middle[DIM] = {4.5, 4.5, 4.5};
+  Outcome         whole, part;
+  PetscInt        n, octant;
+
+  PetscFunctionBegin;
+  n = Fill(InShell, ball, cube, origin, JITTER);
+  PetscCall(Measure(OPEN, n, 0, NULL, NULL, &whole));
+  octant = Fill(InShell, ball, half, middle, JITTER);
+  PetscCall(Measure(OCTANT, octant, 0, NULL, NULL, &part));
+  CHECK_CLOSE(8 * octant, n, 0, "octant_particles");
+  CHECK_CLOSE(8 * part.number, whole.number, 0, "octant_surface");
+  CHECK_CLOSE(part.mean, whole.mean, 1e-12, "octant_mean");
+  CHECK_CLOSE(part.deviation, whole.deviation, 1e-10, "octant_deviation");
+  CHECK_CLOSE(part.largest, whole.largest, 1e-12, "octant_largest");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Too small, too thin, or touching: the curvature is bounded by (dim - 1)/d0, the pressure never more than the
+   sharpening makes of that. */
+static PetscErrorCode TestExtremes(void)
+{
+  const PetscInt one[DIM] = {1, 1, 1}, two[DIM] = {2, 1, 1}, eight[DIM] = {2, 2, 2}, row[DIM] = {12, 1, 1},
+                 single[DIM] = {14, 14, 1}, twofold[DIM] = {14, 14, 2}, wide[DIM] = {30, 16, 16};
+  const PetscReal any[] = {0, 1000}, touching[] = {6.5};
+  const PetscInt *block[] = {one, two, eight, row, single, twofold, wide};
+  const char     *name[]  = {"one_particle", "pair", "cluster_of_8", "row", "sheet", "sheet_of_two_layers",
+                             "touching_drops"};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 7; k++) {
+    const PetscInt n =
+      k < 6 ? Fill(InShell, any, block[k], origin, JITTER) : Fill(InPair, touching, block[k], origin, JITTER);
+    Outcome o;
+
+    PetscCall(Measure(k == 4 || k == 5 ? FILM : OPEN, n, 0, NULL, NULL, &o));
+    CHECK(o.largest <= 6, name[k]);
+    if (k == 0) CHECK_CLOSE(o.largest, 0, 0, "one_particle_none");
+    if (k == 4 || k == 5) CHECK_CLOSE(o.mean, 0, 0.02, k == 4 ? "sheet_flat" : "sheet_of_two_layers_flat");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A circle that meets the floor under the contact angle has the same curvature everywhere, the foot not excepted. */
+static PetscErrorCode TestContact(void)
+{
+  const PetscInt  half[DIM] = {76, 36, 1};
+  const PetscReal middle[DIM] = {0, 18, 0};
+
+  PetscFunctionBegin;
+  for (PetscInt angle = 60; angle <= 120; angle += 30) {
+    const PetscReal cap[] = {16, (PetscReal)angle};
+    const PetscInt  n     = Fill(InCap, cap, half, middle, JITTER);
+    char            options[256], name[64];
+    Outcome         o;
+
+    for (PetscInt low = 0; low < 2; low++) {
+      PetscCall(PetscSNPrintf(options, sizeof(options), FLOOR "-wall_contact_angle %d ", (int)angle));
+      PetscCall(PetscSNPrintf(name, sizeof(name), "contact_%d%s", (int)angle, low ? "_foot" : ""));
+      PetscCall(Measure(options, n, 4, low ? InFoot : NULL, cap, &o));
+      CHECK_CLOSE(o.mean * 16, 1, low ? 0.1 : 0.07, name);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(TestShapes());
+  PetscCall(TestMirrors());
+  PetscCall(TestExtremes());
+  PetscCall(TestContact());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
