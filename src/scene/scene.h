@@ -2,8 +2,8 @@
    forces.
 
    -bodies film,drop  and, for each body <b>:
-   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread, its sizes, -<b>_density, -<b>_viscosity, -<b>_tension,
-   -<b>_color,
+   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread, its sizes, -<b>_density, -<b>_viscosity,
+   -<b>_tension, -<b>_color,
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
    the uniform part). Every shape is cut by the box.
 
@@ -14,7 +14,8 @@
    a^2/2 coth(kH) cos 2k(x - x_lower) from the level: a cosine and what a standing wave of finite height adds in second
    order. The lattice packing moves its points there along the field of the linear wave, which keeps every volume, so
    that the amplitude may be a fraction of the spacing; thread (three dimensions only): an infinite cylinder, _center,
-   _radius, _axis, whose radius has waves of _wave_amplitude and _wave_length, thickest at the center, made like a wave. Velocities: rotation _rotation_rate (rad/s), _rotation_center;
+   _radius, _axis, whose radius has waves of _wave_amplitude and _wave_length, thickest at the center, made like a wave.
+   Velocities: rotation _rotation_rate (rad/s), _rotation_center;
    strain _strain_rate (1/s, diagonal or full gradient), _strain_center; shear _shear_rate (1/s), _shear_direction,
    _shear_normal, _shear_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
    width of the box). In two dimensions a sphere is a circle and so on; z is ignored. */

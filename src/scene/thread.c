@@ -1,5 +1,5 @@
-/* Infinite thread of liquid with waves along it, the shape of Rayleigh's varicose mode: a circular cylinder whose points
-   are moved along the mode's velocity field for a unit of time, a map that keeps volumes. */
+/* Infinite thread of liquid with waves along it, Rayleigh's varicose mode: a circular cylinder whose points are moved
+ * along the mode's velocity field for a unit of time, a map that keeps volumes. */
 #include "sceneimpl.h"
 
 #define STEPS 8  /* of the map */
@@ -51,8 +51,8 @@ static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsOb
                             thread->axis));
   PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves of a thread's radius (m)", "ShapeThread",
                              thread->amplitude, &thread->amplitude, NULL));
-  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length", "Length of the waves along a thread (m)",
-                              &length));
+  PetscCall(
+    BodyOptionsLength(body, PetscOptionsObject, "-wave_length", "Length of the waves along a thread (m)", &length));
   thread->k = 2 * PETSC_PI / length;
   PetscCheckUser(PetscAbsReal(thread->amplitude) <= 0.2 * thread->radius, domain->comm,
                  "-%swave_amplitude is %g m; it must not be above a fifth of the radius", body->prefix,
@@ -83,8 +83,8 @@ static void Flow(const Thread *thread, const PetscReal x[DIM], PetscReal v[DIM])
 
   Bessel(thread->k * distance, &I0, &I1);
   for (PetscInt d = 0; d < DIM; d++)
-    v[d] = thread->scale * (I1 * thread->k * r[d] * PetscCosReal(thread->k * z) -
-                            I0 * thread->axis[d] * PetscSinReal(thread->k * z));
+    v[d] = thread->scale *
+           (I1 * thread->k * r[d] * PetscCosReal(thread->k * z) - I0 * thread->axis[d] * PetscSinReal(thread->k * z));
 }
 
 /* Runge and Kutta's fourth-order steps along Flow over 'time'. */

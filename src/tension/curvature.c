@@ -16,13 +16,13 @@
 #define ALIKE      0.2       /* n_a . n_b above: the same side of the liquid */
 #define FEWEST     (DIM + 2) /* normals a fit needs */
 #define THIN       0.3       /* 1 + s k is taken no smaller */
-#define PARALLEL   0.5       /* times sin of the contact angle: below, the part of n along the wall is no contact line's */
-#define REGULARITY 1e-6      /* of the fit's matrix, relative to its trace */
+#define PARALLEL   0.5  /* times sin of the contact angle: a smaller part of n along the wall is no contact line's */
+#define REGULARITY 1e-6 /* of the fit's matrix, relative to its trace */
 
 PetscErrorCode CurvatureSetUp(Tension tension)
 {
   const PetscReal support = KernelSupport(tension->kernel);
-  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], low = 0, fraction;
+  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], fraction = 0.5, next = 0.5;
   const PetscReal dr = support / WALL_TABLE;
 
   PetscFunctionBegin;
@@ -32,17 +32,16 @@ PetscErrorCode CurvatureSetUp(Tension tension)
   tension->moment = 0;
   for (PetscInt k = 0; k < WALL_TABLE; k++)
     tension->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
-  for (PetscInt k = 0; k <= WALL_TABLE; k++) { /* the depth at which a half-space fills (1 + k/WALL_TABLE)/2 */
-    PetscReal a = low, b = support;
+  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* the depth at which a half-space fills (1 + k/WALL_TABLE)/2 */
+    const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
 
-    for (PetscInt bisection = 0; bisection < 30; bisection++) {
-      KernelHalfSpace(tension->kernel, 0.5 * (a + b), NULL, &fraction);
-      if (fraction < 0.5 + 0.5 * k / WALL_TABLE)
-        a = 0.5 * (a + b);
-      else
-        b = 0.5 * (a + b);
+    while (m < WALL_TABLE && next < wanted) {
+      fraction = next;
+      m++;
+      KernelHalfSpace(tension->kernel, support * m / WALL_TABLE, NULL, &next);
     }
-    tension->depth[k] = low = a;
+    tension->depth[k] =
+      support / WALL_TABLE * (m > 0 ? m - 1 + PetscMin(1, (wanted - fraction) / (next - fraction)) : 0);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,8 +142,9 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
 }
 
 /* phi and grad phi at x of the n collected particles and, behind them, the images. An image of the free surface has the
-   part of grad phi normal to the wall reversed: it would draw all normals near the wall towards 90 degrees. In its place
-   comes that of a surface which goes on straight under the contact angle, cot(angle) times the part along the wall. */
+   part of grad phi normal to the wall reversed: it would draw all normals near the wall towards 90 degrees. In its
+   place comes that of a surface which goes on straight under the contact angle, cot(angle) times the part along the
+   wall. */
 static void SumMirrored(Tension tension, PetscInt n, const Image image[], PetscInt images, const PetscReal x[DIM],
                         PetscReal *phi, PetscReal g[DIM])
 {

@@ -8,7 +8,9 @@
 #define OPEN       "-spacing 1 -box_lower -24,-24,-24 -box_upper 24,24,24 -bodies a -a_tension 1 "
 #define OPEN_2D    "-dimension 2 -spacing 1 -box_lower -36,-36 -box_upper 36,36 -bodies a -a_tension 1 "
 #define LONG       "-spacing 1 -box_lower -24,-24,0 -box_upper 24,24,12 -box_z periodic -bodies a -a_tension 1 "
-#define FILM       "-spacing 1 -box_lower -7,-7,-20 -box_upper 7,7,20 -box_x periodic -box_y periodic -bodies a -a_tension 1 "
+#define FILM                                                                                                           \
+  "-spacing 1 -box_lower -7,-7,-20 -box_upper 7,7,20 -box_x periodic -box_y periodic -bodies a "                       \
+  "-a_tension 1 "
 #define OCTANT                                                                                                         \
   "-spacing 1 -box_lower 0,0,0 -box_upper 24,24,24 -box_xmin symmetry -box_ymin symmetry -box_zmin symmetry -bodies "  \
   "a -a_tension 1 "
@@ -72,7 +74,7 @@ static PetscInt Fill(Inside inside, const PetscReal number[], const PetscInt n[D
         for (PetscInt d = 0; d < DIM; d++) x[d] = n[d] > 1 ? middle[d] + index[d] - 0.5 * (n[d] - 1) : middle[d];
         if (!inside(x, number) || count == MAX_POINTS) continue;
         for (PetscInt d = 0; d < DIM; d++) {
-          const PetscInt key = (PetscInt)(1e6 * PetscAbsReal(x[2]) + 1e3 * PetscAbsReal(x[1]) + PetscAbsReal(x[0]));
+          const PetscInt  key   = (PetscInt)(1e6 * PetscAbsReal(x[2]) + 1e3 * PetscAbsReal(x[1]) + PetscAbsReal(x[0]));
           const PetscReal noise = 2 * RandomUnit(7, (unsigned long long)(DIM * key + d)) - 1;
 
           points[DIM * count + d] = x[d] + (n[d] > 1 ? jitter * noise * (x[d] < 0 ? -1 : 1) : 0);
@@ -122,9 +124,10 @@ static const PetscReal origin[DIM] = {0, 0, 0};
 /* The radius of a shape is that of its volume: the lattice decides on whole particles. */
 static PetscErrorCode TestShapes(void)
 {
-  const PetscInt  cube[DIM] = {30, 30, 30}, square[DIM] = {54, 54, 1}, tube[DIM] = {20, 20, 12}, slab[DIM] = {14, 14, 10};
-  const PetscReal ball[] = {0, 8}, disc[] = {0, 16}, hole[] = {7, 12}, hollow[] = {16, 26}, wire[] = {8}, thick[] = {10},
-                  inner[] = {0, 9.5}, around[] = {0, 21};
+  const PetscInt cube[DIM] = {30, 30, 30}, square[DIM] = {54, 54, 1}, tube[DIM] = {20, 20, 12},
+                 slab[DIM] = {14, 14, 10};
+  const PetscReal ball[] = {0, 8}, disc[] = {0, 16}, hole[] = {7, 12}, hollow[] = {16, 26}, wire[] = {8},
+                  thick[] = {10}, inner[] = {0, 9.5}, around[] = {0, 21};
   Outcome  o;
   PetscInt n;
 
@@ -181,8 +184,8 @@ static PetscErrorCode TestExtremes(void)
                  single[DIM] = {14, 14, 1}, twofold[DIM] = {14, 14, 2}, wide[DIM] = {30, 16, 16};
   const PetscReal any[] = {0, 1000}, touching[] = {6.5};
   const PetscInt *block[] = {one, two, eight, row, single, twofold, wide};
-  const char     *name[]  = {"one_particle", "pair", "cluster_of_8", "row", "sheet", "sheet_of_two_layers",
-                             "touching_drops"};
+  const char     *name[]  = {"one_particle",        "pair",          "cluster_of_8", "row", "sheet",
+                             "sheet_of_two_layers", "touching_drops"};
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 7; k++) {
@@ -201,7 +204,7 @@ static PetscErrorCode TestExtremes(void)
 /* A circle that meets the floor under the contact angle has the same curvature everywhere, the foot not excepted. */
 static PetscErrorCode TestContact(void)
 {
-  const PetscInt  half[DIM] = {76, 36, 1};
+  const PetscInt  half[DIM]   = {76, 36, 1};
   const PetscReal middle[DIM] = {0, 18, 0};
 
   PetscFunctionBegin;

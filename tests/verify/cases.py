@@ -138,10 +138,12 @@ ENTRIES += [Entry("laplace_jump", f"2-d, seed {seed}", f"-packing_seed {seed}", 
             for seed in range(2, 6)]
 ENTRIES += tensions("laplace_jump", "3-d", spacings=(0.5e-3, 1e-3 / 3, 0.25e-3))
 ENTRIES += tensions("oscillating_drop", "2-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3), file="circle.opts")
-ENTRIES += tensions("oscillating_drop", "3-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 1e-3 / 3, 0.25e-3))
+ENTRIES += tensions("oscillating_drop", "3-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3),
+                    coarse=(0.5e-3, 1e-3 / 3, 0.25e-3))
 ENTRIES += [Entry("capillary_wave", "32 a wave length", "-spacing 0.03125", TEST)]
 ENTRIES += tensions("capillary_wave", spacings=(0.0625, 0.03125, 0.015625))
-ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3), coarse=(0.25e-3, 0.2e-3, 1e-3 / 6))
+ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3),
+                    coarse=(0.25e-3, 0.2e-3, 1e-3 / 6))
 ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {angle}",
                   spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
 
