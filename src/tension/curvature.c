@@ -195,7 +195,10 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
     for (PetscInt k = 0; k < l; k++)
       r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
     KernelEvaluate(tension->kernel, l, r2, W, NULL);
-    SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz, qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
+    /* clang-format off */
+    SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
+              reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
+    /* clang-format on */
     for (PetscInt k = 0; k < l; k++) {
       const PetscInt  b     = begin + k;
       const PetscReal alike = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? 1 : 0, w = alike * W[k];
