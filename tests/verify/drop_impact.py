@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """The main case at a spacing of 1 mm (a drop of 4 spacings) to 6 ms: a regression, not a verification. The crater is
-too shallow at this spacing: measured depth at 5 ms 3.77 mm, the reference has 5.04; kinetic energy 101 uJ against 118.
+too shallow at this spacing: measured depth at 5 ms 3.61 mm, the reference has 5.04; kinetic energy 88 uJ against 118.
 The bands around the measured values let other packings through and a lost correction not: without shifting the energy
-is 70 uJ, with the plain divergence 87. It does not see gravity; free_fall.py does."""
+is 55 uJ and the crater 2.6 mm deep. It does not see gravity; the case free_fall does."""
 import os
 import sys
 
@@ -10,9 +10,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
-# at 5 ms: low, high; seeds 1 to 4 give 3.73 to 4.18 mm, 99.8 to 104.8 uJ, 10.7 to 12.7 mm
-BANDS = {"crater_depth": (3.4e-3, 4.4e-3), "kinetic_energy": (95e-6, 110e-6), "crater_diameter": (10e-3, 13.5e-3)}
-REFERENCE = {"crater_depth": 0.35, "kinetic_energy": 0.25, "crater_diameter": 0.20}  # largest errors
+# at 5 ms: low, high; seeds 1 to 4 give 3.27 to 3.91 mm, 86.8 to 94.9 uJ, 10.7 to 13.2 mm
+BANDS = {"crater_depth": (3.0e-3, 4.2e-3), "kinetic_energy": (82e-6, 99e-6), "crater_diameter": (10e-3, 13.7e-3)}
+REFERENCE = {"crater_depth": 0.40, "kinetic_energy": 0.30, "crater_diameter": 0.20}  # largest errors
 DROP_ENERGY = 0.5 * 1100 * 4 / 3 * np.pi * 2e-3**3 * 3.124667342**2  # J
 VOLUME = 40e-3 * 40e-3 * 10e-3 + 4 / 3 * np.pi * 2e-3**3  # m3
 
