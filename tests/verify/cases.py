@@ -102,7 +102,8 @@ FIRST = "-steps_max 6 -snapshot_interval 1e-5 -ksp_rtol 1e-8"
 ENTRIES += both("square_patch", "first pressures", CORRECTED + " -packing_jitter 0 -pressure_relaxation_ratio 1e6",
                 TEST, shared=FIRST)
 ENTRIES += [Entry("square_patch", "first pressures, density term on", f"{FIRST} {CORRECTED} -packing_jitter 0")]
-ENTRIES += both("square_patch", "half a turn", CONSERVED + " -pressure_regularization 0", TEST, spacings=(0.04, 0.02, 0.01))
+ENTRIES += both("square_patch", "half a turn", CONSERVED + " -pressure_regularization 0", TEST,
+                spacings=(0.04, 0.02, 0.01))
 ENTRIES += both("stretching_drop", "", CORRECTED, TEST, spacings=(0.08, 0.04, 0.02))
 ENTRIES += both("central_force", "", CORRECTED, spacings=(0.08, 0.04, 0.02))
 ENTRIES += [Entry("central_force", "R/d0 = 20", CORRECTED + " -spacing 0.05", TEST)]
