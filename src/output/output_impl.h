@@ -80,9 +80,6 @@ PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count
 /* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk.
  * Collective. */
 PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);
-/* FolderReserve - refuses (UserError) to start a file for which there is no room: HDF5 over MPI-IO waits for ever when
- * the disk gets full. Collective. */
-PetscErrorCode FolderReserve(Output output, const char name[], PetscInt64 bytes);
 /* FolderDiscard - removes <name>.tmp. Collective. */
 PetscErrorCode FolderDiscard(Output output, const char name[]);
 /* FolderOptions - the options of the run as text, one a line; to be freed. Not collective. */
@@ -119,8 +116,9 @@ PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t le
  * --- */
 typedef struct {
   MPI_Comm    comm;
-  PetscMPIInt size;
-  hid_t       file;    /* negative: could not be made or opened */
+  PetscMPIInt rank, size;
+  PetscBool   here;    /* this rank touches the file: all when reading, rank 0 when writing */
+  hid_t       file;    /* negative: could not be made or opened, or is not here */
   PetscBool   failed;  /* on this rank */
   H5E_auto2_t handler; /* the error printer to put back */
   void       *client;
@@ -131,8 +129,8 @@ typedef struct {
   PetscInt n, start, total, width;
 } Rows;
 
-/* StorageCreate, StorageOpen - a file for writing, for reading. With comm of one rank no MPI-IO is used. Collective on
- * comm. */
+/* StorageCreate, StorageOpen - a file for writing (by rank 0, for all), for reading (by each rank). Collective on comm.
+ */
 PetscErrorCode StorageCreate(MPI_Comm comm, const char path[], Storage *storage);
 PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage);
 /* StorageClose - *failed: whether anything went wrong on any rank since the start. Collective. */

@@ -252,7 +252,6 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   Storage        storage;
   Rows           rows;
   PetscInt      *particle;
-  PetscInt64     bytes = (INT_FIELDS(output->walls) + 1) * (PetscInt64)sizeof(PetscInt); /* of a particle */
   PetscBool      failed;
   char           name[64], path[PETSC_MAX_PATH_LEN];
 
@@ -268,8 +267,6 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   entry.precision = output->precise ? (PetscInt)sizeof(double) : (PetscInt)sizeof(float);
   entry.walls     = output->walls;
   SnapshotName(entry.index, name);
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) bytes += Fields[f].width * entry.precision;
-  PetscCall(FolderReserve(output, name, bytes * rows.total));
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));
