@@ -246,15 +246,14 @@ static PetscErrorCode DescribeProgram(Output output, PetscBool same, char text[]
 
 static PetscErrorCode WriteDescriptions(Output output, PetscBool same)
 {
-  char path[PETSC_MAX_PATH_LEN], version[4096], *options;
+  char path[PETSC_MAX_PATH_LEN], version[4096];
   int  error = 0;
 
   PetscFunctionBegin;
-  PetscCall(OutputPath(output, "options.opts", path));
-  PetscCall(FolderOptions(&options));
-  if (!output->rank) error = WriteText(path, "w", options);
-  PetscCall(PetscFree(options));
+  PetscCall(OutputPath(output, "options.opts.tmp", path));
+  if (!output->rank) error = WriteText(path, "w", output->options);
   PetscCall(FolderStatus(output, error, "write", path));
+  PetscCall(FolderCommit(output, "options.opts", PETSC_FALSE));
   PetscCall(OutputPath(output, "version.txt", path));
   PetscCall(DescribeProgram(output, same, version, sizeof(version)));
   if (!output->rank) error = WriteText(path, same ? "a" : "w", version);

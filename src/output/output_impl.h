@@ -48,6 +48,7 @@ struct _p_Output {
   PetscMPIInt    rank, size;
   Cloud          cloud; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
+  char          *options; /* the user's, one a line, before solvers add defaults of their own */
   PetscBool      overwrite, walls, precise, ready, restarting;
   Schedule       series, snapshot, checkpoint;
   PetscInt       series_step, snapshot_step; /* of the last line and the last snapshot; -1: none */
@@ -117,10 +118,11 @@ PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t le
 typedef struct {
   MPI_Comm    comm;
   PetscMPIInt rank, size;
-  PetscBool   here;    /* this rank touches the file: all when reading, rank 0 when writing */
-  hid_t       file;    /* negative: could not be made or opened, or is not here */
-  PetscBool   failed;  /* on this rank */
-  H5E_auto2_t handler; /* the error printer to put back */
+  PetscBool   here;                     /* this rank touches the file: all when reading, rank 0 when writing */
+  char        path[PETSC_MAX_PATH_LEN]; /* where a file that is made here goes; empty: none is */
+  hid_t       file;                     /* negative: could not be made or opened, or is not here */
+  PetscBool   failed;                   /* on this rank */
+  H5E_auto2_t handler;                  /* the error printer to put back */
   void       *client;
 } Storage;
 

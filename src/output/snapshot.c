@@ -177,7 +177,6 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
 {
   const Domain    domain = output->cloud->domain;
   const PetscReal h      = KernelSmoothingLength(output->cloud->kernel);
-  char           *options;
 
   PetscFunctionBegin;
   PetscCall(StoragePutText(storage, "format", "isph snapshot"));
@@ -194,9 +193,7 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
   PetscCall(StoragePutReal(storage, "box_lower", DIM, domain->lower));
   PetscCall(StoragePutReal(storage, "box_upper", DIM, domain->upper));
   PetscCall(StoragePutReal(storage, "level", 1, &output->gauge.level));
-  PetscCall(FolderOptions(&options));
-  PetscCall(StoragePutText(storage, "options", options));
-  PetscCall(PetscFree(options));
+  PetscCall(StoragePutText(storage, "options", output->options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,14 +1,14 @@
-/* HDF5 files of rows spread over the ranks: rank 0 writes, every rank reads its share. MPI-IO is not used: in Open MPI
-   a write that fails on one rank, as on a full disk, leaves the others waiting for ever. */
+/* HDF5 files of rows spread over the ranks. Rank 0 makes the file in its memory and writes it in one piece; every rank
+   reads its share. On a full disk HDF5 over MPI-IO waits for ever, and HDF5 alone crashes when it closes a file it
+   could not write (1.10, at the latest when MPI ends); so neither touches a disk that files are written to. */
 #include "output_impl.h"
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 /* The longest text attribute; HDF5 keeps attributes below 64 KB. */
 #define TEXT_MAX 60000
 #define ROWS_TAG 1
+/* By how much a file made in memory grows, bytes. */
+#define MEMORY_STEP ((size_t)1 << 24)
 
 /* Whether all ranks say yes. */
 static PetscErrorCode Agree(Storage *storage, PetscBool here, PetscBool *everywhere)
@@ -28,9 +28,10 @@ static PetscErrorCode Start(MPI_Comm comm, const char path[], PetscBool writing,
   PetscBool all;
 
   PetscFunctionBegin;
-  storage->comm   = comm;
-  storage->failed = PETSC_FALSE;
-  storage->file   = -1;
+  storage->comm    = comm;
+  storage->failed  = PETSC_FALSE;
+  storage->file    = -1;
+  storage->path[0] = 0;
   PetscCallMPI(MPI_Comm_rank(comm, &storage->rank));
   PetscCallMPI(MPI_Comm_size(comm, &storage->size));
   storage->here = (PetscBool)(!writing || !storage->rank);
@@ -38,8 +39,11 @@ static PetscErrorCode Start(MPI_Comm comm, const char path[], PetscBool writing,
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* the caller says it in a sentence */
   if (storage->here) {
     access = H5Pcreate(H5P_FILE_ACCESS);
-    (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* metadata with checksums */
+    if (writing) {
+      (void)H5Pset_fapl_core(access, MEMORY_STEP, 0);
+      PetscCall(PetscStrncpy(storage->path, path, sizeof(storage->path)));
+    }
     storage->file =
       writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
     (void)H5Pclose(access);
@@ -67,22 +71,18 @@ PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lets the rest of a file that cannot be written go to memory: HDF5 1.10 crashes, at the latest when MPI ends, when it
-   cannot flush a file it closes. */
-static void Detach(Storage *storage)
+/* Writes the file that was made in memory to its place. Rank 0. */
+static void Put(Storage *storage)
 {
-  void *descriptor = NULL;
-  char  name[64];
-  int   memory;
+  void         *handle = NULL; /* of the core driver: the address of its memory */
+  const ssize_t length = H5Fflush(storage->file, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(storage->file, NULL, 0);
+  FILE         *file;
 
-  storage->failed = PETSC_TRUE;
-  (void)snprintf(name, sizeof(name), "/isph-%ld", (long)getpid());
-  memory = shm_open(name, O_RDWR | O_CREAT | O_EXCL, S_IRUSR | S_IWUSR);
-  if (memory < 0) return;
-  (void)shm_unlink(name);
-  if (H5Fget_vfd_handle(storage->file, H5P_DEFAULT, &descriptor) >= 0 && descriptor)
-    (void)dup2(memory, *(const int *)descriptor);
-  (void)close(memory);
+  if (length < 0 || H5Fget_vfd_handle(storage->file, H5P_DEFAULT, &handle) < 0) storage->failed = PETSC_TRUE;
+  if (storage->failed) return;
+  file = fopen(storage->path, "wb");
+  if (!file || fwrite(*(void **)handle, 1, (size_t)length, file) != (size_t)length) storage->failed = PETSC_TRUE;
+  if (file && fclose(file)) storage->failed = PETSC_TRUE;
 }
 
 PetscErrorCode StorageClose(Storage *storage, PetscBool *failed)
@@ -90,8 +90,7 @@ PetscErrorCode StorageClose(Storage *storage, PetscBool *failed)
   PetscBool all;
 
   PetscFunctionBegin;
-  if (storage->file >= 0 && storage->here && (storage->failed || H5Fflush(storage->file, H5F_SCOPE_LOCAL) < 0))
-    Detach(storage);
+  if (storage->file >= 0 && storage->path[0] && !storage->failed) Put(storage);
   if (storage->file >= 0 && H5Fclose(storage->file) < 0) storage->failed = PETSC_TRUE;
   storage->file = -1;
   (void)H5Eset_auto2(H5E_DEFAULT, storage->handler, storage->client);
