@@ -30,7 +30,8 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, diagnose, attempted));
   if (PressureDensity(stepper->pressure) == cloud->field[FIELD_DENSITY]) PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(StageOne(stepper, dt, cloud->rest_density));
+  PetscCall(StageOne(stepper, dt, cloud->rest_density, attempted));
+  if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
 
   /* Stage 2: pressure, at the same positions */
   PetscCall(PressureSolve(stepper->pressure, dt, &attempted->pressure));

@@ -9,12 +9,23 @@
 #define GROWTH          1.2  /* from one step to the next, at most */
 #define SAMPLES         5    /* points a direction at which the initial velocity of a body is read */
 
+/* Decides whether the viscosity is implicit in a step that all else would allow; returns the step viscosity allows. */
+static PetscReal Viscosity(Stepper stepper, PetscReal step, PetscReal limit)
+{
+  Viscous *viscous = &stepper->viscous;
+
+  viscous->implicit = (PetscBool)(limit < PETSC_MAX_REAL && (viscous->solver == VISCOUS_IMPLICIT ||
+                                                             (viscous->solver == VISCOUS_AUTO && step > limit)));
+  if (!viscous->implicit) return PetscMin(step, limit);
+  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * limit) : step;
+}
+
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt)
 {
   Cloud           cloud = stepper->cloud;
   const PetscReal h = KernelSmoothingLength(cloud->kernel), left = end - state->time;
   ParticleArrays  arrays;
-  PetscReal       local[3] = {0, 0, 0}, largest[3], step = PETSC_MAX_REAL;
+  PetscReal       local[3] = {0, 0, 0}, largest[3], step = PETSC_MAX_REAL, viscous = PETSC_MAX_REAL;
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
@@ -39,7 +50,7 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 
-    if (m->viscosity > 0) step = PetscMin(step, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
+    if (m->viscosity > 0) viscous = PetscMin(viscous, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
     if (m->tension > 0 && TensionReach(stepper->tension) > 0)
       step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
@@ -49,8 +60,12 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
     step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
   if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
   if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
+  step = Viscosity(stepper, step, viscous);
   step = PetscMax(step, stepper->step_min);
-  if (stepper->step_fixed > 0) step = stepper->step_fixed;
+  if (stepper->step_fixed > 0) {
+    step = stepper->step_fixed;
+    (void)Viscosity(stepper, step, viscous);
+  }
   /* no tiny last step: the last two share what is left */
   if (left <= step * (1 + 1e-9))
     step = left;
@@ -83,5 +98,6 @@ PetscReal StepperReferenceVelocity(Stepper stepper)
     }
     if (TensionReach(stepper->tension) > 0) capillary = PetscMax(capillary, m->tension / (m->density * h));
   }
+  for (PetscInt f = 0; f < DIM * 2; f++) speed = PetscMax(speed, Norm(cloud->domain->wall_velocity[f / 2][f % 2]));
   return PetscSqrtReal(speed * speed + fall + capillary);
 }

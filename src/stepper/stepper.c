@@ -83,6 +83,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme == SchemeConsistent)
     PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                                "StepperSetFromOptions", s->centered, &s->centered, NULL));
+  PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions",
                              s->shifting_strength, &s->shifting_strength, NULL));
   PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "StepperSetFromOptions",
@@ -106,6 +107,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
   PetscOptionsEnd();
   s->viscosity_form = (ViscosityForm)form;
+  PetscCheckUser(s->viscous.ratio >= 0, comm, "-viscosity_step_ratio is %g; it must not be negative",
+                 (double)s->viscous.ratio);
   PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
   PetscCheckUser(s->step_min >= 0 && s->step_max >= 0 && s->step_fixed >= 0, comm,
                  "-time_step, -time_step_min and -time_step_max must not be negative");
@@ -161,11 +164,12 @@ PetscErrorCode StepperForget(Stepper stepper)
 PetscErrorCode StepperDestroy(Stepper *stepper)
 {
   PetscFunctionBegin;
+  PetscCall(ViscousDestroy(*stepper));
   PetscCall(PetscFree(*stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[])
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted)
 {
   Cloud      cloud        = stepper->cloud;
   PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
@@ -176,11 +180,15 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
   if (stepper->damping == 1)
     for (PetscInt a = 0; a < cloud->n_fluid; a++)
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
-  if (SceneHasViscosity(cloud->scene)) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+  if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit)
+    PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
   PetscCall(TensionApply(stepper->tension, cloud));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  if (stepper->viscous.implicit)
+    PetscCall(ViscousSolve(stepper, dt, density, &attempted->viscous));
+  else
+    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -221,7 +229,12 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
   why[0] = 0;
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(parts, sums, 3, MPIU_REAL, MPIU_SUM, cloud->comm));
-  if (attempted->pressure.reason < 0)
+  if (attempted->viscous < 0)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
+                            "larger -viscous_ksp_max_it or -viscous_ksp_rtol",
+                            KSPConvergedReasons[attempted->viscous], (double)dt));
+  else if (attempted->pressure.reason < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the pressure solver stopped with %s after %" PetscInt_FMT
                             " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol",
@@ -295,6 +308,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   PetscCall(PressureSetUp(stepper->pressure, dt));
+  PetscCall(ViscousPrepare(stepper));
   PetscCall(PressureForget(stepper->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,8 +32,8 @@ PetscErrorCode StepperForget(Stepper stepper);
 /* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each
    step (1: the real dynamics with body force). Not collective. */
 PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor);
-/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, sqrt(g L), sqrt(sigma/(rho h)). Not
- * collective. */
+/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, those of walls, sqrt(g L),
+ * sqrt(sigma/(rho h)). Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);
 PetscErrorCode StepperDestroy(Stepper *stepper);
 

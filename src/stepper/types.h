@@ -9,14 +9,30 @@
 /* What an attempt at a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet
  * committed. */
 typedef struct {
-  PressureResult pressure;
-  PetscReal      displacement; /* largest, m, this rank */
-  PetscReal      density;      /* largest rho/rho_0, this rank */
-  PetscReal      error2;       /* sum of squares of rho/rho_0 - 1 inside, this rank */
-  PetscReal      divergence2;  /* sum of squares of div v inside, this rank, 1/s2 */
-  PetscInt       inside;       /* particles in those sums */
-  PetscBool      broken;       /* not a number, this rank */
+  PressureResult     pressure;
+  KSPConvergedReason viscous;      /* of the implicit viscosity; 0: not used */
+  PetscReal          displacement; /* largest, m, this rank */
+  PetscReal          density;      /* largest rho/rho_0, this rank */
+  PetscReal          error2;       /* sum of squares of rho/rho_0 - 1 inside, this rank */
+  PetscReal          divergence2;  /* sum of squares of div v inside, this rank, 1/s2 */
+  PetscInt           inside;       /* particles in those sums */
+  PetscBool          broken;       /* not a number, this rank */
 } Attempted;
+
+typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
+
+/* The implicit viscosity, viscous.c. */
+typedef struct {
+  ViscousSolver solver;
+  PetscReal     ratio;            /* largest step over the explicit limit */
+  PetscBool     implicit;         /* in this step */
+  PetscReal     dt;               /* s, of the system being solved */
+  PetscReal    *pair;             /* [pairs of the fluid] coefficients */
+  PetscInt      capacity, layout; /* of pair; the local order the solver was made for */
+  KSP           ksp;
+  Mat           A;
+  Vec           x, b; /* velocities of the fluid, [n_fluid][3] */
+} Viscous;
 
 typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, Attempted *);
 
@@ -28,6 +44,7 @@ struct _p_Stepper {
   SchemeFunction scheme;
   PetscReal      cfl, step_min, step_max, step_fixed, displacement_max, density_max, guard;
   ViscosityForm  viscosity_form;
+  Viscous        viscous;
   PetscBool      centered; /* consistent: forces at the middle of the step */
   PetscBool      shifting, shifting_conserved;
   PetscReal      shifting_strength, shifting_cap;
@@ -41,8 +58,15 @@ PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, Attempted *
 PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, Attempted *);
 /* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
    FIELD_PREDICTED = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
-   viscosity divides by. Collective. */
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]);
+   viscosity divides by. Viscosity acts at the new velocity in steps that StepSize made implicit. Collective. */
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted);
+/* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
+   ViscousSolve - FIELD_PREDICTED (of the fluid, without viscosity) becomes the velocity u with u = predicted + dt V u,
+   ghosts included, walls with their own velocity. Overwrites FIELD_WORK1, FIELD_WORK3. Collective. */
+PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
+PetscErrorCode ViscousPrepare(Stepper stepper);
+PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], KSPConvergedReason *reason);
+PetscErrorCode ViscousDestroy(Stepper stepper);
 /* Diagnose - density error, largest density and (if asked) divergence of FIELD_VELOCITY, at the positions where moments
  * and surface were last evaluated. Not collective. */
 PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
@@ -52,7 +76,8 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
    and B are those of FIELD_POSITION. Overwrites FIELD_WORK1, FIELD_WORK3, FIELD_STRESS, FIELD_ACCELERATION. Collective.
  */
 PetscErrorCode Shift(Stepper stepper, PetscReal dt);
-/* StepSize - the step (s) the state allows, within the bounds of the options. Collective. */
+/* StepSize - the step (s) the state allows, within the bounds of the options, and whether its viscosity is implicit.
+   Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 
 #endif
