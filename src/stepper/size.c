@@ -75,12 +75,18 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal StepperReferenceVelocity(Stepper stepper)
+/* Largest speed (bodies and walls, m/s), acceleration of each direction (m/s2) and fall through the body (m2/s2), and
+   surface tension over density and smoothing length (m2/s2) of the scene. */
+typedef struct {
+  PetscReal speed, acceleration[DIM], fall, capillary;
+} Scales;
+
+static void FindScales(Stepper stepper, Scales *scales)
 {
   Cloud           cloud = stepper->cloud;
   const PetscReal h     = KernelSmoothingLength(cloud->kernel);
-  PetscReal       speed = 0, fall = 0, capillary = 0;
 
+  *scales = (Scales){0};
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     Body            body = SceneBody(cloud->scene, b);
     const Material *m    = BodyMaterial(body);
@@ -93,11 +99,38 @@ PetscReal StepperReferenceVelocity(Stepper stepper)
       for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (SAMPLES - 1);
       BodyVelocity(body, x, v);
       SceneAcceleration(cloud->scene, x, g);
-      speed = PetscMax(speed, Norm(v));
-      for (PetscInt d = 0; d < DIM; d++) fall = PetscMax(fall, PetscAbsReal(g[d]) * (upper[d] - lower[d]));
+      scales->speed = PetscMax(scales->speed, Norm(v));
+      for (PetscInt d = 0; d < DIM; d++) {
+        scales->acceleration[d] = PetscMax(scales->acceleration[d], PetscAbsReal(g[d]));
+        scales->fall            = PetscMax(scales->fall, PetscAbsReal(g[d]) * (upper[d] - lower[d]));
+      }
     }
-    if (TensionReach(stepper->tension) > 0) capillary = PetscMax(capillary, m->tension / (m->density * h));
+    if (TensionReach(stepper->tension) > 0)
+      scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
   }
-  for (PetscInt f = 0; f < DIM * 2; f++) speed = PetscMax(speed, Norm(cloud->domain->wall_velocity[f / 2][f % 2]));
-  return PetscSqrtReal(speed * speed + fall + capillary);
+  for (PetscInt f = 0; f < DIM * 2; f++)
+    scales->speed = PetscMax(scales->speed, Norm(cloud->domain->wall_velocity[f / 2][f % 2]));
+}
+
+PetscReal StepperReferenceVelocity(Stepper stepper)
+{
+  Scales scales;
+
+  FindScales(stepper, &scales);
+  return PetscSqrtReal(scales.speed * scales.speed + scales.fall + scales.capillary);
+}
+
+PetscReal StepperEnergyAtHand(Stepper stepper)
+{
+  const Domain domain = stepper->cloud->domain;
+  Scales       scales;
+  PetscReal    energy;
+
+  FindScales(stepper, &scales);
+  energy = 0.5 * scales.speed * scales.speed + scales.capillary;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (scales.acceleration[d] > 0 && domain->face[d][0] == FACE_PERIODIC) return 0;
+    energy += scales.acceleration[d] * (domain->upper[d] - domain->lower[d]);
+  }
+  return energy;
 }

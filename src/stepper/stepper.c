@@ -1,6 +1,7 @@
 #include "types.h"
 
 #define MAX_HALVINGS 10
+#define SUMS         5 /* over all ranks: squares of density error and divergence, particles inside, kinetic energy, mass */
 
 static PetscFunctionList SchemeList = NULL;
 
@@ -28,6 +29,8 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->displacement_max  = 0.5;
   s->density_max       = 3;
   s->guard             = 0.25;
+  s->energy_max        = 2;
+  s->density_ratio_max = 2;
   s->shifting_strength = 2;
   s->shifting_cap      = 0.1;
   s->relaxation_ratio  = 5;
@@ -49,6 +52,24 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
   else
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   s->shifting = s->centered = (PetscBool)!paper;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses liquids whose densities are too far apart. */
+static PetscErrorCode CheckDensities(Stepper s)
+{
+  Scene scene = s->cloud->scene;
+  Body  light = SceneBody(scene, 0), dense = light;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 1; b < SceneCount(scene); b++) {
+    if (BodyMaterial(SceneBody(scene, b))->density < BodyMaterial(light)->density) light = SceneBody(scene, b);
+    if (BodyMaterial(SceneBody(scene, b))->density > BodyMaterial(dense)->density) dense = SceneBody(scene, b);
+  }
+  PetscCheckUser(BodyMaterial(dense)->density <= s->density_ratio_max * BodyMaterial(light)->density, s->cloud->comm,
+                 "-%s_density is %g times -%s_density; at most -density_ratio_max %g is stable where the two touch",
+                 BodyName(dense), (double)(BodyMaterial(dense)->density / BodyMaterial(light)->density),
+                 BodyName(light), (double)s->density_ratio_max);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,6 +124,14 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                              "StepperSetFromOptions", s->displacement_max, &s->displacement_max, NULL));
   PetscCall(PetscOptionsReal("-density_max", "summed density over rest density that rolls a step back (1)",
                              "StepperSetFromOptions", s->density_max, &s->density_max, NULL));
+  PetscCall(PetscOptionsReal("-energy_max",
+                             "kinetic energy over all that the scene has at hand that stops the run (1); 0: not "
+                             "watched",
+                             "StepperSetFromOptions", s->energy_max, &s->energy_max, NULL));
+  PetscCall(PetscOptionsReal("-density_ratio_max",
+                             "largest ratio of the densities of two bodies; a denser drop than 4 times its film is "
+                             "unstable (1)",
+                             "StepperSetFromOptions", s->density_ratio_max, &s->density_ratio_max, NULL));
   PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
   PetscOptionsEnd();
@@ -124,7 +153,10 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                  "-shifting_strength and -shifting_cap must not be negative");
   PetscCheckUser(s->relaxation_ratio > 0, comm, "-pressure_relaxation_ratio is %g; it must be positive",
                  (double)s->relaxation_ratio);
+  PetscCheckUser(s->energy_max >= 0, comm, "-energy_max is %g; it must not be negative", (double)s->energy_max);
+  PetscCall(CheckDensities(s));
   PetscCall(PressureSetFromOptions(s->pressure));
+  s->energy_at_hand = StepperEnergyAtHand(s);
   {
     const PetscReal velocity = StepperReferenceVelocity(s), h = KernelSmoothingLength(s->cloud->kernel);
 
@@ -215,20 +247,35 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Kinetic energy (J) and mass (kg) of this rank's fluid. */
+static void KineticEnergy(Cloud cloud, PetscReal *energy, PetscReal *mass)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY];
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal m = cloud->rest_density[a] * cloud->volume[a];
+
+    *mass += m;
+    *energy += 0.5 * m * Dot(v + DIM * a, v + DIM * a);
+  }
+}
+
 /* The verdict over all ranks; 'why' says what is wrong, empty if nothing is. */
-static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[3], char why[],
+static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[SUMS], char why[],
                             size_t length)
 {
   Cloud           cloud    = stepper->cloud;
   const PetscReal spacing  = cloud->domain->spacing;
   PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken},
             largest[3];
-  PetscReal parts[3] = {attempted->error2, attempted->divergence2, (PetscReal)attempted->inside};
+  PetscReal parts[SUMS] = {attempted->error2, attempted->divergence2, (PetscReal)attempted->inside, 0, 0}, all;
 
   PetscFunctionBegin;
   why[0] = 0;
+  KineticEnergy(cloud, &parts[3], &parts[4]);
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(parts, sums, 3, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(parts, sums, SUMS, MPIU_REAL, MPIU_SUM, cloud->comm));
+  all = stepper->energy_at_hand * sums[4];
   if (attempted->viscous < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
@@ -254,6 +301,12 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
                             "the density reaches %.3g times the rest density, more than -density_max %g: particles "
                             "have clumped; try a smaller -time_cfl, -shifting or a smaller spacing",
                             (double)largest[1], (double)stepper->density_max));
+  else if (all > 0 && stepper->energy_max > 0 && sums[3] > stepper->energy_max * all)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the kinetic energy is %.3g times all that speeds, falls and surfaces of the scene can "
+                            "give, more than -energy_max %g: the run has become unstable; try a smaller -time_cfl or "
+                            "spacing",
+                            (double)(sums[3] / all), (double)stepper->energy_max));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -261,7 +314,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
                               char why[], size_t length)
 {
   Cloud     cloud = stepper->cloud;
-  PetscReal dt, sums[3];
+  PetscReal dt, sums[SUMS];
   PetscInt  iterations = 0;
 
   PetscFunctionBegin;

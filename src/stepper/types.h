@@ -50,6 +50,9 @@ struct _p_Stepper {
   PetscReal      shifting_strength, shifting_cap;
   PetscReal      relaxation_ratio;
   PetscReal      reference_velocity; /* m/s */
+  PetscReal      energy_max;         /* kinetic energy over all at hand that stops the run; 0: not watched */
+  PetscReal      energy_at_hand;     /* J/kg; 0: no bound, gravity drives a periodic direction */
+  PetscReal      density_ratio_max;  /* of the densities of two bodies */
   PetscReal      damping;
   PetscReal      self_kernel; /* W at one spacing, for shifting, m^-dim */
 };
@@ -76,6 +79,9 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
    and B are those of FIELD_POSITION. Overwrites FIELD_WORK1, FIELD_WORK3, FIELD_STRESS, FIELD_ACCELERATION. Collective.
  */
 PetscErrorCode Shift(Stepper stepper, PetscReal dt);
+/* StepperEnergyAtHand - what a scene's liquid can turn into kinetic energy, J/kg: speeds of bodies and walls, a fall
+   through the box, the surface of every particle; 0 if gravity drives it round a periodic box. Not collective. */
+PetscReal StepperEnergyAtHand(Stepper stepper);
 /* StepSize - the step (s) the state allows, within the bounds of the options, and whether its viscosity is implicit.
    Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
