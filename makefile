@@ -2,13 +2,17 @@
 #   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
+#   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
+#   make long-run                   a million steps of a small scene: nothing drifts
+#   make test-ci                    make test with the compiler's sanitizers besides
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
 CC        = mpicc
 PYTHON    = /usr/bin/python3
 BUILD     = output/build
+PROGRAM   = isph
 PKG_PATH  = $(if $(PETSC_DIR),$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)$(if $(SLEPC_DIR),$(SLEPC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)
 PKG       = PKG_CONFIG_PATH=$(PKG_PATH)$$PKG_CONFIG_PATH pkg-config
 PACKAGES  = SLEPc PETSc hdf5-openmpi
@@ -21,9 +25,9 @@ LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 SOURCES   = $(filter-out src/main.c,$(wildcard src/*/*.c))
 OBJECTS   = $(SOURCES:src/%.c=$(BUILD)/%.o)
 
-all: isph
+all: $(PROGRAM)
 
-isph: $(BUILD)/main.o $(OBJECTS)
+$(PROGRAM): $(BUILD)/main.o $(OBJECTS)
 	@echo LD $@; $(CC) $(CFLAGS) -o $@ $^ $(LIBS)
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
@@ -64,6 +68,17 @@ run: packages
 test: isph $(UNIT)
 	@PYTHON=$(PYTHON) tests/run.sh
 
+# As make test, and the same unit tests and an impact with the compiler's sanitizers: what .ci/run does.
+test-ci: isph $(UNIT) sanitized
+	@PYTHON=$(PYTHON) tests/run.sh --sanitizers
+
+SANITIZED = output/sanitized
+sanitized:
+	@$(MAKE) BUILD=$(SANITIZED) PROGRAM=$(SANITIZED)/isph LDFLAGS="$(LDFLAGS)" \
+	  CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined" sanitized-programs
+
+sanitized-programs: $(PROGRAM) $(UNIT)
+
 test-long: isph $(UNIT)
 	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
 
@@ -89,13 +104,19 @@ verify-readme:
 faults: isph
 	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
 
+extremes: isph
+	@$(PYTHON) tests/extremes/extremes.py --all
+
 fuzz: isph
 	@$(PYTHON) tests/faults/fuzz.py --number 2000
+
+long-run: isph
+	@$(PYTHON) tests/long/long_run.py 1000000
 
 lint:
 	@tests/run.sh tests/lint
 
 clean:
-	rm -rf $(BUILD) isph
+	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
-.PHONY: all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
+.PHONY: all packages run test test-long verify verify-long convergence verify-readme faults fuzz extremes long-run test-ci sanitized sanitized-programs lint clean force

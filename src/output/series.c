@@ -2,6 +2,7 @@
  * line. */
 #include "output_impl.h"
 #include <errno.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define SERIES_FILE "series.csv"
@@ -92,10 +93,12 @@ static int Cut(const char path[], const char temporary[], const char head[], Pet
 /* Opens the file to append, with the head when it is new. Rank 0; returns an errno. */
 static int Open(Output output, const char path[], const char head[])
 {
+  struct stat info;
+
   output->series_file = fopen(path, "a");
   if (!output->series_file) return errno;
-  (void)fseek(output->series_file, 0, SEEK_END);
-  if (ftell(output->series_file) == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file)))
+  if (fstat(fileno(output->series_file), &info)) return errno;
+  if (info.st_size == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file)))
     return errno;
   return 0;
 }

@@ -14,7 +14,7 @@ static PetscInt EditDistance(const char a[], const char b[])
 {
   PetscInt row[128], n = 0;
 
-  while (b[n] && n < 126) n++;
+  while (n < 126 && b[n]) n++;
   for (PetscInt j = 0; j <= n; j++) row[j] = j;
   for (PetscInt i = 0; a[i]; i++) {
     PetscInt diagonal = row[0];

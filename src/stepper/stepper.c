@@ -1,7 +1,8 @@
 #include "types.h"
 
 #define MAX_HALVINGS 10
-#define SUMS         5 /* over all ranks: squares of density error and divergence, particles inside, kinetic energy, mass */
+/* over all ranks: squares of density error and divergence, particles inside, kinetic energy, mass */
+#define SUMS 5
 
 static PetscFunctionList SchemeList = NULL;
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Runs at the extremes of what a scene may ask for. Each one works, is handled by a mechanism that the table names, or is
-refused with a sentence before the first step.
+"""Runs at the extremes of what a scene may ask for. Each one works, is handled by a mechanism that the table names, is
+refused with a sentence before the first step, or is stopped by a watch with a sentence and a checkpoint.
 
     tests/extremes/extremes.py [--all] [--only NAME] [--folder output/extremes]
 
@@ -69,8 +69,9 @@ def relaxing(axis, value, oh, across=10, extra="", **more):
     """An ellipse relaxes to a circle; Oh = mu/sqrt(rho sigma D)."""
     diameter, sigma = 1e-3, 0.07
     d0, mu = diameter / across, oh * math.sqrt(RHO * sigma * diameter)
+    radii = f"{0.65 * diameter},{diameter / 2.6}"
     options = (f"-dimension 2 -spacing {d0} -box_lower {-diameter},{-diameter} -box_upper {diameter},{diameter} "
-               f"-bodies drop -drop_shape ellipsoid -drop_radii {0.65 * diameter},{diameter / 2.6} -drop_viscosity {mu} "
+               f"-bodies drop -drop_shape ellipsoid -drop_radii {radii} -drop_viscosity {mu} "
                f"-drop_tension {sigma} -steps_max 150 -time_end {0.5 * math.sqrt(RHO * diameter**3 / sigma)} ")
     h = 1.3 * d0
     TRIALS.append(Trial(axis, value, options + extra, sigma * 3.5 * diameter, explicit=0.08 * h * h * RHO / mu, **more))
@@ -101,7 +102,11 @@ for speed in (0.1, 1, 10, 30, 100):  # water, 2 mm
            short=speed == 100)
 impact("two liquids", "thin drop, thick film", mu=10, sigma=0.07, extra="-drop_viscosity 1e-3", short=True)
 impact("two liquids", "thick drop, thin film", mu=10, sigma=0.07, extra="-film_viscosity 1e-3")
-impact("two liquids", "1:1000 density", mu=1e-3, extra="-film_density 10000 -drop_density 10", throws=True)
+for light in (1000 / 1.5, 500):
+    impact("two liquids", f"density 1:{1000 / light:g}", mu=1e-3, extra=f"-drop_density {light}")
+impact("two liquids", "density 1:10", mu=1e-3, extra="-film_density 100", refused=("-film_density", "ratio_max"),
+       short=True)
+impact("two liquids", "1:10 by force", mu=1e-3, extra="-film_density 100 -density_ratio_max 10", throws=True)
 for cfl in (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1):
     impact("CFL", f"{cfl:g}", mu=1e-2, sigma=0.02, extra=f"-time_cfl {cfl}", short=cfl == 1)
 for step in (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2):
@@ -136,7 +141,8 @@ TRIALS += [
     Trial("scenes", "in a corner of walls", PLACE + "-box_x wall -box_ymin wall -bodies a -a_upper -0.02,-0.02 "
           "-gravity 0,-9.81 -time_end 0.1", RHO * 0.08**3 * 9.81 / 2, short=True),
     Trial("scenes", "full box, no free surface", PLACE + "-box_x periodic -box_y periodic -bodies a "
-          "-a_velocity_type taylor_green -a_taylor_green_amplitude 1 -a_taylor_green_wavelength 0.2 -time_end 0.05", RHO * 0.04 / 4,
+          "-a_velocity_type taylor_green -a_taylor_green_amplitude 1 "
+          "-a_taylor_green_wavelength 0.2 -time_end 0.05", RHO * 0.04 / 4,
           short=True),
     Trial("scenes", "closed full box of walls", PLACE + "-box_x wall -box_y wall -bodies a -gravity 0,-9.81 "
           "-time_end 0.1", RHO * 0.2**3 * 9.81 / 2),
@@ -167,6 +173,8 @@ def judge(trial, folder):
         series = os.path.join(folder, "series.csv")
         begun = os.path.exists(series) and len(open(series).readlines()) > 2
         good = process.returncode < 126 and len(errors) == 1 and "PETSC ERROR" not in process.stderr and not begun
+        if process.returncode < 126 and len(errors) == 1 and sentence.startswith("stopped at ") and not trial.refused:
+            line["outcome"] = "stopped"
         if good and trial.refused and all(word in sentence for word in trial.refused):
             line["outcome"] = "refused"
         line["remark"] = sentence.replace("\n", " ")[:160]
@@ -244,7 +252,7 @@ def picture(lines, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    colors = {"works": "#5aa469", "handled": "#b9d77c", "refused": "#9fb8d6", "FAILED": "#d1495b"}
+    colors = {"works": "#5aa469", "handled": "#b9d77c", "refused": "#9fb8d6", "stopped": "#e9b44c", "FAILED": "#d1495b"}
     axes = list(dict.fromkeys(line["axis"] for line in lines))
     figure, plot = plt.subplots(figsize=(13, 0.52 * len(axes) + 1))
     for row, axis in enumerate(axes):
@@ -256,7 +264,7 @@ def picture(lines, path):
     plot.set_xticks([])
     plot.set_xlim(0, 1)
     plot.set_frame_on(False)
-    plot.legend([plt.Rectangle((0, 0), 1, 1, color=c) for c in colors.values()], colors, ncol=4, loc="upper center",
+    plot.legend([plt.Rectangle((0, 0), 1, 1, color=c) for c in colors.values()], colors, ncol=5, loc="upper center",
                 bbox_to_anchor=(0.5, 1.08), frameon=False)
     figure.tight_layout()
     figure.savefig(path, dpi=110)
@@ -285,7 +293,8 @@ def main():
               f"{line.get('mean step (s)', 0):10.3g} {line.get('energy gained', 0):8.4f} "
               f"{line.get('density error', 0):8.4f}  {line['remark']}")
     outcomes = [line["outcome"] for line in lines]
-    print(", ".join(f"{outcomes.count(o)} {o}" for o in ("works", "handled", "refused", "FAILED")), f"of {len(lines)}")
+    kinds = ("works", "handled", "refused", "stopped", "FAILED")
+    print(", ".join(f"{outcomes.count(kind)} {kind}" for kind in kinds), f"of {len(lines)}")
     if arguments.all and not arguments.only:
         os.makedirs(arguments.folder, exist_ok=True)
         with open(os.path.join(arguments.folder, "extremes.csv"), "w", newline="", encoding="utf-8") as file:

@@ -126,9 +126,10 @@ def kill_in_writing(process, folder, later):
         try:
             present = [name for name in os.listdir(folder) if name.startswith("checkpoint_")]
         except FileNotFoundError:
-            continue
+            present = []
         seen.update(name for name in present if not name.endswith(".tmp"))
         caught = len(seen) > later + 1 and any(name.endswith(".tmp") for name in present)
+        time.sleep(0 if caught else 5e-4)
     kill(process)
     return caught
 
@@ -316,7 +317,8 @@ def names():
     those of the user's mask."""
     home = runs.scratch("home")
     os.mkdir(home)
-    for k, name in enumerate(("$(touch owned)", "`touch owned`", ";touch owned", "a|touch owned", "%s%n%s%n", "-restart_",
+    for k, name in enumerate(("$(touch owned)", "`touch owned`", ";touch owned", "a|touch owned", "%s%n%s%n",
+                              "-restart_",
                               "a b", "\u00e4\u00f6", "a'b", 'a"b', "*", "~", "a//b/./c", "x" * 200)):
         folder = os.path.join(home, f"{k}", name)
         process = runs.start(runs.shlex.split(SCENE) + ["-steps_max", "1", "-output_dir", folder])

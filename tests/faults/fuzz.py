@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Mutated option files and command lines. Each one runs its one step, or ends before it with one sentence and a non-zero
-code; none crashes, hangs, takes much memory, or runs with an option that nothing reads.
+"""Mutated option files and command lines. Each one runs its one step, or ends before it with one sentence and a
+non-zero code; none crashes, hangs, takes much memory, or runs with an option that nothing reads.
 
     tests/faults/fuzz.py [--number 2000] [--seed 1]
 
@@ -31,15 +31,17 @@ SCENES = [
     "-time_end 1 -scheme density_invariant -ksp_type cg -pc_type jacobi -ksp_rtol 1e-4",
     COMMON + "-box_x wall -box_y wall -box_ymax_velocity 1,0 -bodies a -a_viscosity 100 -viscosity_form morris "
     "-viscosity_solver implicit -viscous_ksp_rtol 1e-6 -time_end 0.1 -packing_jitter 0.2 -checkpoint_interval 0.05",
-    COMMON + "-box_x periodic -bodies a -a_shape wave -a_upper 1,0.5 -a_wave_amplitude 0.05 -a_tension 0.1 -tension_type cahn_hilliard "
-    "-box_ymin wall -time_step_max 1e-3 -shifting 1 -shifting_strength 1 -pressure_gradient symmetric -time_end 0.1",
-    "-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x periodic -box_y symmetry -box_zmin wall -gravity 0,0,-9.81 "
-    "-bodies film,drop -film_upper 1,1,0.4 -drop_shape sphere -drop_radius 0.2 -drop_center 0.5,0.5,0.75 "
-    "-drop_velocity 0,0,-1 -time_end 0.1 -packing_type poisson -packing_seed 3 -halo_slack 0.5 -sort_interval 4",
+    COMMON + "-box_x periodic -bodies a -a_shape wave -a_upper 1,0.5 -a_wave_amplitude 0.05 -a_tension 0.1 "
+    "-tension_type cahn_hilliard -box_ymin wall -time_step_max 1e-3 -shifting 1 -shifting_strength 1 -pressure_gradient symmetric -time_end 0.1",
+    "-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x periodic -box_y symmetry -box_zmin wall "
+    "-gravity 0,0,-9.81 -bodies film,drop -film_upper 1,1,0.4 -drop_shape sphere -drop_radius 0.2 "
+    "-drop_center 0.5,0.5,0.75 -drop_velocity 0,0,-1 -time_end 0.1 -packing_type poisson -packing_seed 3 -halo_slack 0.5 -sort_interval 4",
 ]
-VALUES = ["", "0", "-0", "-1", "1", "2", "3", "7", "1e-300", "1e300", "-1e300", "1e400", "nan", "inf", "-inf", "1e-9", "1e9",
-          "2147483647", "2147483648", "-2147483649", "99999999999999999999", "0x10", "1e", "1,2", "1,2,3,4", ",", ",,",
-          "1,,2", "a", "true", "no", "perhaps", "%s%n", "$(id)", "../..", "/", "\u00e9", "x" * 300, "1;2", "0,0,0", "0,0",
+VALUES = ["", "0", "-0", "-1", "1", "2", "3", "7", "1e-300", "1e300", "-1e300", "1e400", "nan", "inf", "-inf", "1e-9",
+          "1e9", "2147483647", "2147483648", "-2147483649", "99999999999999999999",
+          "0x10", "1e", "1,2", "1,2,3,4", ",", ",,",
+          "1,,2", "a", "true", "no", "perhaps", "%s%n", "$(id)", "../..", "/", "\u00e9", "x" * 300,
+          "1;2", "0,0,0", "0,0",
           "1e-12,1e-12", "wall", "sphere", "all", "default", "-", "--", "1 2", "\t", "none", "lu", "fgmres"]
 TAIL = " -steps_max 1 -progress_interval 0 -output_overwrite"
 
@@ -187,7 +189,8 @@ def main():
             continue
         tally["failed"] += 1
         shown = shlex.join(words) if not as_file else repr(text)
-        runs.check(False, f"fuzz_{number}", f"code {code}, ignored {ignored or 'none'}: {err.strip()[:300]!r} of {shown}")
+        runs.check(False, f"fuzz_{number}",
+                   f"code {code}, ignored {ignored or 'none'}: {err.strip()[:300]!r} of {shown}")
     runs.check(tally["failed"] == 0 and tally["ran"] + tally["refused"] > 0, "fuzz")
     print(f"{sum(tally.values())} tried: {tally['ran']} ran, {tally['refused']} refused with a sentence, "
           f"{tally['failed']} failed")
