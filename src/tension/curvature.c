@@ -350,6 +350,11 @@ static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const
   return f / sw;
 }
 
+static inline PetscReal Sigma(Cloud cloud, PetscInt a)
+{
+  return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
+}
+
 typedef enum { PASS_NORMAL, PASS_CURVATURE, PASS_MEAN } PassKind;
 
 /* One pass over the owned particles of the sorted liquid. Normal and depth go to FIELD_WORK3 (zero where the surface is
@@ -384,6 +389,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
 
         SumMirrored(tension, real, image, images, x, &phi, g);
         length = Norm(g);
+        if (tension->sheets) cloud->field[FIELD_CAPILLARY][a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi);
         if (V * length * H < tension->threshold) continue;
         for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
         scalar[a] = FlatDepth(tension, V * phi);
@@ -391,8 +397,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
         Moments m;
 
         SumNormals(tension, n, x, normal + DIM * a, &m);
-        scalar[a] = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension *
-                    Curvature(tension, &m, normal + DIM * a);
+        scalar[a] = Sigma(cloud, a) * Curvature(tension, &m, normal + DIM * a);
       } else
         cloud->field[FIELD_CAPILLARY][a] =
           Mean(tension, n, x, normal + DIM * a, cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
@@ -434,6 +439,7 @@ PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(PetscArrayzero(cloud->field[FIELD_WORK1], cloud->n_owned));
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
   PetscCall(Pass(tension, cloud, PASS_NORMAL));
+  if (tension->sheets) PetscCall(SheetPull(tension, cloud));
   PetscCall(CloudUpdate(cloud, FIELD_WORK3));
   PetscCall(CloudUpdate(cloud, FIELD_WORK1));
   PetscCall(PetscMalloc1(cloud->n_total, &keep));

@@ -76,7 +76,7 @@ struct _p_Tension {
   PetscReal       plane, moment;         /* w1(0), 1/m; int x^2 W dA over a plane, m */
   Liquid          liquid;
   Band            band_cells;
-  PetscBool       has_band;
+  PetscBool       has_band, sheets; /* sheet.c is used */
 };
 
 /* TensionBand - brings band_cells up to date: cells within the radius (m) of a surface particle. Collective. */
@@ -84,6 +84,11 @@ PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius);
 /* CurvatureSetUp - the tables of the depth. */
 PetscErrorCode CurvatureSetUp(Tension tension);
 
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3) has in a sheet. */
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi);
+/* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION; from the liquid, sorted, and
+ * sigma S' in FIELD_CAPILLARY, which is zero afterwards. Collective. */
+PetscErrorCode SheetPull(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_None(Tension tension, Cloud cloud);
