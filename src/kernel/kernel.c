@@ -200,3 +200,28 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
     *fraction = s >= 0 ? PetscMin(0.5 + sum, 1.0) : PetscMax(0.5 - sum, 0.0);
   }
 }
+
+void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[])
+{
+  const PetscReal support = KernelSupport(kernel);
+  PetscReal       zero, depth = 0;
+
+  KernelHalfSpace(kernel, 0, &zero, NULL);
+  fraction[0] = 1;
+  fraction[n] = 0.5;
+  for (PetscInt k = n - 1; k > 0; k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
+    PetscReal low = depth, high = support, plane;
+
+    for (PetscInt bisection = 0; bisection < 50; bisection++) {
+      const PetscReal middle = 0.5 * (low + high);
+
+      KernelHalfSpace(kernel, middle, &plane, NULL);
+      if (plane * n > zero * k)
+        low = middle;
+      else
+        high = middle;
+    }
+    depth = 0.5 * (low + high);
+    KernelHalfSpace(kernel, depth, NULL, &fraction[k]);
+  }
+}

@@ -52,5 +52,8 @@ void KernelGradient(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal F
    F(s) = integral of W over the liquid. methods: surface-fraction-corrected density. Either may be NULL. Not
    collective. */
 void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fraction);
+/* KernelSurfaceTable - fraction[k] = F at the depth where w1(s)/w1(0) = k/n, k = 0 to n: the filled fraction of the
+   kernel from the length of sum V grad W, as if the surface were flat. Not collective. */
+void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[]);
 
 #endif

@@ -17,38 +17,6 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* F as a function of w1/w1(0): the filled fraction of the kernel from the length of sum V grad W, as if the surface
- * were flat. */
-PetscErrorCode TabulateSurfaceFraction(Pressure pressure)
-{
-  Kernel          kernel  = pressure->cloud->kernel;
-  const PetscReal support = KernelSupport(kernel);
-  PetscReal       zero, depth = 0;
-
-  PetscFunctionBegin;
-  KernelHalfSpace(kernel, 0, &zero, NULL);
-  pressure->surface_plane                   = zero;
-  pressure->surface_fraction[0]             = 1;
-  pressure->surface_fraction[SURFACE_TABLE] = 0.5;
-  for (PetscInt k = SURFACE_TABLE - 1; k > 0;
-       k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
-    PetscReal low = depth, high = support, plane;
-
-    for (PetscInt bisection = 0; bisection < 50; bisection++) {
-      const PetscReal middle = 0.5 * (low + high);
-
-      KernelHalfSpace(kernel, middle, &plane, NULL);
-      if (plane * SURFACE_TABLE > zero * k)
-        low = middle;
-      else
-        high = middle;
-    }
-    depth = 0.5 * (low + high);
-    KernelHalfSpace(kernel, depth, NULL, &pressure->surface_fraction[k]);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 #define LAMBDA_FULL 0.95 /* above: a full neighbourhood, F = 1 */
 #define LAMBDA_THIN 0.3  /* below: too few neighbours for F; only compression counts */
 

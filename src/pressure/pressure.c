@@ -121,7 +121,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
-  PetscCall(TabulateSurfaceFraction(pressure));
+  KernelHalfSpace(pressure->cloud->kernel, 0, &pressure->surface_plane, NULL);
+  KernelSurfaceTable(pressure->cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -72,6 +72,5 @@ PetscReal      ClosureFull(Pressure, PetscInt, PetscReal);
 PetscErrorCode GradientSymmetric(Pressure, PetscReal[]);
 PetscErrorCode GradientCorrected(Pressure, PetscReal[]);
 PetscErrorCode GradientConserved(Pressure, PetscReal[]);
-PetscErrorCode TabulateSurfaceFraction(Pressure);
 
 #endif

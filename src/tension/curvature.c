@@ -27,6 +27,7 @@ PetscErrorCode CurvatureSetUp(Tension tension)
 
   PetscFunctionBegin;
   KernelHalfSpace(tension->kernel, 0, &tension->plane, NULL);
+  KernelSurfaceTable(tension->kernel, WALL_TABLE, tension->fraction);
   for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
   KernelEvaluate(tension->kernel, WALL_TABLE, r2, W, NULL);
   tension->moment = 0;
@@ -389,7 +390,8 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
 
         SumMirrored(tension, real, image, images, x, &phi, g);
         length = Norm(g);
-        if (tension->sheets) cloud->field[FIELD_CAPILLARY][a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi);
+        if (tension->sheets)
+          cloud->field[FIELD_CAPILLARY][a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi, V * length);
         if (V * length * H < tension->threshold) continue;
         for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
         scalar[a] = FlatDepth(tension, V * phi);

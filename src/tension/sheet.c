@@ -6,23 +6,24 @@
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
    which is pairwise and central: momentum and angular momentum are kept, and energy with that of the surface. A sheet
-   of one particle pulls its edge back with 2 sigma per unit of length. S' fades to zero towards the thickness where
-   curvature.c sees the sides (cases/retracting_sheet), and stays as at THICKNESS_SPRAY below it, where particles are
-   nearly alone: pairs and threads attract each other weakly. No reference; forces from a function of the density are
-   those of many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001). */
+   of one particle pulls its edge back with 2 sigma per unit of length (cases/retracting_sheet). Where curvature.c sees
+   the sides nothing may be added: phi is then that of the flat surface which |grad phi| tells of, and S' is faded out
+   with what phi lacks to that. It stays as at THICKNESS_SPRAY below it, where particles are nearly alone: pairs and
+   threads attract each other weakly. No reference; forces from a function of the density are those of many-body
+   dissipative particle dynamics (Pagonabarraga and Frenkel 2001). */
 #include "types.h"
 
-/* over the spacing */
-#define THICKNESS_SPRAY 0.57 /* below: a constant slope */
-#define THICKNESS_THIN  1.0  /* below: all of S' */
-#define THICKNESS_FULL  1.8  /* above: none of it */
-#define PHI_FULL        0.55 /* as well: a moderately curved surface of the bulk has more */
+#define THICKNESS_SPRAY 0.41 /* over the spacing; below, S would be more than that of a sphere: a constant slope */
+#define LACK_NONE       0.2  /* of phi to the flat surface that grad phi tells of; below: none of S' */
+#define LACK_ALL        0.65 /* above: all of it */
 
-PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi)
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient)
 {
-  const PetscReal unit = tension->plane * tension->spacing, full = PetscMin(PHI_FULL, THICKNESS_FULL * unit),
-                  thin = PetscMin(0.6 * full, THICKNESS_THIN * unit), low = PetscMax(phi, THICKNESS_SPRAY * unit),
-                  t = PetscMin(1, PetscMax(0, (full - phi) / (full - thin)));
+  const PetscReal place = PetscMin(gradient / tension->plane, 1) * WALL_TABLE, unit = tension->plane * tension->spacing,
+                  low  = PetscMax(phi, THICKNESS_SPRAY * unit);
+  const PetscInt  k    = PetscMin((PetscInt)place, WALL_TABLE - 1);
+  const PetscReal flat = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
+                  t    = PetscMin(1, PetscMax(0, (flat - phi - LACK_NONE) / (LACK_ALL - LACK_NONE)));
 
   return -2 * volume * tension->plane / (low * low) * t * t * (3 - 2 * t);
 }

@@ -66,14 +66,15 @@ struct _p_Tension {
   char            type[64];
   TensionFunction apply;
   PetscReal       spacing, smoothing, ratio, calibration, band;
-  PetscReal       sharpening;            /* of the curvature */
-  PetscReal       threshold;             /* of |grad phi| H: the surface is near */
-  PetscReal       angle;                 /* contact angle, rad */
-  PetscBool       walls;                 /* the box has any */
-  Kernel          kernel;                /* W^H */
-  PetscReal       wall[WALL_TABLE + 1];  /* w1 over depth, 1/m */
-  PetscReal       depth[WALL_TABLE + 1]; /* depth (m) over the filled fraction 0.5 to 1 */
-  PetscReal       plane, moment;         /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  PetscReal       sharpening;               /* of the curvature */
+  PetscReal       threshold;                /* of |grad phi| H: the surface is near */
+  PetscReal       angle;                    /* contact angle, rad */
+  PetscBool       walls;                    /* the box has any */
+  Kernel          kernel;                   /* W^H */
+  PetscReal       wall[WALL_TABLE + 1];     /* w1 over depth, 1/m */
+  PetscReal       depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal       fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
+  PetscReal       plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
   Liquid          liquid;
   Band            band_cells;
   PetscBool       has_band, sheets; /* sheet.c is used */
@@ -84,8 +85,9 @@ PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius);
 /* CurvatureSetUp - the tables of the depth. */
 PetscErrorCode CurvatureSetUp(Tension tension);
 
-/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3) has in a sheet. */
-PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi);
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3), phi and |grad phi| (1/m) has in a
+   sheet. Not collective. */
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient);
 /* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION; from the liquid, sorted, and
  * sigma S' in FIELD_CAPILLARY, which is zero afterwards. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud);
