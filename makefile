@@ -2,6 +2,7 @@
 #   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
+#   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
@@ -84,10 +85,17 @@ convergence: isph
 verify-readme:
 	@$(VERIFY) --readme
 
+# Runs stopped, disks filled, files damaged, options mutated: all of it; make test has a short part of each.
+faults: isph
+	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
+
+fuzz: isph
+	@$(PYTHON) tests/faults/fuzz.py --number 2000
+
 lint:
 	@tests/run.sh tests/lint
 
 clean:
 	rm -rf $(BUILD) isph
 
-.PHONY: all packages run test test-long verify verify-long convergence verify-readme lint clean force
+.PHONY: all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force

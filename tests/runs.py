@@ -41,14 +41,18 @@ def done():
     sys.exit(1 if _failures else 0)
 
 
+def environment():
+    """That of the program's processes."""
+    return dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1", OMP_NUM_THREADS="1")
+
+
 def start(options, ranks=1, timeout=300):
     """Runs the program with a string or list of options; the finished process with its texts."""
     if isinstance(options, str):
         options = shlex.split(options)
-    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                       OMPI_MCA_rmaps_base_oversubscribe="1", OMP_NUM_THREADS="1")
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + options
-    return subprocess.run(command, cwd=ROOT, env=environment, timeout=timeout, stdin=subprocess.DEVNULL,
+    return subprocess.run(command, cwd=ROOT, env=environment(), timeout=timeout, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
 

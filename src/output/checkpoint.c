@@ -133,7 +133,6 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   Storage        storage;
   Rows           rows = {.n = 0, .start = 0, .total = 0, .width = 1};
   Head           head;
-  PetscInt64     bytes = INT_COUNT * (PetscInt64)sizeof(PetscInt); /* of a particle */
   PetscBool      failed;
   char           name[64], path[PETSC_MAX_PATH_LEN];
 
@@ -150,8 +149,6 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   /* Attributes must be the same on every rank; the clocks differ. */
   PetscCallMPI(MPI_Bcast(&head.real[HEAD_WALL_TIME], 1, MPIU_REAL, 0, output->comm));
   PetscCall(PetscSNPrintf(name, sizeof(name), "checkpoint_%06d.h5", (int)state->step));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) bytes += Fields[f].width * (PetscInt64)sizeof(PetscReal);
-  PetscCall(FolderReserve(output, name, bytes * rows.total));
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));

@@ -8,9 +8,6 @@
 #include <time.h>
 #include <unistd.h>
 
-/* What a file of data sets needs besides the data: names, units, the options of the run; bytes. */
-#define FILE_MARGIN (1 << 17)
-
 /* Options that belong to one start of the program, not to the run. */
 static const char *const transient[] = {"-restart",
                                         "-output_dir",
@@ -249,15 +246,14 @@ static PetscErrorCode DescribeProgram(Output output, PetscBool same, char text[]
 
 static PetscErrorCode WriteDescriptions(Output output, PetscBool same)
 {
-  char path[PETSC_MAX_PATH_LEN], version[4096], *options;
+  char path[PETSC_MAX_PATH_LEN], version[4096];
   int  error = 0;
 
   PetscFunctionBegin;
-  PetscCall(OutputPath(output, "options.opts", path));
-  PetscCall(FolderOptions(&options));
-  if (!output->rank) error = WriteText(path, "w", options);
-  PetscCall(PetscFree(options));
+  PetscCall(OutputPath(output, "options.opts.tmp", path));
+  if (!output->rank) error = WriteText(path, "w", output->options);
   PetscCall(FolderStatus(output, error, "write", path));
+  PetscCall(FolderCommit(output, "options.opts", PETSC_FALSE));
   PetscCall(OutputPath(output, "version.txt", path));
   PetscCall(DescribeProgram(output, same, version, sizeof(version)));
   if (!output->rank) error = WriteText(path, same ? "a" : "w", version);
@@ -310,29 +306,6 @@ PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync)
     if (sync) error = Sync(temporary);
     if (!error && rename(temporary, path)) error = errno;
     if (!error && sync) error = Sync(output->folder);
-  }
-  PetscCall(FolderStatus(output, error, "write", path));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode FolderReserve(Output output, const char name[], PetscInt64 bytes)
-{
-  char path[PETSC_MAX_PATH_LEN];
-  int  error = 0, descriptor;
-
-  PetscFunctionBegin;
-  PetscCall(OutputPath(output, name, path));
-  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
-  if (!output->rank) {
-    descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH);
-    if (descriptor < 0)
-      error = errno;
-    else {
-      error = posix_fallocate(descriptor, 0, (off_t)(bytes + FILE_MARGIN));
-      if (error == EINVAL || error == EOPNOTSUPP) error = 0; /* the file system cannot tell */
-      close(descriptor);
-      (void)unlink(path);
-    }
   }
   PetscCall(FolderStatus(output, error, "write", path));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -59,6 +59,7 @@ PetscErrorCode OutputDestroy(Output *output)
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*output)->series_file) fclose((*output)->series_file);
   PetscCall(PetscFree((*output)->entry));
+  PetscCall(PetscFree((*output)->options));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -76,6 +77,8 @@ PetscErrorCode OutputSetFromOptions(Output output)
   size_t length;
 
   PetscFunctionBegin;
+  PetscCall(PetscFree(output->options));
+  PetscCall(FolderOptions(&output->options));
   PetscOptionsBegin(output->comm, NULL, "What a run writes", "Output");
   PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder,
                                output->folder, sizeof(output->folder), NULL));

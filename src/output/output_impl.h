@@ -48,6 +48,7 @@ struct _p_Output {
   PetscMPIInt    rank, size;
   Cloud          cloud; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
+  char          *options; /* the user's, one a line, before solvers add defaults of their own */
   PetscBool      overwrite, walls, precise, ready, restarting;
   Schedule       series, snapshot, checkpoint;
   PetscInt       series_step, snapshot_step; /* of the last line and the last snapshot; -1: none */
@@ -80,9 +81,6 @@ PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count
 /* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk.
  * Collective. */
 PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);
-/* FolderReserve - refuses (UserError) to start a file for which there is no room: HDF5 over MPI-IO waits for ever when
- * the disk gets full. Collective. */
-PetscErrorCode FolderReserve(Output output, const char name[], PetscInt64 bytes);
 /* FolderDiscard - removes <name>.tmp. Collective. */
 PetscErrorCode FolderDiscard(Output output, const char name[]);
 /* FolderOptions - the options of the run as text, one a line; to be freed. Not collective. */
@@ -119,10 +117,12 @@ PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t le
  * --- */
 typedef struct {
   MPI_Comm    comm;
-  PetscMPIInt size;
-  hid_t       file;    /* negative: could not be made or opened */
-  PetscBool   failed;  /* on this rank */
-  H5E_auto2_t handler; /* the error printer to put back */
+  PetscMPIInt rank, size;
+  PetscBool   here;                     /* this rank touches the file: all when reading, rank 0 when writing */
+  char        path[PETSC_MAX_PATH_LEN]; /* where a file that is made here goes; empty: none is */
+  hid_t       file;                     /* negative: could not be made or opened, or is not here */
+  PetscBool   failed;                   /* on this rank */
+  H5E_auto2_t handler;                  /* the error printer to put back */
   void       *client;
 } Storage;
 
@@ -131,8 +131,8 @@ typedef struct {
   PetscInt n, start, total, width;
 } Rows;
 
-/* StorageCreate, StorageOpen - a file for writing, for reading. With comm of one rank no MPI-IO is used. Collective on
- * comm. */
+/* StorageCreate, StorageOpen - a file for writing (by rank 0, for all), for reading (by each rank). Collective on comm.
+ */
 PetscErrorCode StorageCreate(MPI_Comm comm, const char path[], Storage *storage);
 PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage);
 /* StorageClose - *failed: whether anything went wrong on any rank since the start. Collective. */

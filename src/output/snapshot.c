@@ -177,7 +177,6 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
 {
   const Domain    domain = output->cloud->domain;
   const PetscReal h      = KernelSmoothingLength(output->cloud->kernel);
-  char           *options;
 
   PetscFunctionBegin;
   PetscCall(StoragePutText(storage, "format", "isph snapshot"));
@@ -194,9 +193,7 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
   PetscCall(StoragePutReal(storage, "box_lower", DIM, domain->lower));
   PetscCall(StoragePutReal(storage, "box_upper", DIM, domain->upper));
   PetscCall(StoragePutReal(storage, "level", 1, &output->gauge.level));
-  PetscCall(FolderOptions(&options));
-  PetscCall(StoragePutText(storage, "options", options));
-  PetscCall(PetscFree(options));
+  PetscCall(StoragePutText(storage, "options", output->options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,7 +249,6 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   Storage        storage;
   Rows           rows;
   PetscInt      *particle;
-  PetscInt64     bytes = (INT_FIELDS(output->walls) + 1) * (PetscInt64)sizeof(PetscInt); /* of a particle */
   PetscBool      failed;
   char           name[64], path[PETSC_MAX_PATH_LEN];
 
@@ -268,8 +264,6 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   entry.precision = output->precise ? (PetscInt)sizeof(double) : (PetscInt)sizeof(float);
   entry.walls     = output->walls;
   SnapshotName(entry.index, name);
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) bytes += Fields[f].width * entry.precision;
-  PetscCall(FolderReserve(output, name, bytes * rows.total));
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));

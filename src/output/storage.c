@@ -1,10 +1,14 @@
-/* HDF5 files of rows spread over the ranks. Every call is made by all ranks whatever went wrong before, so that none
- * waits for another. */
+/* HDF5 files of rows spread over the ranks. Rank 0 makes the file in its memory and writes it in one piece; every rank
+   reads its share. On a full disk HDF5 over MPI-IO waits for ever, and HDF5 alone crashes when it closes a file it
+   could not write (1.10, at the latest when MPI ends); so neither touches a disk that files are written to. */
 #include "output_impl.h"
 #include <sys/stat.h>
 
 /* The longest text attribute; HDF5 keeps attributes below 64 KB. */
 #define TEXT_MAX 60000
+#define ROWS_TAG 1
+/* By how much a file made in memory grows, bytes. */
+#define MEMORY_STEP ((size_t)1 << 24)
 
 /* Whether all ranks say yes. */
 static PetscErrorCode Agree(Storage *storage, PetscBool here, PetscBool *everywhere)
@@ -17,29 +21,36 @@ static PetscErrorCode Agree(Storage *storage, PetscBool here, PetscBool *everywh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Opens or makes the file on the ranks that touch it. */
 static PetscErrorCode Start(MPI_Comm comm, const char path[], PetscBool writing, Storage *storage)
 {
   hid_t     access;
   PetscBool all;
 
   PetscFunctionBegin;
-  storage->comm   = comm;
-  storage->failed = PETSC_FALSE;
+  storage->comm    = comm;
+  storage->failed  = PETSC_FALSE;
+  storage->file    = -1;
+  storage->path[0] = 0;
+  PetscCallMPI(MPI_Comm_rank(comm, &storage->rank));
   PetscCallMPI(MPI_Comm_size(comm, &storage->size));
+  storage->here = (PetscBool)(!writing || !storage->rank);
   (void)H5Eget_auto2(H5E_DEFAULT, &storage->handler, &storage->client);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* the caller says it in a sentence */
-  access = H5Pcreate(H5P_FILE_ACCESS);
-  (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* metadata with checksums */
-  if (storage->size > 1) {
-    (void)H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
-    (void)H5Pset_all_coll_metadata_ops(access, 1);
-    (void)H5Pset_coll_metadata_write(access, 1);
+  if (storage->here) {
+    access = H5Pcreate(H5P_FILE_ACCESS);
+    (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* metadata with checksums */
+    if (writing) {
+      (void)H5Pset_fapl_core(access, MEMORY_STEP, 0);
+      PetscCall(PetscStrncpy(storage->path, path, sizeof(storage->path)));
+    }
+    storage->file =
+      writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
+    (void)H5Pclose(access);
   }
-  storage->file = writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
-  (void)H5Pclose(access);
-  PetscCall(Agree(storage, (PetscBool)(storage->file >= 0), &all));
+  PetscCall(Agree(storage, (PetscBool)(!storage->here || storage->file >= 0), &all));
   if (!all) {
-    if (storage->file >= 0 && storage->size == 1) (void)H5Fclose(storage->file);
+    if (storage->file >= 0) (void)H5Fclose(storage->file);
     storage->file   = -1;
     storage->failed = PETSC_TRUE;
   }
@@ -60,11 +71,26 @@ PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes the file that was made in memory to its place. Rank 0. */
+static void Put(Storage *storage)
+{
+  void         *handle = NULL; /* of the core driver: the address of its memory */
+  const ssize_t length = H5Fflush(storage->file, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(storage->file, NULL, 0);
+  FILE         *file;
+
+  if (length < 0 || H5Fget_vfd_handle(storage->file, H5P_DEFAULT, &handle) < 0) storage->failed = PETSC_TRUE;
+  if (storage->failed) return;
+  file = fopen(storage->path, "wb");
+  if (!file || fwrite(*(void **)handle, 1, (size_t)length, file) != (size_t)length) storage->failed = PETSC_TRUE;
+  if (file && fclose(file)) storage->failed = PETSC_TRUE;
+}
+
 PetscErrorCode StorageClose(Storage *storage, PetscBool *failed)
 {
   PetscBool all;
 
   PetscFunctionBegin;
+  if (storage->file >= 0 && storage->path[0] && !storage->failed) Put(storage);
   if (storage->file >= 0 && H5Fclose(storage->file) < 0) storage->failed = PETSC_TRUE;
   storage->file = -1;
   (void)H5Eset_auto2(H5E_DEFAULT, storage->handler, storage->client);
@@ -73,8 +99,7 @@ PetscErrorCode StorageClose(Storage *storage, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The type in the file: little-endian, of the size of the type in memory, so that collective transfers stay collective.
- */
+/* The type in the file: little-endian, of the size of the type in memory. */
 static hid_t FileType(hid_t type)
 {
   if (H5Tget_class(type) == H5T_FLOAT) return H5Tget_size(type) == sizeof(float) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
@@ -89,9 +114,11 @@ static void Keep(Storage *storage, herr_t status)
 static void AttributePut(Storage *storage, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n,
                          const void *values)
 {
-  const hid_t space     = n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
-  const hid_t attribute = object < 0 ? -1 : H5Acreate2(object, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t space, attribute;
 
+  if (!storage->here) return;
+  space     = n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
+  attribute = object < 0 ? -1 : H5Acreate2(object, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
   if (attribute < 0)
     storage->failed = PETSC_TRUE;
   else {
@@ -112,49 +139,86 @@ static void AttributePutText(Storage *storage, hid_t object, const char name[], 
   (void)H5Tclose(type);
 }
 
-/* The file space with this rank's rows selected, the space in memory, and how to transfer. */
-static void Spaces(Storage *storage, const Rows *rows, hid_t *file, hid_t *memory, hid_t *transfer)
+/* The space of a data set, with the rows start .. start + n - 1 selected, and that of these rows in memory. */
+static void Spaces(const Rows *rows, PetscInt start, PetscInt n, hid_t *file, hid_t *memory)
 {
-  const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width},
-                count[2] = {(hsize_t)rows->n, (hsize_t)rows->width};
-  const hsize_t start[2] = {(hsize_t)rows->start, 0};
+  const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width}, count[2] = {(hsize_t)n, (hsize_t)rows->width};
+  const hsize_t first[2] = {(hsize_t)start, 0};
   const int     rank     = rows->width > 1 ? 2 : 1;
 
   *file   = H5Screate_simple(rank, total, NULL);
   *memory = H5Screate_simple(rank, count, NULL);
-  if (rows->n)
-    (void)H5Sselect_hyperslab(*file, H5S_SELECT_SET, start, NULL, count, NULL);
+  if (n)
+    (void)H5Sselect_hyperslab(*file, H5S_SELECT_SET, first, NULL, count, NULL);
   else {
     (void)H5Sselect_none(*file);
     (void)H5Sselect_none(*memory);
   }
-  *transfer = H5Pcreate(H5P_DATASET_XFER);
-  if (storage->size > 1) (void)H5Pset_dxpl_mpio(*transfer, H5FD_MPIO_COLLECTIVE);
+}
+
+/* Writes rows of a data set. Rank 0. */
+static void WriteRows(Storage *storage, hid_t set, hid_t type, const Rows *rows, PetscInt start, PetscInt n,
+                      const void *values)
+{
+  hid_t file, memory;
+
+  if (set < 0 || !n || storage->failed) return;
+  Spaces(rows, start, n, &file, &memory);
+  Keep(storage, H5Dwrite(set, type, memory, file, H5P_DEFAULT, values));
+  (void)H5Sclose(memory);
+  (void)H5Sclose(file);
+}
+
+/* Rank 0 writes the rows of all ranks, one rank after the other; whatever fails there, every message is received. */
+static PetscErrorCode Collect(Storage *storage, hid_t set, hid_t type, const Rows *rows, const void *values)
+{
+  const size_t size   = H5Tget_size(type) * (size_t)rows->width; /* of a row, bytes */
+  PetscInt     own[2] = {rows->n, rows->start}, *all = NULL, most = 0;
+  char        *buffer = NULL;
+  MPI_Datatype row;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Type_contiguous((int)size, MPI_BYTE, &row));
+  PetscCallMPI(MPI_Type_commit(&row));
+  if (!storage->rank) PetscCall(PetscMalloc1(2 * storage->size, &all));
+  PetscCallMPI(MPI_Gather(own, 2, MPIU_INT, all, 2, MPIU_INT, 0, storage->comm));
+  if (storage->rank && rows->n) PetscCallMPI(MPI_Send(values, (PetscMPIInt)rows->n, row, 0, ROWS_TAG, storage->comm));
+  if (!storage->rank) {
+    WriteRows(storage, set, type, rows, own[1], own[0], values);
+    for (PetscMPIInt r = 1; r < storage->size; r++) most = PetscMax(most, all[2 * r]);
+    PetscCall(PetscMalloc1(size * (size_t)most, &buffer));
+    for (PetscMPIInt r = 1; r < storage->size; r++) {
+      if (!all[2 * r]) continue;
+      PetscCallMPI(MPI_Recv(buffer, (PetscMPIInt)all[2 * r], row, r, ROWS_TAG, storage->comm, MPI_STATUS_IGNORE));
+      WriteRows(storage, set, type, rows, all[2 * r + 1], all[2 * r], buffer);
+    }
+    PetscCall(PetscFree(buffer));
+    PetscCall(PetscFree(all));
+  }
+  PetscCallMPI(MPI_Type_free(&row));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values,
                             const char unit[], const char meaning[])
 {
-  hid_t     file, memory, transfer, create, set = -1;
-  PetscBool all;
+  hid_t file, memory, create, set = -1;
 
   PetscFunctionBegin;
-  Spaces(storage, rows, &file, &memory, &transfer);
-  create = H5Pcreate(H5P_DATASET_CREATE);
-  (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
-  if (storage->file >= 0) set = H5Dcreate2(storage->file, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
-  PetscCall(Agree(storage, (PetscBool)(set >= 0), &all));
-  if (all) {
+  if (storage->here && storage->file >= 0) {
+    Spaces(rows, 0, 0, &file, &memory);
+    create = H5Pcreate(H5P_DATASET_CREATE);
+    (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+    set = H5Dcreate2(storage->file, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
+    (void)H5Pclose(create);
+    (void)H5Sclose(memory);
+    (void)H5Sclose(file);
+    Keep(storage, set < 0 ? -1 : 0);
     AttributePutText(storage, set, "unit", unit);
     AttributePutText(storage, set, "meaning", meaning);
-    if (rows->total) Keep(storage, H5Dwrite(set, type, memory, file, transfer, values));
-  } else
-    storage->failed = PETSC_TRUE;
+  }
+  PetscCall(Collect(storage, set, type, rows, values));
   if (set >= 0) Keep(storage, H5Dclose(set));
-  (void)H5Pclose(create);
-  (void)H5Pclose(transfer);
-  (void)H5Sclose(memory);
-  (void)H5Sclose(file);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,21 +241,20 @@ static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
 
 PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, const Rows *rows, void *values)
 {
-  hid_t     file, memory, transfer, set = -1;
+  hid_t     file, memory, set = -1;
   PetscBool all;
 
   PetscFunctionBegin;
-  Spaces(storage, rows, &file, &memory, &transfer);
   if (storage->file >= 0) set = H5Dopen2(storage->file, name, H5P_DEFAULT);
   PetscCall(Agree(storage, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
-  if (all) {
-    if (rows->total) Keep(storage, H5Dread(set, type, memory, file, transfer, values));
-  } else
-    storage->failed = PETSC_TRUE;
+  if (!all) storage->failed = PETSC_TRUE;
+  if (all && rows->n) {
+    Spaces(rows, rows->start, rows->n, &file, &memory);
+    Keep(storage, H5Dread(set, type, memory, file, H5P_DEFAULT, values));
+    (void)H5Sclose(memory);
+    (void)H5Sclose(file);
+  }
   if (set >= 0) (void)H5Dclose(set);
-  (void)H5Pclose(transfer);
-  (void)H5Sclose(memory);
-  (void)H5Sclose(file);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,4 +1,5 @@
-/* Ends a run cleanly: at SIGINT, SIGTERM or SIGUSR1, and when -wall_clock_limit is used up. */
+/* Ends a run cleanly: at SIGINT, SIGTERM or SIGUSR1, and when -wall_clock_limit is used up. A file that grows beyond
+   the user's limit fails like one on a full disk. */
 #include "types.h"
 #include <petsctime.h>
 #include <signal.h>
@@ -20,6 +21,7 @@ PetscErrorCode InterruptWatch(void)
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++)
     PetscCheck(!sigaction(numbers[k], &action, NULL), PETSC_COMM_SELF, PETSC_ERR_SYS, "cannot watch for signal %d",
                numbers[k]);
+  (void)signal(SIGXFSZ, SIG_IGN); /* the write then returns EFBIG */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
