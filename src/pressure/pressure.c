@@ -125,6 +125,14 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates)
+{
+  PetscFunctionBegin;
+  PetscCall(pressure->source(pressure, dt, rhs));
+  *accumulates = (PetscBool)(pressure->source == SourceDivergence);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 const PetscReal *PressureDensity(Pressure pressure)
 {
   return pressure->summed ? pressure->cloud->field[FIELD_DENSITY] : pressure->cloud->rest_density;

@@ -59,6 +59,10 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);
+/* PressureSource - minus the source of div(grad p/rho), rhs[n_rows] (1/s2), that PressureSolve would solve for; reads
+   what that reads. *accumulates: it is a rate of compression over dt, else the compression itself over dt^2. Not
+   collective. */
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates);
 /* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_WORK3. Not collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */

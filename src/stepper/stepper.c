@@ -1,6 +1,7 @@
 #include "types.h"
 
-#define MAX_HALVINGS 10
+#define MAX_HALVINGS            10
+#define COMPRESSIBLE_RELAXATION 25 /* default of -pressure_relaxation_ratio: a faster repair does work on the sound */
 
 static PetscFunctionList SchemeList = NULL;
 
@@ -10,6 +11,7 @@ static PetscErrorCode StepperRegisterAll(void)
   if (SchemeList) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_CONSISTENT, SchemeConsistent));
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_DENSITY_INVARIANT, SchemeDensityInvariant));
+  PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_WEAKLY_COMPRESSIBLE, SchemeWeaklyCompressible));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -32,6 +34,10 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->shifting_cap      = 0.1;
   s->relaxation_ratio  = 5;
   s->damping           = 1;
+  s->sound_mach        = 0.1;
+  s->sound_cfl         = 0.4;
+  s->density_diffusion = 0.1;
+  s->sound_projected   = PETSC_TRUE;
   PetscCall(PetscStrncpy(s->scheme_type, SCHEME_CONSISTENT, sizeof(s->scheme_type)));
   KernelEvaluate(cloud->kernel, 1, &d2, &s->self_kernel, NULL);
   *stepper = s;
@@ -46,8 +52,11 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
   PetscFunctionBegin;
   if (paper)
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
+  else if (s->scheme == SchemeWeaklyCompressible)
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   else
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
+  if (s->scheme == SchemeWeaklyCompressible) s->relaxation_ratio = COMPRESSIBLE_RELAXATION;
   s->shifting = s->centered = (PetscBool)!paper;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -65,14 +74,15 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(SchemeList, s->scheme_type, &s->scheme));
   PetscCheckUser(s->scheme, comm,
-                 "-scheme %s is not a scheme; there are " SCHEME_CONSISTENT " and " SCHEME_DENSITY_INVARIANT,
+                 "-scheme %s is not a scheme; there are " SCHEME_CONSISTENT ", " SCHEME_DENSITY_INVARIANT
+                 " and " SCHEME_WEAKLY_COMPRESSIBLE,
                  s->scheme_type);
   PetscCall(SetSchemeTypes(s));
   PetscOptionsBegin(comm, NULL, "Time stepping", "Stepper");
-  if (s->scheme == SchemeConsistent)
+  if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
                                s->shifting, &s->shifting, NULL));
-  if (s->scheme == SchemeConsistent)
+  if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-shifting_conserved",
                                "shifting keeps momentum and angular momentum, at more loss of energy",
                                "StepperSetFromOptions", s->shifting_conserved, &s->shifting_conserved, NULL));
@@ -80,7 +90,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
     PetscOptionsEList("-viscosity_form",
                       "cleary: Eq. (1), keeps angular momentum; morris: exact for shear, mirrored no-slip walls",
                       "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
-  if (s->scheme == SchemeConsistent)
+  if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                                "StepperSetFromOptions", s->centered, &s->centered, NULL));
   PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions",
@@ -104,6 +114,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                              "StepperSetFromOptions", s->density_max, &s->density_max, NULL));
   PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
+  if (s->scheme == SchemeWeaklyCompressible) PetscCall(CompressibleSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
   s->viscosity_form = (ViscosityForm)form;
   PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
@@ -126,6 +137,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
     const PetscReal velocity = StepperReferenceVelocity(s), h = KernelSmoothingLength(s->cloud->kernel);
 
     s->reference_velocity = velocity;
+    if (s->scheme == SchemeWeaklyCompressible) PetscCall(CompressibleCheck(s, velocity));
     if (velocity > 0) PetscCall(PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * h / velocity));
     PetscCheckUser(
       velocity > 0 || s->step_max > 0 || s->step_fixed > 0, comm,
@@ -139,6 +151,10 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g, shifting %s\n", stepper->scheme_type,
                                    (double)stepper->cfl, stepper->shifting ? "on" : "off"));
+  if (stepper->sound_speed > 0)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Sound: %g m/s, CFL %g, density diffusion %g\n",
+                                     (double)stepper->sound_speed, (double)stepper->sound_cfl,
+                                     (double)stepper->density_diffusion));
   PetscCall(PressureView(stepper->pressure, viewer));
   PetscCall(TensionView(stepper->tension, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -253,7 +269,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, end, &dt));
-  *failed = PETSC_TRUE;
+  stepper->first = (PetscBool)(state->step == 0);
+  *failed        = PETSC_TRUE;
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     Attempted attempted = {0};
 

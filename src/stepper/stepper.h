@@ -12,11 +12,15 @@ typedef struct _p_Stepper *Stepper;
 #define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, with the mended tension */
 #define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */
 
+#define SCHEME_WEAKLY_COMPRESSIBLE                                                                                     \
+  "weakly_compressible" /* the consistent scheme with an explicit pressure: Tait's equation, artificial sound */
+
 /* StepperCreate - borrows all three. Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
-   -displacement_max (spacings), -density_max (1), -wall_guard (spacings). Collective. */
+   -displacement_max (spacings), -density_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),
+   -sound_mach, -sound_cfl, -sound_projected, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
 /* StepperPrepare - assembles and sets the solver up at the present state so that every option of the solver has been

@@ -20,6 +20,9 @@ typedef struct {
 
 typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, Attempted *);
 
+/* How the pressure of a step comes about: FIELD_PRESSURE of owned particles and ghosts. */
+typedef PetscErrorCode (*PressureStep)(Stepper, PetscReal dt, PressureResult *);
+
 struct _p_Stepper {
   Cloud          cloud;    /* borrowed */
   Tension        tension;  /* borrowed */
@@ -35,10 +38,24 @@ struct _p_Stepper {
   PetscReal      reference_velocity; /* m/s */
   PetscReal      damping;
   PetscReal      self_kernel; /* W at one spacing, for shifting, m^-dim */
+  PetscBool      first;       /* the step is the first of a run */
+  /* weakly compressible */
+  PetscBool sound_projected; /* the first pressure is projected */
+  PetscReal sound_speed, sound_mach, sound_cfl, density_diffusion, lattice_sum;
 };
 
 PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, Attempted *);
 PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, Attempted *);
+PetscErrorCode SchemeWeaklyCompressible(Stepper, PetscReal, PetscBool, Attempted *);
+/* CompressibleSetFromOptions - the options of the weakly compressible scheme, inside an options block;
+   CompressibleCheck - refuses bad values, after it, and chooses the speed of sound for the scene's velocity (m/s).
+   Collective. */
+PetscErrorCode CompressibleSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
+PetscErrorCode CompressibleCheck(Stepper stepper, PetscReal velocity);
+/* ConsistentStep - the step that the consistent and the weakly compressible scheme share. Collective. */
+PetscErrorCode ConsistentStep(Stepper, PetscReal, PetscBool, PressureStep, Attempted *);
+/* PressureProjected - by PressureSolve. Collective. */
+PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result);
 /* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
    FIELD_PREDICTED = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
    viscosity divides by. Collective. */
