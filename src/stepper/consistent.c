@@ -45,7 +45,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, diagnose, attempted));
   if (PressureDensity(stepper->pressure) == cloud->field[FIELD_DENSITY]) PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(StageOne(stepper, dt, cloud->rest_density));
+  PetscCall(StageOne(stepper, dt, cloud->rest_density, attempted));
 
   /* Stage 2: pressure, at the same positions */
   PetscCall(pressure(stepper, dt, &attempted->pressure));

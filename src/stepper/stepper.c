@@ -181,19 +181,57 @@ PetscErrorCode StepperDestroy(Stepper *stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[])
+/* Power of FIELD_ACCELERATION on the fluid, W, this rank. */
+static PetscReal Power(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *a = cloud->field[FIELD_ACCELERATION];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, a + DIM * k);
+  return sum;
+}
+
+/* Area of the free surface of one particle's share, m2. The integral of |sum V grad W| over the liquid below a flat
+   surface is half its area, for any kernel: sum V W rises from 1/2 at the surface to 1 inside. */
+static PetscReal Area(Cloud cloud, PetscInt a)
+{
+  return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
+}
+
+/* Power of the pressure of surface tension on the free surface, -int sigma kappa v.n dA, W, this rank. */
+static PetscReal CapillaryPower(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL];
+  PetscReal        sum = 0;
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (cloud->integer[INT_SURFACE][a])
+      sum += 2 * cloud->volume[a] * cloud->field[FIELD_CAPILLARY][a] * Dot(v + DIM * a, n + DIM * a);
+  return sum;
+}
+
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted)
 {
   Cloud      cloud        = stepper->cloud;
   PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
             *predicted = cloud->field[FIELD_PREDICTED];
+  PetscReal before     = 0; /* power of what acts so far, W */
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (stepper->damping == 1)
     for (PetscInt a = 0; a < cloud->n_fluid; a++)
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
-  if (SceneHasViscosity(cloud->scene)) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+  if (SceneHasViscosity(cloud->scene)) {
+    before = Power(cloud);
+    PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+    attempted->viscous_work = dt * (Power(cloud) - before);
+  }
+  if (TensionReach(stepper->tension) > 0) before = Power(cloud);
   PetscCall(TensionApply(stepper->tension, cloud));
+  if (TensionReach(stepper->tension) > 0)
+    attempted->tension_work = dt * (Power(cloud) - before + CapillaryPower(cloud));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
@@ -210,7 +248,10 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
     const PetscReal ratio = cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a];
 
     attempted->density = PetscMax(attempted->density, ratio);
+    attempted->surface +=
+      BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension * Area(cloud, a);
     if (cloud->integer[INT_SURFACE][a]) continue;
+    attempted->error += ratio;
     attempted->error2 += PetscSqr(ratio - 1);
     attempted->inside++;
   }
@@ -223,20 +264,29 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What Judge sums over the ranks. */
+enum { SUM_ERROR2, SUM_DIVERGENCE2, SUM_INSIDE, SUM_ERROR, SUM_SURFACE, SUM_VISCOUS, SUM_TENSION, SUM_COUNT };
+
 /* The verdict over all ranks; 'why' says what is wrong, empty if nothing is. */
-static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[3], char why[],
-                            size_t length)
+static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[SUM_COUNT],
+                            char why[], size_t length)
 {
   Cloud           cloud    = stepper->cloud;
   const PetscReal spacing  = cloud->domain->spacing;
   PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken},
             largest[3];
-  PetscReal parts[3] = {attempted->error2, attempted->divergence2, (PetscReal)attempted->inside};
+  const PetscReal parts[SUM_COUNT] = {[SUM_ERROR2]      = attempted->error2,
+                                      [SUM_DIVERGENCE2] = attempted->divergence2,
+                                      [SUM_INSIDE]      = (PetscReal)attempted->inside,
+                                      [SUM_ERROR]       = attempted->error,
+                                      [SUM_SURFACE]     = attempted->surface,
+                                      [SUM_VISCOUS]     = attempted->viscous_work,
+                                      [SUM_TENSION]     = attempted->tension_work};
 
   PetscFunctionBegin;
   why[0] = 0;
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(parts, sums, 3, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(parts, sums, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
   if (attempted->pressure.reason < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the pressure solver stopped with %s after %" PetscInt_FMT
@@ -260,11 +310,22 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The sums' part of the state; of the divergence, that over the time step. */
+static void Measure(const PetscReal sums[SUM_COUNT], StepState *state)
+{
+  const PetscReal inside = PetscMax(1, sums[SUM_INSIDE]);
+
+  state->density_error  = PetscSqrtReal(sums[SUM_ERROR2] / inside);
+  state->divergence     = PetscSqrtReal(sums[SUM_DIVERGENCE2] / inside);
+  state->density_mean   = sums[SUM_INSIDE] > 0 ? sums[SUM_ERROR] / inside : 1;
+  state->surface_energy = sums[SUM_SURFACE];
+}
+
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length)
 {
   Cloud     cloud = stepper->cloud;
-  PetscReal dt, sums[3];
+  PetscReal dt, sums[SUM_COUNT];
   PetscInt  iterations = 0;
 
   PetscFunctionBegin;
@@ -277,6 +338,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscCall(stepper->scheme(stepper, dt, diagnose, &attempted));
     PetscCall(Judge(stepper, dt, &attempted, sums, why, length));
     iterations += attempted.pressure.iterations;
+    state->solver_error = attempted.pressure.density;
     if (!why[0]) {
       *failed = PETSC_FALSE;
       break;
@@ -292,8 +354,27 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->previous_time_step = dt;
   state->iterations         = iterations;
   state->step++;
-  state->density_error = sums[2] > 0 ? PetscSqrtReal(sums[0] / sums[2]) : 0;
-  state->divergence    = !diagnose ? NAN : sums[2] > 0 ? dt * PetscSqrtReal(sums[1] / sums[2]) : 0;
+  Measure(sums, state);
+  state->divergence = !diagnose ? NAN : dt * state->divergence;
+  state->viscous_work += sums[SUM_VISCOUS];
+  state->tension_work += sums[SUM_TENSION];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
+{
+  Cloud     cloud     = stepper->cloud;
+  Attempted attempted = {0};
+  PetscReal sums[SUM_COUNT];
+  char      why[1];
+
+  PetscFunctionBegin;
+  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(Diagnose(stepper, PETSC_FALSE, &attempted));
+  PetscCall(Judge(stepper, 0, &attempted, sums, why, sizeof(why)));
+  Measure(sums, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

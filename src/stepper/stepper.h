@@ -31,6 +31,9 @@ PetscErrorCode StepperPrepare(Stepper stepper);
    'length' bytes) says what went wrong. diagnose: also measure the divergence. Collective. */
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length);
+/* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
+ */
+PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperForget - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
 PetscErrorCode StepperForget(Stepper stepper);
 /* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each

@@ -14,6 +14,9 @@ typedef struct {
   PetscReal      density;      /* largest rho/rho_0, this rank */
   PetscReal      error2;       /* sum of squares of rho/rho_0 - 1 inside, this rank */
   PetscReal      divergence2;  /* sum of squares of div v inside, this rank, 1/s2 */
+  PetscReal      error;        /* sum of rho/rho_0 inside, this rank */
+  PetscReal      surface;      /* sigma times area, J, this rank */
+  PetscReal      viscous_work, tension_work; /* of the step, J, this rank */
   PetscInt       inside;       /* particles in those sums */
   PetscBool      broken;       /* not a number, this rank */
 } Attempted;
@@ -58,10 +61,10 @@ PetscErrorCode ConsistentStep(Stepper, PetscReal, PetscBool, PressureStep, Attem
 PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result);
 /* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
    FIELD_PREDICTED = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
-   viscosity divides by. Collective. */
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]);
-/* Diagnose - density error, largest density and (if asked) divergence of FIELD_VELOCITY, at the positions where moments
- * and surface were last evaluated. Not collective. */
+   viscosity divides by. Also attempted->viscous_work and tension_work. Collective. */
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted);
+/* Diagnose - density error, largest density, area of the free surface and (if asked) divergence of FIELD_VELOCITY, at
+   the positions where moments and surface were last evaluated. Not collective. */
 PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
 /* Shift - moves FIELD_START (the new positions, m) towards an even distribution and takes FIELD_PREDICTED (the new
    velocity, m/s, ghosts current) to where the particles then are: into FIELD_VELOCITY. Centre of mass, momentum and
