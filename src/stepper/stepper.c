@@ -199,16 +199,23 @@ static PetscReal Area(Cloud cloud, PetscInt a)
   return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
 }
 
-/* Power of the pressure of surface tension on the free surface, -int sigma kappa v.n dA, W, this rank. */
-static PetscReal CapillaryPower(Cloud cloud)
+/* What the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA, is made of. The flux of the
+   liquid through its surface should vanish; what it does not is taken out in Judge as if it were spread evenly, because
+   the pressure that all of a drop has in common would do work on it. */
+static void CapillaryWork(Cloud cloud, PetscReal dt, Attempted *attempted)
 {
-  const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL];
-  PetscReal        sum = 0;
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
+                  *capillary = cloud->field[FIELD_CAPILLARY];
 
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (cloud->integer[INT_SURFACE][a])
-      sum += 2 * cloud->volume[a] * cloud->field[FIELD_CAPILLARY][a] * Dot(v + DIM * a, n + DIM * a);
-  return sum;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal area = Area(cloud, a), inward = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
+
+    if (area == 0) continue;
+    attempted->tension_work += capillary[a] * inward;
+    attempted->inward += inward;
+    attempted->area += area;
+    attempted->capillary_area += capillary[a] * area;
+  }
 }
 
 PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted)
@@ -230,8 +237,10 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
   }
   if (TensionReach(stepper->tension) > 0) before = Power(cloud);
   PetscCall(TensionApply(stepper->tension, cloud));
-  if (TensionReach(stepper->tension) > 0)
-    attempted->tension_work = dt * (Power(cloud) - before + CapillaryPower(cloud));
+  if (TensionReach(stepper->tension) > 0) {
+    attempted->tension_work = dt * (Power(cloud) - before);
+    CapillaryWork(cloud, dt, attempted);
+  }
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
@@ -265,7 +274,7 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
 }
 
 /* What Judge sums over the ranks. */
-enum { SUM_ERROR2, SUM_DIVERGENCE2, SUM_INSIDE, SUM_ERROR, SUM_SURFACE, SUM_VISCOUS, SUM_TENSION, SUM_COUNT };
+enum { SUM_ERROR2, SUM_DIVERGENCE2, SUM_INSIDE, SUM_ERROR, SUM_SURFACE, SUM_VISCOUS, SUM_TENSION, SUM_INWARD, SUM_AREA, SUM_CAPILLARY, SUM_COUNT };
 
 /* The verdict over all ranks; 'why' says what is wrong, empty if nothing is. */
 static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[SUM_COUNT],
@@ -281,7 +290,10 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
                                       [SUM_ERROR]       = attempted->error,
                                       [SUM_SURFACE]     = attempted->surface,
                                       [SUM_VISCOUS]     = attempted->viscous_work,
-                                      [SUM_TENSION]     = attempted->tension_work};
+                                      [SUM_TENSION]     = attempted->tension_work,
+                                      [SUM_INWARD]      = attempted->inward,
+                                      [SUM_AREA]        = attempted->area,
+                                      [SUM_CAPILLARY]   = attempted->capillary_area};
 
   PetscFunctionBegin;
   why[0] = 0;
@@ -358,6 +370,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->divergence = !diagnose ? NAN : dt * state->divergence;
   state->viscous_work += sums[SUM_VISCOUS];
   state->tension_work += sums[SUM_TENSION];
+  if (sums[SUM_AREA] > 0) state->tension_work -= sums[SUM_INWARD] * sums[SUM_CAPILLARY] / sums[SUM_AREA];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

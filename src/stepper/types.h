@@ -17,6 +17,9 @@ typedef struct {
   PetscReal      error;        /* sum of rho/rho_0 inside, this rank */
   PetscReal      surface;      /* sigma times area, J, this rank */
   PetscReal      viscous_work, tension_work; /* of the step, J, this rank */
+  /* of the free surface under tension, this rank: liquid that flows in through it in the step, m3; area, m2; integral
+     of sigma kappa over it, N */
+  PetscReal inward, area, capillary_area;
   PetscInt       inside;       /* particles in those sums */
   PetscBool      broken;       /* not a number, this rank */
 } Attempted;
