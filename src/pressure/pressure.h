@@ -57,6 +57,9 @@ PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
 /* PressureSetUp - PressureAssemble and the set-up of solver and preconditioner, which reads all their options.
  * Collective. */
 PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
+/* PressureSolver - the KSP and the right-hand side of the last PressureSetUp or PressureSolve, borrowed until the next
+   call. Not collective. */
+PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);

@@ -114,6 +114,14 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b)
+{
+  PetscFunctionBegin;
+  *ksp = pressure->ksp;
+  *b   = pressure->b;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One attempt with the kept or a new preconditioner, from the pressure of the cloud. */
 static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
 {

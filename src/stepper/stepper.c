@@ -374,6 +374,21 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt)
+{
+  Cloud     cloud     = stepper->cloud;
+  Attempted attempted = {0};
+
+  PetscFunctionBegin;
+  PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
+  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(OperatorsMoments(cloud));
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(StageOne(stepper, *dt, PressureDensity(stepper->pressure), &attempted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 {
   Cloud     cloud     = stepper->cloud;

@@ -31,6 +31,9 @@ PetscErrorCode StepperPrepare(Stepper stepper);
    'length' bytes) says what went wrong. diagnose: also measure the divergence. Collective. */
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length);
+/* StepperPredict - stage one of a step from the swarm's state, so that PressureAssemble gives the system of that step;
+   *dt: its size (s). Collective. */
+PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
 /* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
  */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
