@@ -3,6 +3,8 @@
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
+#   make tradeoff CASE=central_force        error and CPU time of each choice: table, CSV, chart in output/tradeoff/
+#   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
@@ -50,6 +52,11 @@ RUN  = output/drop_impact
 $(BUILD)/tests/unit/%: tests/unit/%.c $(OBJECTS) $(BUILD)/flags
 	@mkdir -p $(dir $@); echo LD $@; $(CC) $(ALL_FLAGS) -Isrc -o $@ $< $(OBJECTS) $(LIBS)
 
+COMPARE = $(BUILD)/tests/solvers/compare
+
+$(COMPARE): tests/solvers/compare.c $(OBJECTS) $(BUILD)/flags
+	@mkdir -p $(dir $@); echo LD $@; $(CC) $(filter-out -D_POSIX_C_SOURCE%,$(ALL_FLAGS)) -D_GNU_SOURCE -Isrc -o $@ $< $(OBJECTS) $(LIBS)
+
 packages:
 	@tests/packages.sh build pictures
 
@@ -61,10 +68,10 @@ run: packages
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
-test: isph $(UNIT)
+test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
 
-test-long: isph $(UNIT)
+test-long: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
 
 VERIFY = $(MPI) $(PYTHON) tests/verify/runner.py
@@ -91,6 +98,18 @@ faults: isph
 
 fuzz: isph
 	@$(PYTHON) tests/faults/fuzz.py --number 2000
+# make compare-solvers STATE=output/my/snapshot_0010.h5   every solver on the user's own state, and which to take
+STATE =
+RANKS = 1
+compare-solvers: $(COMPARE)
+	@$(MPI) $(PYTHON) tests/solvers/compare.py --ranks $(RANKS) "$(STATE)"
+
+# make tradeoff CASE=central_force   error and CPU time of each choice: table, CSV and chart in output/tradeoff/
+tradeoff: isph
+	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
+
+tradeoff-readme:
+	@$(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)" --readme
 
 lint:
 	@tests/run.sh tests/lint
@@ -99,3 +118,4 @@ clean:
 	rm -rf $(BUILD) isph
 
 .PHONY: all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
+.PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force

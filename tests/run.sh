@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Runs the tests:  tests/run.sh [--long] [NAME ...]
 #   programs  output/build/tests/unit/*, built by the makefile
-#   scripts   tests/input, tests/parallel, tests/restart, tests/faults, tests/verify, tests/lint (*.sh, *.py), and tests/long with
+#   scripts   tests/input, tests/parallel, tests/restart, tests/faults, tests/solvers, tests/verify,
+#             tests/lint (*.sh, *.py), and tests/long with
 #             --long
 # With names, only the tests whose path contains one of them. Each test prints 'ok name' or 'FAIL name: why' a line, and
 # whatever else it likes. One that exits non-zero without a FAIL line, is killed, runs out of time or prints neither
@@ -13,7 +14,7 @@ cd "$(dirname "$0")/.." || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
 timeout=${TEST_TIMEOUT:-600}
 python=${PYTHON:-/usr/bin/python3}
-folders="input parallel restart faults verify lint"
+folders="input parallel restart faults solvers verify lint"
 names=()
 for argument in "$@"; do
   if [ "$argument" = --long ]; then folders="$folders long"; else names+=("$argument"); fi

@@ -24,6 +24,7 @@ typedef struct {
   PetscReal highest;                          /* highest liquid of all */
   PetscReal kinetic_energy, potential_energy; /* sum of m v^2/2; sum of m times the potential of the body force */
   PetscReal volume;                           /* particles of fluid times V_0 */
+  PetscReal multiplicity;                     /* -gauge_multiplicity */
   PetscInt  particles;                        /* of fluid, in the simulated part */
 } GaugeValues;
 

@@ -25,6 +25,10 @@
   X("volume", gauges->volume)                     /* m3 */                                                             \
   X("density_error", state->density_error)                                                                             \
   X("divergence", state->divergence)                                                                                   \
+  X("solver_error", state->solver_error)                                                                               \
+  X("surface_energy", gauges->multiplicity * state->surface_energy) /* J */                                            \
+  X("viscous_work", gauges->multiplicity * state->viscous_work)     /* J */                                            \
+  X("tension_work", gauges->multiplicity * state->tension_work)     /* J */                                            \
   X("particles", gauges->particles)                                                                                    \
   X("lost", state->lost)                                                                                               \
   X("rejected", state->rejected)                                                                                       \

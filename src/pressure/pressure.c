@@ -103,6 +103,11 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(PetscOptionsReal("-pressure_rebuild_growth",
                              "growth of the iterations that makes the preconditioner anew (1)",
                              "PressureSetFromOptions", pressure->rebuild_growth, &pressure->rebuild_growth, NULL));
+  PetscCall(PetscOptionsReal("-pressure_density_tolerance",
+                             "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, "
+                             "-ksp_rtol and the others",
+                             "PressureSetFromOptions", pressure->density_tolerance, &pressure->density_tolerance,
+                             NULL));
   PetscCall(PetscOptionsFList("-mat_type", "PETSc type of the pressure matrix", "MatSetType", MatList,
                               pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
@@ -112,6 +117,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm,
                  "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative",
                  pressure->rebuild_interval);
+  PetscCheckUser(pressure->density_tolerance >= 0, cloud->comm,
+                 "-pressure_density_tolerance is %g; it must not be negative", (double)pressure->density_tolerance);
   PetscCheckUser(pressure->closure_factor > 0, cloud->comm, "-pressure_closure_factor is %g; it must be positive",
                  (double)pressure->closure_factor);
   PetscCheckUser(pressure->regularization >= 0, cloud->comm, "-pressure_regularization is %g; it must not be negative",
@@ -123,6 +130,14 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
   KernelHalfSpace(pressure->cloud->kernel, 0, &pressure->surface_plane, NULL);
   KernelSurfaceTable(pressure->cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates)
+{
+  PetscFunctionBegin;
+  PetscCall(pressure->source(pressure, dt, rhs));
+  *accumulates = (PetscBool)(pressure->source == SourceDivergence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,6 +164,7 @@ PetscErrorCode PressureForget(Pressure pressure)
   PetscCall(KSPDestroy(&pressure->ksp));
   PetscCall(VecDestroy(&pressure->b));
   PetscCall(VecDestroy(&pressure->x));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
   pressure->kept    = -1;
   pressure->rebuild = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

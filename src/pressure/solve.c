@@ -40,6 +40,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPGetPC(pressure->ksp, &pc));
   PetscCall(PCSetType(pc, PCTWOLEVEL));
   PetscCall(KSPSetFromOptions(pressure->ksp));
+  if (pressure->density_tolerance > 0) PetscCall(SetDensityConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
@@ -60,6 +61,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt)
   PetscFunctionBegin;
   if (!pressure->ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
   pressure->current = pressure->kept == 0 ? 1 : 0;
+  pressure->dt      = dt;
   PetscCall(SystemAssemble(pressure, &pressure->store[pressure->current], dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -112,6 +114,14 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b)
+{
+  PetscFunctionBegin;
+  *ksp = pressure->ksp;
+  *b   = pressure->b;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One attempt with the kept or a new preconditioner, from the pressure of the cloud. */
 static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
 {
@@ -149,6 +159,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
 {
   Cloud              cloud = pressure->cloud;
   const PetscScalar *x;
+  PetscReal          largest;
 
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt));
@@ -165,6 +176,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
     pressure->rebuild = PETSC_TRUE;
   pressure->age++;
+  PetscCall(ResidualDensity(pressure, &largest, &result->density));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (result->reason < 0) {
     pressure->rebuild = PETSC_TRUE;

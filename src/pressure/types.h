@@ -52,6 +52,9 @@ struct _p_Pressure {
   PetscBool   constant_null;
   PetscInt    age, rebuild_interval, kept_steps,
     first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
+  PetscReal dt;                /* s, of the system assembled last */
+  PetscReal density_tolerance; /* 1; 0: PETSc's own test */
+  Vec       scratch[2];
   PetscReal rebuild_growth;
   PetscBool rebuild;
 };
@@ -64,6 +67,12 @@ PetscErrorCode MatrixStoreReset(MatrixStore *s);
 /* PairCoefficients - K_ab of particle a's row (already loaded), Eq. (8), scaled with m_a/m_ref; 1/kg m3/m2. Not
  * collective. */
 void PairCoefficients(Pressure pressure, PetscInt a, PairRow *row, PetscReal K[]);
+
+/* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
+PetscErrorCode SetDensityConvergence(Pressure pressure);
+/* ResidualDensity - relative density error (1) that the present residual leaves after the step: largest and root mean
+   square over the rows. Collective. */
+PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal *rms);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);

@@ -111,6 +111,7 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudResync(sim->cloud));
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
     PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
+    PetscCall(BudgetStart(sim));
   }
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,6 +36,11 @@ PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.
  * Collective. */
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
+/* BudgetStart - the state's energy and density at the start of a run, into the state. Collective. */
+PetscErrorCode BudgetStart(Sim sim);
+/* BudgetReport - prints density error, divergence, energy residual and volume of the present state against the start,
+   and which knob dominates. Collective. */
+PetscErrorCode BudgetReport(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);

@@ -13,7 +13,7 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   PetscCall(OperatorsMoments(cloud)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY]));
+  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], attempted));
   r         = cloud->field[FIELD_POSITION];
   start     = cloud->field[FIELD_START];
   predicted = cloud->field[FIELD_PREDICTED];

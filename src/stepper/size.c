@@ -33,6 +33,8 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
   if (largest[0] > 0) step = PetscMin(step, stepper->cfl * h / largest[0]);
+  if (stepper->sound_speed > 0)
+    step = PetscMin(step, stepper->sound_cfl * h / (stepper->sound_speed + PetscMax(largest[0], largest[2])));
   if (largest[2] > 0)
     step = PetscMin(step, SPRAY_SHARE * stepper->displacement_max * cloud->domain->spacing / largest[2]);
   if (largest[1] > 0) step = PetscMin(step, FORCE_LIMIT * PetscSqrtReal(h / largest[1]));
