@@ -186,6 +186,13 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state)
   return ScheduleReached(&output->checkpoint, state->time);
 }
 
+PetscErrorCode OutputOptions(char **text)
+{
+  PetscFunctionBegin;
+  PetscCall(FolderOptions(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 const char *OutputFolder(Output output)
 {
   return output->folder;

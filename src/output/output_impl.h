@@ -166,7 +166,7 @@ PetscErrorCode DropletsFind(Output output, PetscInt *count, Piece **piece);
 
 /* --- series.c, for tables that grow line by line and whose first columns are time and step --- */
 /* TableStart - opens <folder>/<name> to append, with the head line if it is new, cut behind restart_step if 'same';
-   *last: the step of its last line or -1. Collective. */
+ *last: the step of its last line or -1. Collective. */
 PetscErrorCode TableStart(Output output, const char name[], const char head[], PetscBool same, PetscInt restart_step,
                           FILE **file, PetscInt *last);
 

@@ -34,6 +34,7 @@ struct _p_Stepper {
   PetscReal      relaxation_ratio;
   PetscReal      reference_velocity; /* m/s */
   PetscReal      damping;
+  StepBounds     bounds;      /* of the last step size chosen */
   PetscReal      self_kernel; /* W at one spacing, for shifting, m^-dim */
 };
 
