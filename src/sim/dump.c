@@ -8,6 +8,7 @@
 
 static char  *kept = NULL; /* the text so far */
 static size_t used, room;
+static PetscErrorCode (*printer)(FILE *, const char[], va_list); /* of PETSc, to be put back */
 
 static PetscErrorCode Keep(FILE *stream, const char format[], va_list arguments)
 {
@@ -51,6 +52,7 @@ PetscErrorCode DumpStart(Sim sim)
   PetscCheckUser(!set || sim->dump[0], sim->comm, "-dump_options needs the name of the file to write");
   if (!set) PetscFunctionReturn(PETSC_SUCCESS);
   used = room   = 0;
+  printer       = PetscVFPrintf;
   PetscVFPrintf = Keep;
   PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -123,7 +125,7 @@ PetscErrorCode DumpFinish(Sim sim)
 
   PetscFunctionBegin;
   if (!sim->dump[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscVFPrintf = PetscVFPrintfDefault;
+  PetscVFPrintf = printer;
   PetscCall(PetscOptionsClearValue(NULL, "-help"));
   PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
   if (!rank) {
