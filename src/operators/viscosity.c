@@ -103,12 +103,24 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* normal[d]: 1 for the directions normal to the wall faces that point x (m) is behind, else 0. */
-static inline void WallNormals(Domain domain, const PetscReal x[DIM], PetscReal normal[DIM])
+/* The part of a velocity u (m/s) that is normal to the wall of dummy particle b: in the directions of the faces it is
+   behind, or along the normal of its solid. */
+static inline void WallPart(Cloud cloud, PetscInt b, const PetscReal u[DIM], PetscReal part[DIM])
 {
+  const Domain     domain = cloud->domain;
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * b;
+
+  if (cloud->solid_normal && cloud->integer[INT_BODY][b] <= BODY_SOLID) {
+    const PetscReal *n = cloud->solid_normal + DIM * b, along = Dot(u, n);
+
+    for (PetscInt d = 0; d < DIM; d++) part[d] = along * n[d];
+    return;
+  }
   for (PetscInt d = 0; d < DIM; d++)
-    normal[d] = (domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d]) ||
-                (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d]);
+    part[d] = (domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d]) ||
+                  (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d])
+                ? u[d]
+                : 0;
 }
 
 /* Whether dummy particles may be within the kernel's support of x (m). */
@@ -117,6 +129,7 @@ static inline PetscBool NearWall(Cloud cloud, const PetscReal x[DIM])
   const Domain    domain = cloud->domain;
   const PetscReal reach  = KernelSupport(cloud->kernel);
 
+  if (cloud->solid_normal && SceneSolidDistance(cloud->scene, x, NULL) < reach) return PETSC_TRUE;
   for (PetscInt d = 0; d < domain->dim; d++)
     if ((domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d] + reach) ||
         (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d] - reach))
@@ -133,13 +146,13 @@ static void RemoveSliding(Cloud cloud, PetscInt a, const PairRow *row, const Pet
     const PetscInt  b    = row->index[k];
     const PetscReal f    = cloud->volume[b] * row->F[k];
     const PetscReal r[3] = {row->dx[k], row->dy[k], row->dz[k]};
-    PetscReal       normal[DIM];
+    PetscReal       u[DIM], part[DIM];
 
     if (!cloud->integer[INT_LAYER][b]) continue;
-    WallNormals(cloud->domain, cloud->field[FIELD_POSITION] + DIM * b, normal);
+    for (PetscInt i = 0; i < DIM; i++) u[i] = velocity[DIM * b + i] - velocity[DIM * a + i];
+    WallPart(cloud, b, u, part);
     for (PetscInt i = 0; i < DIM; i++)
-      for (PetscInt j = 0; j < DIM; j++)
-        G[i][j] -= (1 - normal[i]) * (velocity[DIM * b + i] - velocity[DIM * a + i]) * f * r[j];
+      for (PetscInt j = 0; j < DIM; j++) G[i][j] -= (u[i] - part[i]) * f * r[j];
   }
 }
 
@@ -147,16 +160,17 @@ static void RemoveSliding(Cloud cloud, PetscInt a, const PairRow *row, const Pet
 static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[])
 {
   const PetscReal *v   = velocity;
-  PetscReal        sum = 0, normal[DIM];
+  PetscReal        sum = 0;
 
-  WallNormals(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, normal);
   for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b = row->index[k];
-    const PetscReal f = cloud->integer[INT_LAYER][b] ? 0 : cloud->volume[b] * row->F[k];
+    const PetscInt  b      = row->index[k];
+    const PetscReal f      = cloud->integer[INT_LAYER][b] ? 0 : cloud->volume[b] * row->F[k];
+    const PetscReal u[DIM] = {v[3 * b] - v[3 * a], v[3 * b + 1] - v[3 * a + 1], v[3 * b + 2] - v[3 * a + 2]};
+    PetscReal       part[DIM];
 
-    sum +=
-      f * (normal[0] * (v[3 * b] - v[3 * a]) * row->dx[k] + normal[1] * (v[3 * b + 1] - v[3 * a + 1]) * row->dy[k] +
-           normal[2] * (v[3 * b + 2] - v[3 * a + 2]) * row->dz[k]);
+    if (f == 0) continue;
+    WallPart(cloud, a, u, part);
+    sum += f * (part[0] * row->dx[k] + part[1] * row->dy[k] + part[2] * row->dz[k]);
   }
   return sum;
 }

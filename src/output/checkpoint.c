@@ -381,6 +381,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(InFolder(output, file, &same));
   PetscCall(FolderClaim(output, same));
   PetscCall(SeriesStart(output, same, state->step));
+  PetscCall(ProbesStart(output, same, state->step));
   if (same) PetscCall(SnapshotScan(output, state->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -242,6 +242,38 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bytes a particle has in a snapshot. */
+static PetscInt64 ParticleBytes(Output output)
+{
+  PetscInt64 bytes = (INT_FIELDS(output->walls) + 1) * (PetscInt64)sizeof(PetscInt);
+
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    bytes += Fields[f].width * (PetscInt64)(output->precise ? sizeof(double) : sizeof(float));
+  return bytes;
+}
+
+PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,
+                              PetscInt64 *checkpoint)
+{
+  PetscInt       count[2] = {0, 0}; /* in a snapshot, all */
+  PetscInt64     stored   = INT_COUNT * (PetscInt64)sizeof(PetscInt);
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) count[0] += output->walls || !arrays.integer[INT_LAYER][a];
+  count[1] = arrays.n;
+  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
+  *bytes      = count[0] * ParticleBytes(output);
+  *checkpoint = count[1] * stored;
+  *snapshots  = 2;
+  if (output->snapshot.interval > 0 && end < PETSC_MAX_REAL)
+    *snapshots = 1 + (PetscInt64)PetscCeilReal((end - start) / output->snapshot.interval);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SnapshotWrite(Output output, const StepState *state)
 {
   ParticleArrays arrays;

@@ -78,7 +78,7 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
 
   for (PetscInt d = 0; d < domain->dim; d++)
     if (x[d] <= domain->lower[d] || x[d] >= domain->upper[d]) return PETSC_FALSE;
-  if (PointDistance(packing, b, point, x) > level[b]) return PETSC_FALSE;
+  if (PointDistance(packing, b, point, x) > level[b] || SceneSolidDistance(scene, x, NULL) <= 0) return PETSC_FALSE;
   for (PetscInt other = 0; other < b; other++)
     if (BodyDistance(SceneBody(scene, other), x) <= level[other]) return PETSC_FALSE;
   return PETSC_TRUE;

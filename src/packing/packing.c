@@ -136,7 +136,7 @@ static PetscErrorCode CreateParticles(Packing packing)
   const Domain   domain = cloud->domain;
   const PetscInt cells = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
   Filling        filling = {.domain = domain};
-  PetscInt      *weight, own = 0, walls;
+  PetscInt      *weight, own = 0, walls, solids;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &filling.rank));
@@ -149,6 +149,7 @@ static PetscErrorCode CreateParticles(Packing packing)
   if (filling.rank == 0) { /* DomainPartition sums over the ranks */
     PetscCall(PetscArraycpy(weight, filling.weight, cells));
     WallWeigh(domain, layers, weight);
+    SolidWeigh(domain, cloud->scene, layers, weight);
   }
   PetscCall(DomainPartition(domain, 1, weight));
   for (PetscInt c = 0; c < cells; c++)
@@ -160,8 +161,11 @@ static PetscErrorCode CreateParticles(Packing packing)
   PetscCall(packing->ops.visit(packing, Fill, &filling));
   PetscCall(ParticlesClose(cloud->particles, &filling.arrays));
   PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
-  PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " fluid and %" PetscInt_FMT " wall particles\n", packing->type,
-                      packing->count, walls));
+  PetscCall(SolidCreateParticles(cloud->particles, domain, cloud->scene, layers, packing->count + walls, &solids));
+  PetscCall(PetscInfo(NULL,
+                      "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
+                      " solid particles\n",
+                      packing->type, packing->count, walls, solids));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -54,6 +54,12 @@ PetscInt PackingWallLayers(Cloud cloud);
    collective. */
 void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
 
+/* SolidWeigh, SolidCreateParticles - as WallWeigh and WallCreateParticles, of the solids: points of the box's lattice
+   inside them, at most 'layers' spacings deep; each is a top layer with a pressure of its own. */
+void           SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
+PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
+                                    PetscInt *count);
+
 /* PackingRow - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume fraction
    V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */
 PetscReal PackingRow(Cloud cloud, PetscInt a, PairRow *row);

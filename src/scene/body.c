@@ -211,6 +211,19 @@ PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList shapes, PetscFunc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode SolidSetFromOptions(Body body, PetscFunctionList shapes)
+{
+  char title[2 * SCENE_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, shapes));
+  PetscOptionsEnd();
+  PetscCall(CheckInside(body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode BodyView(Body body, PetscViewer viewer)
 {
   const Material  *m = &body->material;
@@ -222,6 +235,7 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s within %g, %g, %g to %g, %g, %g m\n", body->name, body->shape_type,
                                    (double)lower[0], (double)lower[1], (double)lower[2], (double)upper[0],
                                    (double)upper[1], (double)upper[2]));
+  if (!body->velocity) PetscFunctionReturn(PETSC_SUCCESS); /* a solid */
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "density %g kg/m3, viscosity %g Pa s, tension %g N/m, color %" PetscInt_FMT "\n",

@@ -38,13 +38,18 @@ struct _p_Scene {
   Domain    domain; /* borrowed */
   PetscInt  count;
   Body      body[SCENE_MAX_BODIES];
-  PetscReal gravity[DIM]; /* m/s2 */
-  PetscReal central_rate; /* 1/s */
+  PetscInt  solids;
+  Body      solid[SCENE_MAX_BODIES];
+  PetscReal gravity[DIM];                      /* m/s2 */
+  PetscReal central_rate;                      /* 1/s */
+  PetscReal amplitude[DIM], angular_frequency; /* of the part of gravity that swings, m/s2, rad/s */
+  PetscReal shake[DIM];                        /* that part at the time set last, m/s2 */
 };
 
 /* The tables of the shapes, one file each; registered in scene.c. */
 const ShapeOps *ShapeBox(void);
 const ShapeOps *ShapeSphere(void);
+const ShapeOps *ShapeStl(void);
 const ShapeOps *ShapeCylinder(void);
 const ShapeOps *ShapeEllipsoid(void);
 const ShapeOps *ShapeHalfSpace(void);
@@ -59,6 +64,8 @@ PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
    one body. Collective. */
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
 PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList shapes, PetscFunctionList velocities);
+/* SolidSetFromOptions - the shape alone: all a solid has. Collective. */
+PetscErrorCode SolidSetFromOptions(Body body, PetscFunctionList shapes);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 

@@ -25,6 +25,10 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                             sim->steps_max, &sim->steps_max, NULL));
   PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart,
                                sim->restart, sizeof(sim->restart), NULL));
+  PetscCall(PetscOptionsBool("-dry_run",
+                             "set up, print particles, memory, time-step bounds, estimated time and output, draw the "
+                             "scene, stop",
+                             "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
   PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none",
                              "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
   PetscCall(PetscOptionsReal("-wall_clock_limit",
@@ -37,6 +41,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                              "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5,
                              &sim->relaxation_damping, &sim->has_damping));
   PetscOptionsEnd();
+  PetscCall(MonitorSetFromOptions(sim));
   if (!sim->has_damping) sim->relaxation_damping = 0.5;
   PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative",
                  (double)sim->relaxation_time);
@@ -56,6 +61,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   MPI_Comm comm = sim->comm;
 
   PetscFunctionBegin;
+  PetscCall(DumpStart(sim));
   PetscCall(PetscOptionsHasHelp(NULL, stop));
   PetscCall(ReadOwnOptions(sim));
   PetscCall(DomainCreate(comm, &sim->domain));
@@ -84,6 +90,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
+  PetscCall(DumpFinish(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,7 +117,7 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudCommit(sim->cloud, &lost)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
-    PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
+    if (!sim->dry_run) PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
     PetscCall(BudgetStart(sim));
   }
   PetscCall(PetscLogStagePop());
@@ -198,6 +205,7 @@ PetscErrorCode SimRun(Sim sim)
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
     PetscCall(ProgressStep(sim, &progress, last));
+    PetscCall(MonitorStep(sim));
     if (interrupted)
       PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s; continue with -restart and the newest checkpoint in %s\n",
                             interrupted, (double)sim->state.time, OutputFolder(sim->output)));
@@ -212,6 +220,7 @@ PetscErrorCode SimDestroy(Sim *sim)
 
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MonitorDestroy(s));
   if (s->output) PetscCall(OutputDestroy(&s->output));
   if (s->stepper) PetscCall(StepperDestroy(&s->stepper));
   if (s->pressure) PetscCall(PressureDestroy(&s->pressure));

@@ -20,7 +20,11 @@ struct _p_Sim {
   PackingReport report;
   PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping;
   PetscInt      steps_max;
-  PetscBool     has_end, has_damping;
+  PetscBool     has_end, has_damping, dry_run;
+  PetscViewer   monitor; /* NULL: none */
+  PetscInt      monitor_lines;
+  PetscBool     monitor_csv, monitor_draw;
+  char          dump[PETSC_MAX_PATH_LEN];
   char          restart[PETSC_MAX_PATH_LEN];
 };
 
@@ -41,6 +45,15 @@ PetscErrorCode BudgetStart(Sim sim);
 /* BudgetReport - prints density error, divergence, energy residual and volume of the present state against the start,
    and which knob dominates. Collective. */
 PetscErrorCode BudgetReport(Sim sim);
+/* MonitorSetFromOptions - -monitor [ascii|ascii:file|ascii:file.csv:ascii_csv|draw], see monitor.c; MonitorStep - a
+   line, or a picture, of the step; MonitorDestroy. Collective. */
+PetscErrorCode MonitorSetFromOptions(Sim sim);
+PetscErrorCode MonitorStep(Sim sim);
+PetscErrorCode MonitorDestroy(Sim sim);
+/* DumpStart - with -dump_options, from here on the help texts of all options are kept instead of printed; DumpFinish -
+   they are written to the file. Collective. */
+PetscErrorCode DumpStart(Sim sim);
+PetscErrorCode DumpFinish(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);

@@ -6,7 +6,8 @@ static const char *const late[] = {"log_",          "malloc",      "options_",  
                                    "nox",           "display",     "python",     "skip_petscrc", "help",
                                    "version",       "checkstack",  "mpi_linger", "debugger",     "petsc_",
                                    "vec_",          "sf_",         "viewer_",    "citations",    "ksp_view",
-                                   "ksp_converged", "ksp_monitor", "ksp_error",  "mat_view",     "spectrum_"};
+                                   "ksp_converged", "ksp_monitor", "ksp_error",  "mat_view",     "spectrum_",
+                                   "draw_"};
 
 #define FAR 1000
 

@@ -32,19 +32,27 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
+  stepper->bounds = (StepBounds){PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
   if (largest[0] > 0) step = PetscMin(step, stepper->cfl * h / largest[0]);
   if (stepper->sound_speed > 0)
     step = PetscMin(step, stepper->sound_cfl * h / (stepper->sound_speed + PetscMax(largest[0], largest[2])));
   if (largest[2] > 0)
     step = PetscMin(step, SPRAY_SHARE * stepper->displacement_max * cloud->domain->spacing / largest[2]);
-  if (largest[1] > 0) step = PetscMin(step, FORCE_LIMIT * PetscSqrtReal(h / largest[1]));
+  stepper->bounds.speed = step;
+  if (largest[1] > 0) stepper->bounds.force = FORCE_LIMIT * PetscSqrtReal(h / largest[1]);
+  step = PetscMin(step, stepper->bounds.force);
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 
-    if (m->viscosity > 0) step = PetscMin(step, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
+    if (m->viscosity > 0)
+      stepper->bounds.viscosity =
+        PetscMin(stepper->bounds.viscosity, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
     if (m->tension > 0 && TensionReach(stepper->tension) > 0)
-      step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+      stepper->bounds.tension =
+        PetscMin(stepper->bounds.tension,
+                 CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
+  step = PetscMin(step, PetscMin(stepper->bounds.viscosity, stepper->bounds.tension));
   /* the first step takes the scene's own velocity for the one the particles will soon have, and so
      does a relaxation, which must use the steps of the run: pressure noise depends on them */
   if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0)
@@ -60,6 +68,11 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
     step = 0.5 * left;
   *dt = step;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+StepBounds StepperBounds(Stepper stepper)
+{
+  return stepper->bounds;
 }
 
 PetscReal StepperReferenceVelocity(Stepper stepper)

@@ -347,6 +347,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     Attempted attempted = {0};
 
+    SceneSetTime(cloud->scene, state->time + (stepper->centered ? 0.5 * dt : 0));
     PetscCall(stepper->scheme(stepper, dt, diagnose, &attempted));
     PetscCall(Judge(stepper, dt, &attempted, sums, why, length));
     iterations += attempted.pressure.iterations;

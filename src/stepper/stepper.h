@@ -42,6 +42,13 @@ PetscErrorCode StepperForget(Stepper stepper);
 /* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each
    step (1: the real dynamics with body force). Not collective. */
 PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor);
+/* What bounds a time step, s; PETSC_MAX_REAL: nothing. */
+typedef struct {
+  PetscReal speed, force, viscosity, tension;
+} StepBounds;
+
+/* StepperBounds - of the last step that was chosen. Not collective. */
+StepBounds StepperBounds(Stepper stepper);
 /* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, sqrt(g L), sqrt(sigma/(rho h)). Not
  * collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);
