@@ -27,8 +27,8 @@ def check(folder):
     times, pull, edge = np.array(times), np.array(pull), np.array(edge)
     half = speed * times < 0.5 * LENGTH
     late = half & (times > 0.5 * times[half][-1])
-    return [physics.relative("momentum of the half over 2 sigma t, mean until the edge is half way", pull[half].mean(), 1,
-                             0.2),
+    return [physics.relative("momentum of the half over 2 sigma t, mean until the edge is half way",
+                             pull[half].mean(), 1, 0.2),
             physics.shown("speed of the edge over that of Taylor and Culick, second half of that time",
                           -np.polyfit(times[late], edge[late], 1)[0] / speed, 1)]
 
