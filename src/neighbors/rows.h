@@ -20,8 +20,11 @@ typedef struct {
    one number behind the last is read). Not collective. */
 static inline void RowGather(const Row *row, PetscInt a, const PetscReal *restrict field, PetscReal *restrict to)
 {
-  for (PetscInt k = 0; k < row->n; k++) (void)memcpy(to + 4 * k, field + 3 * row->index[k], 4 * sizeof(PetscReal));
-  for (PetscInt k = row->n; k < row->m; k++) (void)memcpy(to + 4 * k, field + 3 * a, 4 * sizeof(PetscReal));
+  const PetscInt n = row->n, m = row->m; /* copies: the compiler cannot know that 'to' is not where they are */
+  const PetscInt *restrict index = row->index;
+
+  for (PetscInt k = 0; k < n; k++) (void)memcpy(to + 4 * k, field + 3 * index[k], 4 * sizeof(PetscReal));
+  for (PetscInt k = n; k < m; k++) (void)memcpy(to + 4 * k, field + 3 * a, 4 * sizeof(PetscReal));
 }
 
 /* RowLoad - factors and positions of a's row as the last search found them. Not collective. */
