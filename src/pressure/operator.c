@@ -52,18 +52,33 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether particle a may be a neighbour of its own image, with which it has no pressure difference. */
+static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, reach = KernelSupport(cloud->kernel);
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (domain->face[d][0] == FACE_SYMMETRY && 2 * (x[d] - domain->lower[d]) < reach) return PETSC_TRUE;
+    if (domain->face[d][1] == FACE_SYMMETRY && 2 * (domain->upper[d] - x[d]) < reach) return PETSC_TRUE;
+    if (domain->face[d][0] == FACE_PERIODIC && domain->upper[d] - domain->lower[d] < reach) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* The sum of weights of particle a's pairs that count. */
 static PetscReal WeightSum(Pressure pressure, PetscInt a)
 {
-  Cloud            cloud  = pressure->cloud;
-  const float     *weight = pressure->weight;
-  const PetscInt  *layer  = cloud->integer[INT_LAYER];
-  const PetscInt   end    = cloud->first[a + 1];
-  const PetscBool  wall   = (PetscBool)(a >= cloud->n_fluid);
-  PetscReal        sum    = 0;
+  Cloud           cloud  = pressure->cloud;
+  const float    *weight = pressure->weight;
+  const PetscInt *layer = cloud->integer[INT_LAYER], *list = cloud->list, *row = cloud->row;
+  const PetscInt  end = cloud->first[a + 1];
+  PetscReal       sum = 0;
 
-  if (wall) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += layer[cloud->list[k]] ? 0 : weight[k];
+  if (a >= cloud->n_fluid) {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += layer[list[k]] ? 0 : weight[k];
+  } else if (MayMeetItself(cloud, a)) {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[list[k]] == row[a] ? 0 : weight[k];
   } else {
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = cloud->first[a]; k < end; k++) sum += weight[k];
