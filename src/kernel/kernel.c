@@ -164,10 +164,22 @@ void KernelGradient(Kernel kernel, PetscInt n, const PetscReal *restrict r2, Pet
 
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++) s[k] = (float)(r2[start + k] * kernel->inverse_h2);
-    kernel->ops->gradient(m, s, f);
+    kernel->ops->single(m, s, NULL, f);
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++) F[start + k] = kernel->scale_f * f[k];
   }
+}
+
+void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f[])
+{
+  kernel->ops->single(n, s, w, f);
+}
+
+void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2)
+{
+  *scale_w    = kernel->scale_w;
+  *scale_f    = kernel->scale_f;
+  *inverse_h2 = kernel->inverse_h2;
 }
 
 #define HALF_SPACE_POINTS 400

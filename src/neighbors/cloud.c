@@ -70,6 +70,8 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(PetscFree(c->reference));
   PetscCall(PetscFree(c->first));
   PetscCall(PetscFree(c->list));
+  PetscCall(PetscFree(c->slope));
+  PetscCall(PetscFree(c->laplacian));
   PetscCall(CellGridReset(&c->grid));
   PetscCall(PetscFree(*cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -30,7 +30,6 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->relaxation_time = 1e-3;
   p->closure_factor  = 2;
   p->regularization  = 2;
-  PetscCall(PetscStrncpy(p->mat_type, MATAIJ, sizeof(p->mat_type)));
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -108,8 +107,11 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
                              "-ksp_rtol and the others",
                              "PressureSetFromOptions", pressure->density_tolerance, &pressure->density_tolerance,
                              NULL));
-  PetscCall(PetscOptionsFList("-mat_type", "PETSc type of the pressure matrix", "MatSetType", MatList,
-                              pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
+  PetscCall(PetscOptionsFList("-mat_type",
+                              "PETSc type of the pressure matrix; none given: shell, the sum of pairs without a "
+                              "matrix, if the preconditioner does without entries, else aij",
+                              "MatSetType", MatList, pressure->mat_type, pressure->mat_type,
+                              sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm,
@@ -165,6 +167,7 @@ PetscErrorCode PressureForget(Pressure pressure)
   PetscCall(VecDestroy(&pressure->b));
   PetscCall(VecDestroy(&pressure->x));
   for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
+  PetscCall(MatDestroy(&pressure->operator));
   pressure->kept    = -1;
   pressure->rebuild = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -180,6 +183,8 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
   PetscCall(PetscFree(p->div));
   PetscCall(PetscFree(p->closed));
+  PetscCall(PetscFree(p->pairs));
+  PetscCall(PetscFree(p->own_weight));
   PetscCall(PetscFree(p->column));
   PetscCall(PetscFree(p->off_row));
   PetscCall(PetscFree(p->mark));

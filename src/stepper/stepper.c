@@ -17,8 +17,7 @@ static PetscErrorCode StepperRegisterAll(void)
 
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper)
 {
-  const PetscReal d2 = PetscSqr(cloud->domain->spacing);
-  Stepper         s;
+  Stepper s;
 
   PetscFunctionBegin;
   PetscCall(StepperRegisterAll());
@@ -39,7 +38,6 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->density_diffusion = 0.1;
   s->sound_projected   = PETSC_TRUE;
   PetscCall(PetscStrncpy(s->scheme_type, SCHEME_CONSISTENT, sizeof(s->scheme_type)));
-  KernelEvaluate(cloud->kernel, 1, &d2, &s->self_kernel, NULL);
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -44,7 +44,6 @@ struct _p_Stepper {
   PetscReal      reference_velocity; /* m/s */
   PetscReal      damping;
   StepBounds     bounds;      /* of the last step size chosen */
-  PetscReal      self_kernel; /* W at one spacing, for shifting, m^-dim */
   PetscBool      first;       /* the step is the first of a run */
   /* weakly compressible */
   PetscBool sound_projected; /* the first pressure is projected */

@@ -112,6 +112,19 @@ static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], P
 
 #define CHUNK 512
 
+/* s[k] = |x - c_k|^2/H^2 of m <= CHUNK collected candidates from 'begin' on. */
+static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], PetscReal inverse_h2,
+                             float *restrict s)
+{
+  const PetscReal *restrict cx = tension->liquid.near + begin, *restrict cy = cx + tension->liquid.stride,
+                            *restrict cz = cy + tension->liquid.stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < m; k++)
+    s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
+}
+
 /* Adds phi and grad phi of the collected candidates first to n - 1 at x, without V. */
 static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
                      PetscReal gradient[DIM])
@@ -119,15 +132,15 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
                             *restrict cz = cy + tension->liquid.stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
-  PetscReal       r2[CHUNK], W[CHUNK], F[CHUNK], sum = 0, gx = 0, gy = 0, gz = 0;
+  PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
+  float           s[CHUNK], W[CHUNK], F[CHUNK];
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < m; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, m, r2, W, F);
+    Distances(tension, begin, m, x, inverse_h2, s);
+    KernelSingle(tension->kernel, m, s, W, F);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
     for (PetscInt k = 0; k < m; k++) {
       sum += W[k];
@@ -136,10 +149,10 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
       gz += F[k] * (z0 - cz[begin + k]);
     }
   }
-  *phi += sum;
-  gradient[0] += gx;
-  gradient[1] += gy;
-  gradient[2] += gz;
+  *phi += scale_w * sum;
+  gradient[0] += scale_f * gx;
+  gradient[1] += scale_f * gy;
+  gradient[2] += scale_f * gz;
 }
 
 /* phi and grad phi at x of the n collected particles and, behind them, the images. An image of the free surface has the
@@ -184,18 +197,18 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       r2[CHUNK], W[CHUNK];
+  PetscReal       scale_w, scale_f, inverse_h2;
+  float           s[CHUNK], W[CHUNK];
   PetscReal       count = 0, sw = 0, sx = 0, sy = 0, sz = 0, px = 0, py = 0, pz = 0, ss = 0;
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < l; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, l, r2, W, NULL);
+    Distances(tension, begin, l, x, inverse_h2, s);
+    KernelSingle(tension->kernel, l, s, W, NULL);
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
               reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
@@ -296,17 +309,17 @@ static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict value = nz + stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       r2[CHUNK], W[CHUNK], M[6], B[6];
+  PetscReal       M[6], B[6], scale_w, scale_f, inverse_h2;
+  float           s[CHUNK], W[CHUNK];
   PetscReal       count = 0, sw = 0, f = 0, sx = 0, sy = 0, sz = 0, fx = 0, fy = 0, fz = 0;
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < l; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, l, r2, W, NULL);
+    Distances(tension, begin, l, x, inverse_h2, s);
+    KernelSingle(tension->kernel, l, s, W, NULL);
     SIMD_LOOP(reduction(+ : count, sw, f, sx, sy, sz, fx, fy, fz, xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < l; k++) {
       const PetscInt  b = begin + k;

@@ -9,10 +9,14 @@
 
 /* The liquid (fluid particles, ghosts too) sorted into cells, with columns of whatever a pass sums over. */
 #define LIQUID_WIDTH 9
+/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
+   the particles of one share the work of collecting them. */
+#define LIQUID_CELLS 3
 typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m */
   PetscInt   capacity, count, stride;
+  PetscInt   reach, along[LIQUID_CELLS + 2][LIQUID_CELLS + 2]; /* cells within the support: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] x, y, z, then a payload, in the grid's order */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the same columns of what LiquidCollect found */
   PetscInt  *index;  /* [count] local index, before sorting: see LiquidParticle */
