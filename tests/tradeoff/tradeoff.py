@@ -32,6 +32,7 @@ import scenes  # noqa: E402
 OUTPUT = os.path.join(runs.ROOT, "output", "tradeoff")
 COLUMNS = ("axis", "label", "options", "error", "cpu", "yard", "steps", "iterations", "reason", "version")
 YARD = "-options_file cases/taylor_green/case.opts -spacing 0.04 -packing_jitter 0.25 -time_end 0.6"
+YARDS = []  # CPU seconds of it, in this sweep
 TIMEOUT = 1800  # s
 SCENE = ("scene", "as it is", "")
 
@@ -75,10 +76,11 @@ def measure(case, scene, axis, label, options):
     folder = os.path.join(OUTPUT, case, "run")
     row = dict(axis=axis, label=label, options=options, error=math.nan, steps=0, iterations=math.nan, reason="",
                version=runner.version())
-    first = yard()
+    first = YARDS[-1] if YARDS else yard()
     line = f"-options_file cases/{case}/{scene.file} {scene.options} {options}"
     row["cpu"], code, row["reason"] = cpu(line, folder)
-    row["yard"] = (first + yard()) / 2
+    YARDS.append(yard())
+    row["yard"] = (first + YARDS[-1]) / 2
     if not code:
         try:
             series = runs.series(folder)
