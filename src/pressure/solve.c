@@ -153,6 +153,16 @@ static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
+{
+  const Cloud cloud = pressure->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(values, cloud->n_rows));
+  for (PetscInt r = 0; r < cloud->n_fluid; r++) values[r] = pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One attempt with the kept or a new preconditioner, from the pressure of the cloud. */
 static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
 {

@@ -83,6 +83,8 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(PressureCreate(sim->cloud, &sim->pressure));
   PetscCall(StepperCreate(sim->cloud, sim->tension, sim->pressure, &sim->stepper));
   PetscCall(StepperSetFromOptions(sim->stepper));
+  PetscCall(SpectrumCreate(sim->cloud, sim->tension, sim->pressure, &sim->spectrum));
+  PetscCall(SpectrumSetFromOptions(sim->spectrum));
   PetscCall(OutputCreate(sim->cloud, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
   PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,
@@ -211,6 +213,12 @@ PetscErrorCode SimRun(Sim sim)
                             interrupted, (double)sim->state.time, OutputFolder(sim->output)));
   }
   PetscCall(PetscLogStagePop());
+  if (SpectrumWanted(sim->spectrum)) {
+    SpectrumStep step = {.iterations = sim->state.iterations, .form = StepperViscosityForm(sim->stepper)};
+
+    PetscCall(StepperPredict(sim->stepper, &sim->state, &step.dt));
+    PetscCall(SpectrumRun(sim->spectrum, &step));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -222,6 +230,7 @@ PetscErrorCode SimDestroy(Sim *sim)
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MonitorDestroy(s));
   if (s->output) PetscCall(OutputDestroy(&s->output));
+  if (s->spectrum) PetscCall(SpectrumDestroy(&s->spectrum));
   if (s->stepper) PetscCall(StepperDestroy(&s->stepper));
   if (s->pressure) PetscCall(PressureDestroy(&s->pressure));
   if (s->packing) PetscCall(PackingDestroy(&s->packing));

@@ -4,6 +4,7 @@
 
 #include "../output/output.h"
 #include "../packing/packing.h"
+#include "../spectrum/spectrum.h"
 #include "../stepper/stepper.h"
 
 typedef struct _p_Sim *Sim;

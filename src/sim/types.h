@@ -15,6 +15,7 @@ struct _p_Sim {
   Packing       packing;
   Pressure      pressure;
   Stepper       stepper;
+  Spectrum      spectrum;
   Output        output;
   StepState     state;
   PackingReport report;

@@ -388,6 +388,11 @@ PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+ViscosityForm StepperViscosityForm(Stepper stepper)
+{
+  return stepper->viscosity_form;
+}
+
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 {
   Cloud     cloud     = stepper->cloud;

@@ -3,6 +3,7 @@
 #ifndef ISPH_STEPPER_H
 #define ISPH_STEPPER_H
 
+#include "../operators/operators.h"
 #include "../pressure/pressure.h"
 #include "../tension/tension.h"
 #include "state.h"
@@ -34,6 +35,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 /* StepperPredict - stage one of a step from the swarm's state, so that PressureAssemble gives the system of that step;
    *dt: its size (s). Collective. */
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
+/* StepperViscosityForm - of -viscosity_form. Not collective. */
+ViscosityForm StepperViscosityForm(Stepper stepper);
 /* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
  */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
