@@ -159,6 +159,8 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
+  if (!output->solids) PetscCall(SolidsWrite(output));
+  output->solids = PETSC_TRUE;
   if (output->checkpoint.next == SCHEDULE_UNSET)
     output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   if (state->step != output->series_step &&

@@ -63,7 +63,7 @@ struct _p_Output {
   Cloud          cloud; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
   char          *options; /* the user's, one a line, before solvers add defaults of their own */
-  PetscBool      overwrite, walls, precise, ready, restarting;
+  PetscBool      overwrite, walls, precise, ready, restarting, solids; /* solids: they are written */
   Schedule       series, snapshot, checkpoint;
   PetscInt       series_step, snapshot_step; /* of the last line and the last snapshot; -1: none */
   FILE          *series_file;                /* rank 0 */
@@ -109,6 +109,8 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state);
 /* SnapshotScan - finds the snapshots of the folder up to a step and removes later ones. Collective. */
 PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
 PetscErrorCode SnapshotWrite(Output output, const StepState *state);
+/* SolidsWrite - the dummy particles of solids, which do not move, into solids.h5: for pictures. Collective. */
+PetscErrorCode SolidsWrite(Output output);
 
 /* --- gauge_setup.c --- */
 PetscErrorCode GaugesDefaults(Output output);

@@ -74,6 +74,7 @@ PetscErrorCode PackingDestroy(Packing *packing)
   PetscFunctionBegin;
   if (!*packing) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*packing)->ops.destroy) PetscCall((*packing)->ops.destroy(*packing));
+  PetscCall(EmissionsDestroy(*packing));
   PetscCall(PetscFree(*packing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,7 +144,7 @@ static PetscErrorCode CreateParticles(Packing packing)
   PetscCall(PetscCalloc2(cells, &filling.weight, cells, &weight));
   PetscCall(packing->ops.visit(packing, Weigh, &filling));
   packing->count = filling.count;
-  PetscCheckUser(packing->count > 0, cloud->comm,
+  PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
   if (filling.rank == 0) { /* DomainPartition sums over the ranks */
@@ -274,7 +275,7 @@ static PetscErrorCode Measure(Packing packing, PackingReport *report)
   PetscCall(PetscFree(row));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
-  report->density_std = PetscSqrtReal(squares / packing->count);
+  report->density_std = PetscSqrtReal(squares / PetscMax(packing->count, 1));
   report->smallest_distance =
     closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);

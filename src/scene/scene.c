@@ -7,12 +7,14 @@
 
 static PetscFunctionList ShapeList    = NULL;
 static PetscFunctionList VelocityList = NULL;
+static PetscFunctionList TypeList     = NULL;
 
 static PetscErrorCode SceneFinalizePackage(void)
 {
   PetscFunctionBegin;
   PetscCall(PetscFunctionListDestroy(&ShapeList));
   PetscCall(PetscFunctionListDestroy(&VelocityList));
+  PetscCall(PetscFunctionListDestroy(&TypeList));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,6 +30,8 @@ static PetscErrorCode SceneRegisterAll(void)
   PetscCall(PetscFunctionListAdd(&ShapeList, "stl", ShapeStl));
   PetscCall(PetscFunctionListAdd(&ShapeList, "thread", ShapeThread));
   PetscCall(PetscFunctionListAdd(&ShapeList, "wave", ShapeWave));
+  PetscCall(PetscFunctionListAdd(&TypeList, "liquid", BodyTypeLiquid));
+  PetscCall(PetscFunctionListAdd(&TypeList, "emitter", BodyTypeEmitter));
   PetscCall(VelocityRegisterAll(&VelocityList));
   PetscCall(PetscRegisterFinalize(SceneFinalizePackage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -166,7 +170,8 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
                  "-bodies is missing: the names of one or more bodies of liquid must be given");
   PetscCall(CreateBodies(scene, &bodies, scene->body, &scene->count));
   PetscCall(CreateBodies(scene, &solids, scene->solid, &scene->solids));
-  for (PetscInt b = 0; b < scene->count; b++) PetscCall(BodySetFromOptions(scene->body[b], ShapeList, VelocityList));
+  for (PetscInt b = 0; b < scene->count; b++)
+    PetscCall(BodySetFromOptions(scene->body[b], TypeList, ShapeList, VelocityList));
   for (PetscInt b = 0; b < scene->solids; b++) PetscCall(SolidSetFromOptions(scene->solid[b], ShapeList));
   PetscCall(CheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -245,6 +250,13 @@ void SceneSetTime(Scene scene, PetscReal time)
 {
   for (PetscInt d = 0; d < DIM; d++)
     scene->shake[d] = scene->amplitude[d] * PetscSinReal(scene->angular_frequency * time);
+}
+
+PetscBool SceneEmits(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (BodyEmits(scene->body[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 PetscInt SceneSolidCount(Scene scene)

@@ -7,6 +7,12 @@
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
    the uniform part). Every shape is cut by the box and by the solids.
 
+   -<b>_type emitter: the body is not there at the start; its shape is filled anew, with its velocity, each _interval
+   (s) from _start (s) on, _count times (0: without end): a train of drops. The default interval is the shape's length
+   along the velocity over the speed, so that a box or cylinder of a whole number of spacings gives a jet without gaps.
+   Liquid inside the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed is v (1 + e sin
+   2 pi f t).
+
    -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: fixed obstacles, no-slip as far as the viscous
    form makes the walls of the box so. They may touch and overlap each other and the faces of the box.
 
@@ -86,6 +92,15 @@ void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
 void BodyDisplace(Body body, PetscReal x[DIM]);
 /* BodyVelocity - the initial velocity v (m/s) at x (m). */
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
+/* BodyEmits - whether the body is an emitter. BodyEmissions - how many times it has been filled up to and at the time
+   (s). BodyEmissionShift - how far (m, along x) liquid of emission number k, from 0 on, has moved by then if it moved
+   with the emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). */
+PetscBool BodyEmits(Body body);
+PetscInt  BodyEmissions(Body body, PetscReal time);
+void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
+void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
+/* SceneEmits - whether any body is an emitter. */
+PetscBool SceneEmits(Scene scene);
 /* SceneSetTime - the time (s) at which gravity is asked for from here on: it may swing. */
 void SceneSetTime(Scene scene, PetscReal time);
 /* SceneAcceleration - gravity and central force g (m/s2) at x (m). SceneForcePotential - its potential energy a unit

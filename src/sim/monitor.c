@@ -4,8 +4,8 @@
 #include "types.h"
 #include <petscdraw.h>
 
-#define DOT  2    /* pixels */
-#define SLAB 0.75 /* spacings to both sides of the middle */
+#define DOT  0.005 /* of the window */
+#define SLAB 0.75  /* spacings to both sides of the middle */
 
 PetscErrorCode MonitorSetFromOptions(Sim sim)
 {

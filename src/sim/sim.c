@@ -99,6 +99,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 PetscErrorCode SimSetUp(Sim sim)
 {
   const PetscBool restarting = (PetscBool)(sim->restart[0] != 0);
+  PetscInt        emitted, particles;
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
@@ -111,6 +112,10 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudResync(sim->cloud));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));
+  PetscCall(PackingEmit(sim->packing, sim->state.time, restarting, &emitted));
+  PetscCallMPI(MPI_Allreduce(&sim->cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, sim->comm));
+  PetscCheckUser(particles > 0, sim->comm,
+                 "there is no liquid at the start: an emitter must start at -time_start or before");
   PetscCall(StepperPrepare(sim->stepper));
   PetscCall(RefuseUnusedOptions(sim->comm));
   if (!restarting) {
@@ -192,6 +197,7 @@ PetscErrorCode SimRun(Sim sim)
   PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
   while (!last) {
     PetscBool failed;
+    PetscInt  emitted;
     char      why[FAREWELL_LENGTH];
 
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, DivergenceWanted(sim, steps), &sim->state, &failed, why,
@@ -202,6 +208,7 @@ PetscErrorCode SimRun(Sim sim)
                      "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s",
                      (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
+    PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
     PetscCall(InterruptCheck(sim, &progress, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
