@@ -3,9 +3,11 @@
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
 #   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/
-#   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
 #   make long-run                   a million steps of a small scene: nothing drifts
 #   make test-ci                    make test with the compiler's sanitizers besides
+#   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
+#   make tradeoff CASE=central_force        error and CPU time of each choice: table, CSV, chart in output/tradeoff/
+#   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
@@ -54,6 +56,11 @@ RUN  = output/drop_impact
 $(BUILD)/tests/unit/%: tests/unit/%.c $(OBJECTS) $(BUILD)/flags
 	@mkdir -p $(dir $@); echo LD $@; $(CC) $(ALL_FLAGS) -Isrc -o $@ $< $(OBJECTS) $(LIBS)
 
+COMPARE = $(BUILD)/tests/solvers/compare
+
+$(COMPARE): tests/solvers/compare.c $(OBJECTS) $(BUILD)/flags
+	@mkdir -p $(dir $@); echo LD $@; $(CC) $(filter-out -D_POSIX_C_SOURCE%,$(ALL_FLAGS)) -D_GNU_SOURCE -Isrc -o $@ $< $(OBJECTS) $(LIBS)
+
 packages:
 	@tests/packages.sh build pictures
 
@@ -65,11 +72,11 @@ run: packages
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
-test: isph $(UNIT)
+test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
 
 # As make test, and the same unit tests and an impact with the compiler's sanitizers: what .ci/run does.
-test-ci: isph $(UNIT) sanitized
+test-ci: isph $(UNIT) $(COMPARE) sanitized
 	@PYTHON=$(PYTHON) tests/run.sh --sanitizers
 
 SANITIZED = output/sanitized
@@ -79,7 +86,7 @@ sanitized:
 
 sanitized-programs: $(PROGRAM) $(UNIT)
 
-test-long: isph $(UNIT)
+test-long: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
 
 VERIFY = $(MPI) $(PYTHON) tests/verify/runner.py
@@ -107,11 +114,23 @@ faults: isph
 extremes: isph
 	@$(PYTHON) tests/extremes/extremes.py --all
 
-fuzz: isph
-	@$(PYTHON) tests/faults/fuzz.py --number 2000
-
 long-run: isph
 	@$(PYTHON) tests/long/long_run.py 1000000
+
+fuzz: isph
+	@$(PYTHON) tests/faults/fuzz.py --number 2000
+# make compare-solvers STATE=output/my/snapshot_0010.h5   every solver on the user's own state, and which to take
+STATE =
+RANKS = 1
+compare-solvers: $(COMPARE)
+	@$(MPI) $(PYTHON) tests/solvers/compare.py --ranks $(RANKS) "$(STATE)"
+
+# make tradeoff CASE=central_force   error and CPU time of each choice: table, CSV and chart in output/tradeoff/
+tradeoff: isph
+	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
+
+tradeoff-readme:
+	@$(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)" --readme
 
 lint:
 	@tests/run.sh tests/lint
@@ -119,4 +138,5 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
-.PHONY: all packages run test test-long verify verify-long convergence verify-readme faults fuzz extremes long-run test-ci sanitized sanitized-programs lint clean force
+.PHONY: faults fuzz extremes long-run test-ci sanitized sanitized-programs
+.PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force

@@ -17,7 +17,10 @@ static PetscErrorCode Run(void)
   if (!stop) {
     PetscCall(SimSetUp(sim));
     PetscCall(SimView(sim, PETSC_VIEWER_STDOUT_WORLD));
-    PetscCall(SimRun(sim));
+    if (SimIsDry(sim))
+      PetscCall(SimDryRun(sim));
+    else
+      PetscCall(SimRun(sim));
   }
   PetscCall(SimDestroy(&sim));
   PetscFunctionReturn(PETSC_SUCCESS);

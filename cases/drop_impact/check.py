@@ -88,12 +88,15 @@ def check(folder):
     if reference["time"]:
         depth, right = (curve(table, "crater_depth") for table in (series, reference))
         width, right_width = (curve(table, "crater_diameter") for table in (series, reference))
+        boxed = curve(rundata.read_reference(box=True), "crater_diameter")
         for name, worst, limit, judged in (
                 ("D(t) 2 to 35 ms, largest error over the largest D", np.abs(depth - right).max() / right.max(),
                  5 if fine else 10, middle),
                 ("phi(t) 2 to 35 ms, largest error", np.abs(width / right_width - 1).max(), 7, fine)):
             results.append(physics.at_most(name, 100 * worst, limit, "%") if judged else
                            physics.shown(name, 100 * worst, 0, "%"))
+        results.append(physics.shown("phi(t) beside the reference in a pool with the area of the box",
+                                     100 * np.abs(width / boxed - 1).max(), 0, "%"))
     for t in (5e-3, 10e-3, 15e-3, 20e-3):
         for name, column in (("D", "crater_depth"), ("phi", "crater_diameter")):
             results.append(physics.shown(f"{name} at {1e3 * t:g} ms", 1e3 * compare.at(series, column, t),

@@ -10,10 +10,10 @@ display, xvfb and xauth.
 import argparse
 import glob
 import os
-import shutil
 import sys
 
 import rundata
+from display import PACKAGES, with_display
 
 TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
 PANEL = (1000, 700)  # pixels of a rendered view
@@ -21,19 +21,6 @@ HALF_SECTION = 0.5e-3  # m: the section is 1 mm thick
 SECTION = (-20e-3, 20e-3, -10e-3, 18e-3)  # m: x and z limits of the section's picture
 EYE = dict(position=(34e-3, -92e-3, 84e-3), focus=(1e-3, 0, -4.7e-3), up=(0, 0, 1), angle=20.2)
 ABOVE = dict(position=(0, 0, 0.1), focus=(0, 0, 0), up=(0, 1, 0), height=26e-3)
-PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
-
-
-def with_display():
-    """Starts this program again under xvfb-run if there is no display: VTK of Debian draws in a window only."""
-    if os.environ.get("DISPLAY"):
-        return
-    if not shutil.which("xvfb-run") or not shutil.which("xauth"):
-        raise rundata.RunError(f"without a display the pictures need xvfb: apt-get install {PACKAGES}")
-    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", sys.executable, os.path.abspath(__file__)]
-    sys.stdout.flush()
-    os.execvp(command[0], command + sys.argv[1:])
 
 
 def first(values):

@@ -22,13 +22,23 @@ static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restric
   }
 }
 
-static void Gradient(PetscInt n, const float *restrict s, float *restrict f)
+static void Single(PetscInt n, const float *restrict s, float *restrict w, float *restrict f)
 {
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) {
-    const float q = sqrtf(s[k]), u = PetscMax(2.0f - q, 0.0f);
+  if (w) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const float q = sqrtf(s[k]), u = PetscMax(2.0f - q, 0.0f), t = PetscMax(1.0f - q, 0.0f);
 
-    f[k] = q < 1.0f ? 2.25f * q - 3.0f : -0.75f * u * u / q;
+      w[k] = 0.25f * u * u * u - t * t * t;
+    }
+  }
+  if (f) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const float q = sqrtf(s[k]), u = PetscMax(2.0f - q, 0.0f);
+
+      f[k] = q < 1.0f ? 2.25f * q - 3.0f : -0.75f * u * u / q;
+    }
   }
 }
 
@@ -36,4 +46,4 @@ const KernelOps KernelCubicSpline = {.support  = 2.0,
                                      .norm2    = 10.0 / (7.0 * PETSC_PI),
                                      .norm3    = 1.0 / PETSC_PI,
                                      .evaluate = Evaluate,
-                                     .gradient = Gradient};
+                                     .single   = Single};

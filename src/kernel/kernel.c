@@ -164,10 +164,22 @@ void KernelGradient(Kernel kernel, PetscInt n, const PetscReal *restrict r2, Pet
 
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++) s[k] = (float)(r2[start + k] * kernel->inverse_h2);
-    kernel->ops->gradient(m, s, f);
+    kernel->ops->single(m, s, NULL, f);
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++) F[start + k] = kernel->scale_f * f[k];
   }
+}
+
+void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f[])
+{
+  kernel->ops->single(n, s, w, f);
+}
+
+void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2)
+{
+  *scale_w    = kernel->scale_w;
+  *scale_f    = kernel->scale_f;
+  *inverse_h2 = kernel->inverse_h2;
 }
 
 #define HALF_SPACE_POINTS 400
@@ -198,5 +210,30 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
 
     for (PetscInt k = 0; k < points; k++) sum += PlaneIntegral(kernel, (k + 0.5) * end / points) * end / points;
     *fraction = s >= 0 ? PetscMin(0.5 + sum, 1.0) : PetscMax(0.5 - sum, 0.0);
+  }
+}
+
+void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[])
+{
+  const PetscReal support = KernelSupport(kernel);
+  PetscReal       zero, depth = 0;
+
+  KernelHalfSpace(kernel, 0, &zero, NULL);
+  fraction[0] = 1;
+  fraction[n] = 0.5;
+  for (PetscInt k = n - 1; k > 0; k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
+    PetscReal low = depth, high = support, plane;
+
+    for (PetscInt bisection = 0; bisection < 50; bisection++) {
+      const PetscReal middle = 0.5 * (low + high);
+
+      KernelHalfSpace(kernel, middle, &plane, NULL);
+      if (plane * n > zero * k)
+        low = middle;
+      else
+        high = middle;
+    }
+    depth = 0.5 * (low + high);
+    KernelHalfSpace(kernel, depth, NULL, &fraction[k]);
   }
 }

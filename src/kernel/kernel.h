@@ -21,9 +21,12 @@ typedef struct {
   /* w[k] = w(q_k) and f[k] = w'(q_k)/q_k for k < n, q_k = r_k/h, from s[k] = q_k^2; w or f may be NULL. Zero outside
    * the support. */
   void (*evaluate)(PetscInt n, const PetscReal s[], PetscReal w[], PetscReal f[]);
-  /* f alone, in single precision */
-  void (*gradient)(PetscInt n, const float s[], float f[]);
+  /* the same in single precision */
+  void (*single)(PetscInt n, const float s[], float w[], float f[]);
 } KernelOps;
+
+/* Distances below this fraction of h are regularised: r^2 + eta^2, eta = 0.1 h (Kuri et al., Eq. (1)). */
+#define ETA_OVER_H 0.1
 
 /* KernelCreate - a kernel of h not yet set, cubic spline. Collective on comm. */
 PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel);
@@ -47,10 +50,18 @@ void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal W
    root and division are what is dear. The relative error is below 1e-6 and the same for both particles of a pair, so
    what pairs exchange is conserved to round-off. Not collective. */
 void KernelGradient(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal F[]);
+/* KernelSingle - W and F without their dimensions, in single precision: W = scale_w w[k], F = scale_f f[k], from s[k] =
+   r_k^2/h^2, k < n; w or f may be NULL. Precision as of KernelGradient. Not collective. */
+void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f[]);
+/* KernelScales - of KernelSingle: scale_w (m^-dim), scale_f (m^-dim-2), 1/h^2 (m^-2). Not collective. */
+void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2);
 /* KernelHalfSpace - a half-space of liquid whose surface is at distance s (m) above the point (s < 0: the point is
    outside): plane = w1(s) = integral of W over the plane at distance s (1/m) = |int grad W| over the liquid; fraction =
    F(s) = integral of W over the liquid. methods: surface-fraction-corrected density. Either may be NULL. Not
    collective. */
 void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fraction);
+/* KernelSurfaceTable - fraction[k] = F at the depth where w1(s)/w1(0) = k/n, k = 0 to n: the filled fraction of the
+   kernel from the length of sum V grad W, as if the surface were flat. Not collective. */
+void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[]);
 
 #endif

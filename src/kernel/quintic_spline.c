@@ -28,15 +28,27 @@ static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restric
   }
 }
 
-static void Gradient(PetscInt n, const float *restrict s, float *restrict f)
+static void Single(PetscInt n, const float *restrict s, float *restrict w, float *restrict f)
 {
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) {
-    const float q = sqrtf(PetscMax(s[k], (float)KERNEL_TINY)), c = PetscMax(3.0f - q, 0.0f),
-                b = PetscMax(2.0f - q, 0.0f), a = PetscMax(1.0f - q, 0.0f);
-    const float c2 = c * c, b2 = b * b, a2 = a * a;
+  if (w) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const float q = sqrtf(s[k]), c = PetscMax(3.0f - q, 0.0f), b = PetscMax(2.0f - q, 0.0f),
+                  a  = PetscMax(1.0f - q, 0.0f);
+      const float c2 = c * c, b2 = b * b, a2 = a * a;
 
-    f[k] = -5.0f * (c2 * c2 - 6.0f * b2 * b2 + 15.0f * a2 * a2) / q;
+      w[k] = c2 * c2 * c - 6.0f * b2 * b2 * b + 15.0f * a2 * a2 * a;
+    }
+  }
+  if (f) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const float q = sqrtf(PetscMax(s[k], (float)KERNEL_TINY)), c = PetscMax(3.0f - q, 0.0f),
+                  b = PetscMax(2.0f - q, 0.0f), a = PetscMax(1.0f - q, 0.0f);
+      const float c2 = c * c, b2 = b * b, a2 = a * a;
+
+      f[k] = -5.0f * (c2 * c2 - 6.0f * b2 * b2 + 15.0f * a2 * a2) / q;
+    }
   }
 }
 
@@ -44,4 +56,4 @@ const KernelOps KernelQuinticSpline = {.support  = 3.0,
                                        .norm2    = 7.0 / (478.0 * PETSC_PI),
                                        .norm3    = 1.0 / (120.0 * PETSC_PI),
                                        .evaluate = Evaluate,
-                                       .gradient = Gradient};
+                                       .single   = Single};

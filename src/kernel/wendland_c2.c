@@ -21,13 +21,23 @@ static void Evaluate(PetscInt n, const PetscReal *restrict s, PetscReal *restric
   }
 }
 
-static void Gradient(PetscInt n, const float *restrict s, float *restrict f)
+static void Single(PetscInt n, const float *restrict s, float *restrict w, float *restrict f)
 {
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) {
-    const float u = PetscMax(1.0f - 0.5f * sqrtf(s[k]), 0.0f);
+  if (w) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const float q = sqrtf(s[k]), u = PetscMax(1.0f - 0.5f * q, 0.0f);
 
-    f[k] = -5.0f * u * u * u;
+      w[k] = u * u * u * u * (1.0f + 2.0f * q);
+    }
+  }
+  if (f) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < n; k++) {
+      const float u = PetscMax(1.0f - 0.5f * sqrtf(s[k]), 0.0f);
+
+      f[k] = -5.0f * u * u * u;
+    }
   }
 }
 
@@ -35,4 +45,4 @@ const KernelOps KernelWendlandC2 = {.support  = 2.0,
                                     .norm2    = 7.0 / (4.0 * PETSC_PI),
                                     .norm3    = 21.0 / (16.0 * PETSC_PI),
                                     .evaluate = Evaluate,
-                                    .gradient = Gradient};
+                                    .single   = Single};

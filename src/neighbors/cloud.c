@@ -66,9 +66,12 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(PetscFree(c->row));
   PetscCall(PetscFree(c->volume));
   PetscCall(PetscFree(c->rest_density));
+  PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->reference));
   PetscCall(PetscFree(c->first));
   PetscCall(PetscFree(c->list));
+  PetscCall(PetscFree(c->slope));
+  PetscCall(PetscFree(c->laplacian));
   PetscCall(CellGridReset(&c->grid));
   PetscCall(PetscFree(*cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -89,6 +92,8 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->volume));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
+  if (SceneSolidCount(cloud->scene))
+    PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->solid_normal));
   PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt), &cloud->first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -148,6 +153,19 @@ static PetscErrorCode NumberRows(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Normals of the solids at their dummy particles, ghosts too. */
+static PetscErrorCode FindSolidNormals(Cloud cloud)
+{
+  PetscFunctionBegin;
+  if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscArrayzero(cloud->solid_normal, DIM * cloud->n_total));
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++)
+    if (cloud->integer[INT_BODY][a] <= BODY_SOLID)
+      SceneSolidNormal(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, cloud->solid_normal + DIM * a);
+  PetscCall(HaloUpdate(cloud->halo, DIM, PARITY_VECTOR, cloud->solid_normal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Chooses the ghosts from the positions of the moment and gives them all that does not change until the next choice. */
 static PetscErrorCode BuildHalo(Cloud cloud)
 {
@@ -173,6 +191,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
     cloud->volume[a]       = cloud->domain->volume;
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
+  PetscCall(FindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   cloud->halo_builds++;
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_HALO), 0, 0, 0, 0));

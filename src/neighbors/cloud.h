@@ -35,8 +35,14 @@ typedef struct _p_Cloud {
   PetscInt  *row;          /* [n_total] global pressure row of the particle, of its parent for deeper wall layers */
   PetscReal *volume;       /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
   PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
+  PetscReal
+    *solid_normal; /* [n_total][3] out of the solid, of its dummy particles (zero elsewhere); NULL without solids */
   /* Neighbours of a < n_owned: list[first[a] .. first[a+1]), local indices, the particle itself excluded. */
   PetscInt  *first, *list, list_capacity;
+  /* Factors of the pairs, in the order of the list, at the positions of the last search, in single precision, the same
+     for both particles of a pair (see KernelGradient): F = W'/r over KernelScales' scale_f, and -F r2/(r2 + eta2) over
+     the same, the pair's weight in a Laplacian. */
+  float     *slope, *laplacian;
   CellGrid   grid;      /* of the last search, over all n_total points */
   PetscReal  slack;     /* m, how far particles may move before the halo is built again */
   PetscReal  reach;     /* m, largest kernel support in use */

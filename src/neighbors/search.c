@@ -1,6 +1,11 @@
 /* Cells over the points of the cloud, and the list of neighbours. */
 #include "search.h"
 
+#define CELLS_AROUND 27
+#define LANES        8   /* of the vector that compares candidates */
+#define CHUNK        256 /* candidates compared before they are kept */
+#define ROW_GUESS    72  /* neighbours a particle, to begin with */
+
 PetscErrorCode CellGridReset(CellGrid *grid)
 {
   PetscFunctionBegin;
@@ -65,102 +70,155 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the points of a run whose squared distance is below radius2, a itself excluded; returns how many. Without a
-   branch, and kept out of line so that the counter stays in a register: this loop sees every candidate. */
-static __attribute__((noinline)) PetscInt KeepNear(PetscInt count, const PetscInt *restrict order,
-                                                   const PetscReal *restrict r2, PetscReal radius2, PetscInt a,
-                                                   PetscInt *restrict list)
+/* Appends to list and s those of 'count' points whose squared distance s (in h^2) is below 'limit', point a itself
+   excluded; returns how many. order: local indices, x, y, z: places (h), p: place of a. May write LANES - 1 entries
+   behind the last. This loop sees every candidate. */
+#if defined(__AVX512F__) && defined(__AVX512VL__) && !defined(PETSC_USE_64BIT_INDICES)
+  #include <immintrin.h>
+
+static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const PetscReal *restrict x,
+                                const PetscReal *restrict y, const PetscReal *restrict z, const PetscReal p[DIM],
+                                PetscReal limit, PetscInt a, PetscInt *restrict list, float *restrict s)
 {
-  PetscInt found = 0;
+  const __m512d px = _mm512_set1_pd(p[0]), py = _mm512_set1_pd(p[1]), pz = _mm512_set1_pd(p[2]),
+                end  = _mm512_set1_pd(limit);
+  const __m256i self = _mm256_set1_epi32(a);
+  PetscInt      found = 0;
 
-  for (PetscInt k = 0; k < count; k++) {
-    const PetscInt b = order[k];
+  for (PetscInt k = 0; k < count; k += LANES) {
+    const __mmask8 valid = (__mmask8)(count - k >= LANES ? 0xff : (1 << (count - k)) - 1);
+    const __m512d  dx    = _mm512_sub_pd(px, _mm512_maskz_loadu_pd(valid, x + k)),
+                  dy     = _mm512_sub_pd(py, _mm512_maskz_loadu_pd(valid, y + k)),
+                  dz     = _mm512_sub_pd(pz, _mm512_maskz_loadu_pd(valid, z + k));
+    const __m512d  r2    = _mm512_fmadd_pd(dz, dz, _mm512_fmadd_pd(dy, dy, _mm512_mul_pd(dx, dx)));
+    const __m256i  b     = _mm256_maskz_loadu_epi32(valid, order + k);
+    const __mmask8 keep =
+      _mm512_mask_cmp_pd_mask(valid, r2, end, _CMP_LT_OQ) & _mm256_mask_cmpneq_epi32_mask(valid, b, self);
 
-    list[found] = b;
-    found += (r2[k] < radius2) & (b != a);
+    _mm256_storeu_si256((__m256i *)(list + found), _mm256_maskz_compress_epi32(keep, b));
+    _mm256_storeu_ps(s + found, _mm512_cvtpd_ps(_mm512_maskz_compress_pd(keep, r2)));
+    found += __builtin_popcount(keep);
   }
   return found;
 }
-
-/* The neighbours of point a among sorted points: appends their indices to list, returns their number. s is [3][n], in
- * the grid's order. */
-static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal *restrict s, const PetscReal p[DIM],
-                              PetscInt a, PetscReal radius2, PetscReal *restrict r2, PetscInt *restrict list)
+#else
+static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const PetscReal *restrict x,
+                                const PetscReal *restrict y, const PetscReal *restrict z, const PetscReal p[DIM],
+                                PetscReal limit, PetscInt a, PetscInt *restrict list, float *restrict s)
 {
-  const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
-                 cz  = cell / (grid->n[0] * grid->n[1]);
-  const PetscInt  x0 = PetscMax(0, cx - 1), x1 = PetscMin(grid->n[0] - 1, cx + 1);
   const PetscReal px = p[0], py = p[1], pz = p[2];
+  PetscReal       r2[CHUNK];
   PetscInt        found = 0;
 
-  for (PetscInt kz = PetscMax(0, cz - 1); kz <= PetscMin(grid->n[2] - 1, cz + 1); kz++)
-    for (PetscInt ky = PetscMax(0, cy - 1); ky <= PetscMin(grid->n[1] - 1, cy + 1); ky++) {
-      const PetscInt line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0],
-                     count         = grid->start[line + x1 + 1] - begin;
-      const PetscReal *restrict sx = s + begin, *restrict sy = s + n + begin, *restrict sz = s + 2 * n + begin;
+  for (PetscInt begin = 0; begin < count; begin += CHUNK) {
+    const PetscInt m = PetscMin(CHUNK, count - begin);
 
-      SIMD_LOOP()
-      for (PetscInt k = 0; k < count; k++) {
-        const PetscReal dx = px - sx[k], dy = py - sy[k], dz = pz - sz[k];
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++)
+      r2[k] = PetscSqr(px - x[begin + k]) + PetscSqr(py - y[begin + k]) + PetscSqr(pz - z[begin + k]);
+    for (PetscInt k = 0; k < m; k++) { /* without a branch */
+      const PetscInt b = order[begin + k];
 
-        r2[k] = dx * dx + dy * dy + dz * dz;
-      }
-      found += KeepNear(count, grid->order + begin, r2, radius2, a, list + found);
+      list[found] = b;
+      s[found]    = (float)r2[k];
+      found += (r2[k] < limit) & (b != a);
     }
+  }
   return found;
 }
+#endif
 
-/* Number of points in the cells around point a: the room its neighbours may need. */
-static PetscInt CountCandidates(const CellGrid *grid, PetscInt a, PetscInt *longest)
+/* The neighbours of point a among sorted points: appends their indices to list and squared distances to s, returns
+ * their number. sorted: [3][n], in the grid's order. */
+static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal *restrict sorted,
+                              const PetscReal p[DIM], PetscInt a, PetscReal limit, PetscInt *restrict list,
+                              float *restrict s)
 {
   const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
                  cz = cell / (grid->n[0] * grid->n[1]);
   const PetscInt x0 = PetscMax(0, cx - 1), x1 = PetscMin(grid->n[0] - 1, cx + 1);
-  PetscInt       total = 0;
+  PetscInt       found = 0;
 
   for (PetscInt kz = PetscMax(0, cz - 1); kz <= PetscMin(grid->n[2] - 1, cz + 1); kz++)
     for (PetscInt ky = PetscMax(0, cy - 1); ky <= PetscMin(grid->n[1] - 1, cy + 1); ky++) {
-      const PetscInt line  = (kz * grid->n[1] + ky) * grid->n[0],
-                     count = grid->start[line + x1 + 1] - grid->start[line + x0];
+      const PetscInt line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0],
+                     count = grid->start[line + x1 + 1] - begin;
 
-      *longest = PetscMax(*longest, count);
-      total += count;
+      found += KeepNear(count, grid->order + begin, sorted + begin, sorted + n + begin, sorted + 2 * n + begin, p,
+                        limit, a, list + found, s + found);
     }
-  return total;
+  return found;
+}
+
+/* Room for 'more' pairs behind the 'used' ones. */
+static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
+{
+  PetscFunctionBegin;
+  if (used + more <= cloud->list_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  cloud->list_capacity = used + more;
+  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(PetscInt), &cloud->list));
+  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(float), &cloud->slope));
+  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(float), &cloud->laplacian));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The factors of n pairs from s = r2/h2. */
+static void PairFactors(Kernel kernel, PetscInt n, const float *restrict s, float *restrict slope,
+                        float *restrict laplacian)
+{
+  const float eta2 = ETA_OVER_H * ETA_OVER_H;
+
+  KernelSingle(kernel, n, s, NULL, slope);
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < n; k++) laplacian[k] = -slope[k] * s[k] / (s[k] + eta2);
+}
+
+/* Places over h in the grid's order: [3][n]. */
+static void SortPlaces(Cloud cloud, PetscReal inverse_h, PetscReal sorted[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const PetscInt   n = cloud->n_total;
+
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal *p = x + DIM * cloud->grid.order[k];
+
+    for (PetscInt d = 0; d < DIM; d++) sorted[d * n + k] = p[d] * inverse_h;
+  }
 }
 
 PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius)
 {
-  const PetscInt   n = cloud->n_total;
-  const PetscReal *x = cloud->field[FIELD_POSITION];
-  PetscReal       *sorted, *r2;
-  PetscInt         used = 0, longest = 0, r2_capacity = 0;
+  const PetscInt   n         = cloud->n_total;
+  const PetscReal *x         = cloud->field[FIELD_POSITION];
+  const PetscReal  inverse_h = 1 / KernelSmoothingLength(cloud->kernel), limit = PetscSqr(radius * inverse_h);
+  PetscReal       *sorted;
+  PetscInt         used = 0, most, longest = 0;
+  float           *s;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius));
   for (PetscInt c = 0; c < cloud->grid.count; c++)
     longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
-  r2_capacity = 3 * longest;
-  PetscCall(PetscMalloc2(DIM * n, &sorted, r2_capacity, &r2));
-  for (PetscInt k = 0; k < n; k++)
-    for (PetscInt d = 0; d < DIM; d++) sorted[d * n + k] = x[DIM * cloud->grid.order[k] + d];
+  most = CELLS_AROUND * longest + LANES;
+  PetscCall(PetscMalloc2(DIM * n, &sorted, most, &s));
+  SortPlaces(cloud, inverse_h, sorted);
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscInt candidates = CountCandidates(&cloud->grid, a, &longest);
+    const PetscReal p[DIM] = {x[DIM * a] * inverse_h, x[DIM * a + 1] * inverse_h, x[DIM * a + 2] * inverse_h};
+    PetscInt        found;
 
-    if (used + candidates > cloud->list_capacity) {
-      cloud->list_capacity = PetscMax(used + candidates, used + used / 4 + 64 * (cloud->n_owned - a)) + 1024;
-      PetscCall(PetscRealloc(cloud->list_capacity * sizeof(PetscInt), &cloud->list));
-    }
+    if (used + most > cloud->list_capacity)
+      PetscCall(ReserveList(cloud, used, PetscMax(most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + most));
     cloud->first[a] = used;
-    used += FindNeighbors(&cloud->grid, n, sorted, x + DIM * a, a, radius * radius, r2, cloud->list + used);
-    PetscCheck(used - cloud->first[a] <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+    found           = FindNeighbors(&cloud->grid, n, sorted, p, a, limit, cloud->list + used, s);
+    PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
-               cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2],
-               used - cloud->first[a]);
+               cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
+    PairFactors(cloud->kernel, found, s, cloud->slope + used, cloud->laplacian + used);
+    used += found;
   }
   cloud->first[cloud->n_owned] = used;
-  PetscCall(PetscFree2(sorted, r2));
+  PetscCall(PetscFree2(sorted, s));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

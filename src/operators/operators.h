@@ -4,10 +4,7 @@
 #ifndef ISPH_OPERATORS_H
 #define ISPH_OPERATORS_H
 
-#include "../neighbors/cloud.h"
-
-/* Distances below this fraction of h are regularised: r^2 + eta^2, eta = 0.1 h (Kuri et al., Eq. (1)). */
-#define ETA_OVER_H 0.1
+#include "../neighbors/rows.h"
 
 static inline PetscReal EtaSquared(Kernel kernel)
 {
@@ -20,6 +17,20 @@ static inline void TensorApply(const PetscReal B[6], PetscReal x, PetscReal y, P
   out[0] = B[0] * x + B[3] * y + B[4] * z;
   out[1] = B[3] * x + B[1] * y + B[5] * z;
   out[2] = B[4] * x + B[5] * y + B[2] * z;
+}
+
+/* Whether dummy particles of walls may be within the kernel's support of x (m). */
+static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
+{
+  const Domain    domain = cloud->domain;
+  const PetscReal reach  = KernelSupport(cloud->kernel);
+
+  if (cloud->solid_normal && SceneSolidDistance(cloud->scene, x, NULL) < reach) return PETSC_TRUE;
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if ((domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d] + reach) ||
+        (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d] - reach))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 /* Particles with lambda at most this have too few neighbours for B: it is then the identity. */
@@ -36,7 +47,8 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
 PetscErrorCode OperatorsDensity(Cloud cloud);
 /* OperatorsMoments - one pass over the pairs: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab; FIELD_LAMBDA its
    smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM; FIELD_NORMAL = sum V grad W
-   (1/m). Marrone et al. 2010, Randles & Libersky 1996. */
+   (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where particles crowd (Lind et al. 2012).
+   Marrone et al. 2010, Randles & Libersky 1996. */
 PetscErrorCode OperatorsMoments(Cloud cloud);
 /* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan
    of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle
@@ -78,7 +90,7 @@ PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscRe
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would
    otherwise see it approach and leave, a friction no finer spacing removes (a dam break lost a third of its energy).
-   velocity: [n_total][3]. */
+   velocity: [n_total][3], a field of the cloud. */
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[]);
 
 #endif

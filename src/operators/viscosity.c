@@ -39,64 +39,119 @@ static PetscErrorCode MirrorVelocity(Cloud cloud, const PetscReal v[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether all liquid has one density and one viscosity, so that every pair has the same coefficient. */
+static PetscBool OneLiquid(Cloud cloud, const PetscReal density[])
+{
+  const Material *first = BodyMaterial(SceneBody(cloud->scene, 0));
+
+  if (density != cloud->rest_density) return PETSC_FALSE;
+  for (PetscInt b = 1; b < SceneCount(cloud->scene); b++) {
+    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
+
+    if (m->density != first->density || m->viscosity != first->viscosity) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* c[k] = V_b rho_0b (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b) f of the row's pairs; for liquids of different
+   density the mass that counts is V_b rho_0b. */
+static void PairViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscReal density[], const PetscReal mu[],
+                          const Row *restrict row, PetscReal *restrict c)
+{
+  const PetscInt   m    = RowLanes(row);
+  const PetscReal *rest = cloud->rest_density, V = cloud->domain->volume, mu_a = mu[a],
+                  inverse_a = 1 / (density[a] * density[a]);
+
+  if (one) {
+    const PetscReal same = V * 2 * mu_a / density[a];
+
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++) c[k] = same * row->f[k];
+    return;
+  }
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b    = row->index[k];
+    const PetscReal mu_b = mu[b] < 0 ? mu_a : mu[b];
+
+    c[k] = V * rest[b] * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b / (mu_a + mu_b) * row->f[k];
+  }
+  for (PetscInt k = row->n; k < m; k++) c[k] = 0;
+}
+
+/* Eq. (1) of Kuri et al.; v: of the particle; eta2: m2. */
+static void ViscosityCleary(const Row *restrict row, const PetscReal *restrict c, const PetscReal x[DIM],
+                            const PetscReal v[DIM], PetscReal eta2, PetscReal out[DIM])
+{
+  const PetscInt  m  = RowLanes(row);
+  const PetscReal px = x[0], py = x[1], pz = x[2], vx = v[0], vy = v[1], vz = v[2];
+  PetscReal       ax = 0, ay = 0, az = 0;
+
+  SIMD_LOOP(reduction(+ : ax, ay, az))
+  for (PetscInt k = 0; k < m; k++) {
+    const PetscReal dx = px - row->x[4 * k], dy = py - row->x[4 * k + 1], dz = pz - row->x[4 * k + 2];
+    const PetscReal g = c[k] *
+                        ((vx - row->v[4 * k]) * dx + (vy - row->v[4 * k + 1]) * dy + (vz - row->v[4 * k + 2]) * dz) /
+                        (dx * dx + dy * dy + dz * dz + eta2);
+
+    ax += g * dx;
+    ay += g * dy;
+    az += g * dz;
+  }
+  out[0] = ax;
+  out[1] = ay;
+  out[2] = az;
+}
+
+/* Morris et al. 1997; grad W.r is finite at r = 0, so eta is not needed. */
+static void ViscosityMorris(const Row *restrict row, const PetscReal *restrict c, const PetscReal v[DIM],
+                            PetscReal out[DIM])
+{
+  const PetscInt  m  = RowLanes(row);
+  const PetscReal vx = v[0], vy = v[1], vz = v[2];
+  PetscReal       ax = 0, ay = 0, az = 0;
+
+  SIMD_LOOP(reduction(+ : ax, ay, az))
+  for (PetscInt k = 0; k < m; k++) {
+    ax += c[k] * (vx - row->v[4 * k]);
+    ay += c[k] * (vy - row->v[4 * k + 1]);
+    az += c[k] * (vz - row->v[4 * k + 2]);
+  }
+  out[0] = ax;
+  out[1] = ay;
+  out[2] = az;
+}
+
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *volume = cloud->volume, *rest = cloud->rest_density,
-                  *v   = cloud->field[FIELD_VELOCITY];
-  const PetscReal eta2 = EtaSquared(cloud->kernel),
-                  zeta = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
-  PetscReal *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION];
-  PairRow    row;
+  const PetscReal *v    = cloud->field[FIELD_VELOCITY];
+  const PetscReal  eta2 = EtaSquared(cloud->kernel),
+                  zeta  = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
+  const PetscBool one   = OneLiquid(cloud, density);
+  PetscReal *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION], c[ROW_CAPACITY], scale_w,
+            scale_f, inverse_h2;
+  Row row;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CollectViscosity(cloud, mu));
   if (form == VISCOSITY_MORRIS) {
     PetscCall(MirrorVelocity(cloud, v, cloud->field[FIELD_WORK3]));
     v = cloud->field[FIELD_WORK3];
   }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal mu_a = mu[a], inverse_a = 1 / (density[a] * density[a]), vx = v[3 * a], vy = v[3 * a + 1],
-                    vz = v[3 * a + 2];
-    PetscReal ax = 0, ay = 0, az = 0;
+    PetscReal sum[DIM];
 
-    if (mu_a <= 0) continue;
-    PairRowLoad(cloud, x, a, &row);
-    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < row.n;
-         k++) { /* W: the pair's coefficient; for liquids of different density the mass that counts is V_b rho_b */
-      const PetscInt  b    = row.index[k];
-      const PetscReal mu_b = mu[b] < 0 ? mu_a : mu[b];
-
-      row.W[k] = volume[b] * rest[b] * zeta * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b /
-                 (mu_a + mu_b) * row.F[k];
-    }
-    if (form == VISCOSITY_CLEARY) { /* Eq. (1) of Kuri et al. */
-      SIMD_LOOP(reduction(+ : ax, ay, az))
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscInt  b = row.index[k];
-        const PetscReal c =
-          row.W[k] * ((vx - v[3 * b]) * row.dx[k] + (vy - v[3 * b + 1]) * row.dy[k] + (vz - v[3 * b + 2]) * row.dz[k]) /
-          (row.r2[k] + eta2);
-
-        ax += c * row.dx[k];
-        ay += c * row.dy[k];
-        az += c * row.dz[k];
-      }
-    } else { /* Morris et al. 1997; grad W.r is finite at r = 0, so eta is not needed */
-      SIMD_LOOP(reduction(+ : ax, ay, az))
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscInt b = row.index[k];
-
-        ax += row.W[k] * (vx - v[3 * b]);
-        ay += row.W[k] * (vy - v[3 * b + 1]);
-        az += row.W[k] * (vz - v[3 * b + 2]);
-      }
-    }
-    acceleration[3 * a] += ax;
-    acceleration[3 * a + 1] += ay;
-    acceleration[3 * a + 2] += az;
+    if (mu[a] <= 0) continue;
+    RowLoad(cloud, a, &row);
+    RowGather(&row, a, v, row.v);
+    PairViscosity(cloud, one, a, density, mu, &row, c);
+    if (form == VISCOSITY_CLEARY)
+      ViscosityCleary(&row, c, cloud->field[FIELD_POSITION] + DIM * a, v + DIM * a, eta2, sum);
+    else
+      ViscosityMorris(&row, c, v + DIM * a, sum);
+    for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += zeta * scale_f * sum[d];
   }
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -192,111 +247,6 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const
       d[1] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
       d[2] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dz[k]) : 1);
     }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* normal[d]: 1 for the directions normal to the wall faces that point x (m) is behind, else 0. */
-static inline void WallNormals(Domain domain, const PetscReal x[DIM], PetscReal normal[DIM])
-{
-  for (PetscInt d = 0; d < DIM; d++)
-    normal[d] = (domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d]) ||
-                (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d]);
-}
-
-/* Whether dummy particles may be within the kernel's support of x (m). */
-static inline PetscBool NearWall(Cloud cloud, const PetscReal x[DIM])
-{
-  const Domain    domain = cloud->domain;
-  const PetscReal reach  = KernelSupport(cloud->kernel);
-
-  for (PetscInt d = 0; d < domain->dim; d++)
-    if ((domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d] + reach) ||
-        (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d] - reach))
-      return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* Takes from the velocity gradient G (rows: components of the velocity) of fluid particle a what walls gave it by
-   sliding. */
-static void RemoveSliding(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[],
-                          PetscReal G[DIM][DIM])
-{
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b    = row->index[k];
-    const PetscReal f    = cloud->volume[b] * row->F[k];
-    const PetscReal r[3] = {row->dx[k], row->dy[k], row->dz[k]};
-    PetscReal       normal[DIM];
-
-    if (!cloud->integer[INT_LAYER][b]) continue;
-    WallNormals(cloud->domain, cloud->field[FIELD_POSITION] + DIM * b, normal);
-    for (PetscInt i = 0; i < DIM; i++)
-      for (PetscInt j = 0; j < DIM; j++)
-        G[i][j] -= (1 - normal[i]) * (velocity[DIM * b + i] - velocity[DIM * a + i]) * f * r[j];
-  }
-}
-
-/* sum V (v_b - v_a).grad W of a wall particle: the fluid only, its velocity normal to the wall only. */
-static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[])
-{
-  const PetscReal *v   = velocity;
-  PetscReal        sum = 0, normal[DIM];
-
-  WallNormals(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, normal);
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b = row->index[k];
-    const PetscReal f = cloud->integer[INT_LAYER][b] ? 0 : cloud->volume[b] * row->F[k];
-
-    sum +=
-      f * (normal[0] * (v[3 * b] - v[3 * a]) * row->dx[k] + normal[1] * (v[3 * b + 1] - v[3 * a + 1]) * row->dy[k] +
-           normal[2] * (v[3 * b + 2] - v[3 * a + 2]) * row->dz[k]);
-  }
-  return sum;
-}
-
-PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[])
-{
-  const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
-  const PetscReal *x = cloud->field[FIELD_POSITION], *volume = cloud->volume, *v = velocity;
-  PairRow          row;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal *B  = corrected ? cloud->field[FIELD_MOMENT] + 6 * a : identity;
-    const PetscReal  vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
-    PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
-
-    PairRowLoad(cloud, x, a, &row);
-    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
-    if (cloud->integer[INT_LAYER][a]) {
-      div[a] = WallDivergence(cloud, a, &row, velocity);
-      continue;
-    }
-    /* the velocity gradient once, then B: div v = sum_ij G_ij B_ij, G_ij = sum V (v_b - v_a)_i grad_j W */
-    SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yx, yz, zx, zy))
-    for (PetscInt k = 0; k < row.n; k++) {
-      const PetscInt  b = row.index[k];
-      const PetscReal f = volume[b] * row.F[k], ux = (v[3 * b] - vx) * f, uy = (v[3 * b + 1] - vy) * f,
-                      uz = (v[3 * b + 2] - vz) * f;
-
-      xx += ux * row.dx[k];
-      xy += ux * row.dy[k];
-      xz += ux * row.dz[k];
-      yx += uy * row.dx[k];
-      yy += uy * row.dy[k];
-      yz += uy * row.dz[k];
-      zx += uz * row.dx[k];
-      zy += uz * row.dy[k];
-      zz += uz * row.dz[k];
-    }
-    if (NearWall(cloud, x + DIM * a)) {
-      PetscReal G[DIM][DIM] = {{xx, xy, xz}, {yx, yy, yz}, {zx, zy, zz}};
-
-      RemoveSliding(cloud, a, &row, velocity, G);
-      div[a] = B[0] * G[0][0] + B[1] * G[1][1] + B[2] * G[2][2] + B[3] * (G[0][1] + G[1][0]) +
-               B[4] * (G[0][2] + G[2][0]) + B[5] * (G[1][2] + G[2][1]);
-    } else
-      div[a] = B[0] * xx + B[1] * yy + B[2] * zz + B[3] * (xy + yx) + B[4] * (xz + zx) + B[5] * (yz + zy);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
-#define CHECKPOINT_VERSION 1
+#define CHECKPOINT_VERSION 2
 
 /* The head of the file: real and whole numbers, by name. */
 #define HEAD_REALS(X)                                                                                                  \
@@ -13,6 +13,13 @@
   X(TIME_STEP, "time_step")                                                                                            \
   X(PREVIOUS_TIME_STEP, "previous_time_step")                                                                          \
   X(DENSITY_ERROR, "density_error")                                                                                    \
+  X(DENSITY_MEAN, "density_mean")                                                                                      \
+  X(SOLVER_ERROR, "solver_error")                                                                                      \
+  X(SURFACE_ENERGY, "surface_energy")                                                                                  \
+  X(VISCOUS_WORK, "viscous_work")                                                                                      \
+  X(TENSION_WORK, "tension_work")                                                                                      \
+  X(START_ENERGY, "start_energy")                                                                                      \
+  X(START_DENSITY, "start_density")                                                                                    \
   X(DIVERGENCE, "divergence")                                                                                          \
   X(SPACING, "spacing")                                                                                                \
   X(LEVEL, "level")                                                                                                    \
@@ -53,6 +60,13 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
   head->real[HEAD_TIME_STEP]           = state->time_step;
   head->real[HEAD_PREVIOUS_TIME_STEP]  = state->previous_time_step;
   head->real[HEAD_DENSITY_ERROR]       = state->density_error;
+  head->real[HEAD_DENSITY_MEAN] = state->density_mean;
+  head->real[HEAD_SOLVER_ERROR] = state->solver_error;
+  head->real[HEAD_SURFACE_ENERGY] = state->surface_energy;
+  head->real[HEAD_VISCOUS_WORK] = state->viscous_work;
+  head->real[HEAD_START_ENERGY] = state->start_energy;
+  head->real[HEAD_START_DENSITY] = state->start_density;
+  head->real[HEAD_TENSION_WORK] = state->tension_work;
   head->real[HEAD_DIVERGENCE]          = state->divergence;
   head->real[HEAD_SPACING]             = domain->spacing;
   head->real[HEAD_LEVEL]               = output->gauge.level;
@@ -301,6 +315,13 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->time_step          = head->real[HEAD_TIME_STEP];
   state->previous_time_step = head->real[HEAD_PREVIOUS_TIME_STEP];
   state->density_error      = head->real[HEAD_DENSITY_ERROR];
+  state->density_mean = head->real[HEAD_DENSITY_MEAN];
+  state->solver_error = head->real[HEAD_SOLVER_ERROR];
+  state->surface_energy = head->real[HEAD_SURFACE_ENERGY];
+  state->viscous_work = head->real[HEAD_VISCOUS_WORK];
+  state->start_energy = head->real[HEAD_START_ENERGY];
+  state->start_density = head->real[HEAD_START_DENSITY];
+  state->tension_work = head->real[HEAD_TENSION_WORK];
   state->divergence         = head->real[HEAD_DIVERGENCE];
   state->step               = (PetscInt)head->integer[HEAD_STEP];
   state->iterations         = (PetscInt)head->integer[HEAD_ITERATIONS];
@@ -360,6 +381,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(InFolder(output, file, &same));
   PetscCall(FolderClaim(output, same));
   PetscCall(SeriesStart(output, same, state->step));
+  PetscCall(ProbesStart(output, same, state->step));
   if (same) PetscCall(SnapshotScan(output, state->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

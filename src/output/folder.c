@@ -15,6 +15,8 @@ static const char *const transient[] = {"-restart",
                                         "-options_file",
                                         "-options_file_yaml",
                                         "-options_left",
+                                        "-dry_run",
+                                        "-dump_options",
                                         "-options_view",
                                         "-help",
                                         "-h",
@@ -23,7 +25,8 @@ static const char *const transient[] = {"-restart",
                                         NULL};
 
 /* Files of a run besides the numbered ones. */
-static const char *const files[]    = {"series.csv", "snapshots.xdmf", "options.opts", "version.txt", NULL};
+static const char *const files[]    = {"series.csv", "snapshots.xdmf", "options.opts", "version.txt",
+                                       "lines.csv",  "droplets.csv",   "solids.h5",    NULL};
 static const char *const numbered[] = {"snapshot_", "checkpoint_", NULL};
 
 PetscErrorCode FolderStatus(Output output, int error, const char doing[], const char path[])

@@ -64,12 +64,25 @@ static PetscErrorCode LabelSets(Cloud cloud, PetscInt parent[], PetscReal smalle
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode GaugeLabels(Output output, PetscReal distance)
+{
+  Cloud      cloud = output->cloud;
+  PetscInt  *parent;
+  PetscReal *smallest;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  PetscCall(PetscMalloc2(cloud->n_total, &parent, cloud->n_total, &smallest));
+  JoinNeighbors(cloud, distance, parent);
+  PetscCall(LabelSets(cloud, parent, smallest));
+  PetscCall(PetscFree2(parent, smallest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool connected[])
 {
   Cloud          cloud = output->cloud;
   const PetscInt up    = cloud->domain->dim - 1;
-  PetscInt      *parent;
-  PetscReal     *smallest;
   struct {
     double value;
     int    rank;
@@ -79,11 +92,7 @@ PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool conne
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
-  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
-  PetscCall(PetscMalloc2(cloud->n_total, &parent, cloud->n_total, &smallest));
-  JoinNeighbors(cloud, distance, parent);
-  PetscCall(LabelSets(cloud, parent, smallest));
-  PetscCall(PetscFree2(parent, smallest));
+  PetscCall(GaugeLabels(output, distance));
   /* the pool is what the deepest particle of its body hangs together with */
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal height = cloud->field[FIELD_POSITION][DIM * a + up];

@@ -117,21 +117,19 @@ static void AddAround(Output output, const ParticleArrays *arrays, const Image *
   }
 }
 
-PetscErrorCode OutputPoints(Output output, PetscReal values[])
+PetscErrorCode PointsSample(Output output, PetscInt count, const PetscReal at[], PetscReal values[])
 {
   const Domain   domain = output->cloud->domain;
-  const PetscInt count = output->points.count, width = 1 + domain->dim;
-  PetscReal      sum[GAUGE_POINTS_MOST * (2 + DIM)] = {0};
+  const PetscInt width  = 1 + domain->dim;
+  PetscReal     *sum;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(PetscCalloc1(count * (2 + DIM), &sum));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   for (PetscInt p = 0; p < count; p++) {
     Image          image[IMAGES_MOST];
-    const PetscInt images =
-      FindImages(domain, output->points.at + domain->dim * p, KernelSupport(output->cloud->kernel), image);
+    const PetscInt images = FindImages(domain, at + domain->dim * p, KernelSupport(output->cloud->kernel), image);
 
     for (PetscInt k = 0; k < images; k++) AddAround(output, &arrays, &image[k], sum + (2 + DIM) * p);
   }
@@ -143,6 +141,16 @@ PetscErrorCode OutputPoints(Output output, PetscReal values[])
     values[width * p] = s[0] > 0 ? s[1] / s[0] : 0;
     for (PetscInt d = 0; d < domain->dim; d++) values[width * p + 1 + d] = s[0] > 0 ? s[2 + d] / s[0] : NAN;
   }
+  PetscCall(PetscFree(sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputPoints(Output output, PetscReal values[])
+{
+  PetscFunctionBegin;
+  if (!output->points.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(PointsSample(output, output->points.count, output->points.at, values));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

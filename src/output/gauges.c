@@ -288,6 +288,7 @@ static PetscErrorCode Totals(Output output, const ParticleArrays *arrays, GaugeV
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, output->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &highest, 1, MPIU_REAL, MPIU_MAX, output->comm));
+  values->multiplicity     = output->gauge.multiplicity;
   values->kinetic_energy   = output->gauge.multiplicity * sum[0];
   values->potential_energy = output->gauge.multiplicity * sum[1];
   values->volume           = output->gauge.multiplicity * sum[2] * domain->volume;

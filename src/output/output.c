@@ -58,6 +58,7 @@ PetscErrorCode OutputDestroy(Output *output)
   PetscFunctionBegin;
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*output)->series_file) fclose((*output)->series_file);
+  PetscCall(ProbesFinish(*output));
   PetscCall(PetscFree((*output)->entry));
   PetscCall(PetscFree((*output)->options));
   PetscCall(PetscFree(*output));
@@ -96,9 +97,11 @@ PetscErrorCode OutputSetFromOptions(Output output)
                              &output->precise, NULL));
   PetscCall(GaugesSetFromOptions(output, PetscOptionsObject));
   PetscCall(PointsSetFromOptions(output, PetscOptionsObject));
+  PetscCall(ProbesSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(GaugesCheck(output));
   PetscCall(PointsCheck(output));
+  PetscCall(ProbesCheck(output));
   PetscCall(CheckInterval(output, "-series_interval", output->series.interval));
   PetscCall(CheckInterval(output, "-snapshot_interval", output->snapshot.interval));
   PetscCall(CheckInterval(output, "-checkpoint_interval", output->checkpoint.interval));
@@ -119,6 +122,7 @@ PetscErrorCode OutputSetUp(Output output, PetscBool restarting)
   if (!restarting) {
     PetscCall(FolderClaim(output, PETSC_FALSE));
     PetscCall(SeriesStart(output, PETSC_FALSE, 0));
+    PetscCall(ProbesStart(output, PETSC_FALSE, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -155,6 +159,8 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
+  if (!output->solids) PetscCall(SolidsWrite(output));
+  output->solids = PETSC_TRUE;
   if (output->checkpoint.next == SCHEDULE_UNSET)
     output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   if (state->step != output->series_step &&
@@ -166,6 +172,7 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
   if (state->step != output->snapshot_step &&
       (last || ScheduleReached(&output->snapshot, state->time) || output->snapshot_step < 0)) {
     PetscCall(SnapshotWrite(output, state));
+    PetscCall(ProbesWrite(output, state));
     output->snapshot_step = state->step;
     output->snapshot.next = ScheduleAfter(&output->snapshot, state->time);
   }
@@ -182,6 +189,13 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state)
   if (output->checkpoint.next == SCHEDULE_UNSET)
     output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   return ScheduleReached(&output->checkpoint, state->time);
+}
+
+PetscErrorCode OutputOptions(char **text)
+{
+  PetscFunctionBegin;
+  PetscCall(FolderOptions(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 const char *OutputFolder(Output output)

@@ -24,6 +24,7 @@ typedef struct {
   PetscReal highest;                          /* highest liquid of all */
   PetscReal kinetic_energy, potential_energy; /* sum of m v^2/2; sum of m times the potential of the body force */
   PetscReal volume;                           /* particles of fluid times V_0 */
+  PetscReal multiplicity;                     /* -gauge_multiplicity */
   PetscInt  particles;                        /* of fluid, in the simulated part */
 } GaugeValues;
 
@@ -69,6 +70,12 @@ PetscErrorCode OutputGauges(Output output, GaugeValues *values);
    Collective. */
 PetscErrorCode OutputPoints(Output output, PetscReal values[]);
 const char    *OutputFolder(Output output);
+/* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of one of them, bytes of
+   a checkpoint. Collective. */
+PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,
+                              PetscInt64 *checkpoint);
+/* OutputOptions - the options in use as text, one a line; to be freed with PetscFree. Not collective. */
+PetscErrorCode OutputOptions(char **text);
 PetscErrorCode OutputDestroy(Output *output);
 
 #endif

@@ -43,13 +43,27 @@ typedef struct {
   PetscReal at[(GAUGE_POINTS_MOST + 1) * DIM]; /* [count][dim] m */
 } GaugePoints;
 
+#define GAUGE_HEIGHTS_MOST 64
+#define GAUGE_LINES_MOST   16
+
+/* What further gauges measure. */
+typedef struct {
+  PetscInt  heights, height_numbers;
+  PetscReal height_at[(GAUGE_HEIGHTS_MOST + 1) * (DIM - 1)]; /* [heights][dim - 1] m */
+  PetscInt  lines, line_numbers, line_points;
+  PetscReal line_at[(GAUGE_LINES_MOST + 1) * 2 * DIM]; /* [lines][2][dim] m */
+  PetscBool forces, droplets;
+  PetscInt  droplet_least;            /* particles of a droplet */
+  FILE     *line_file, *droplet_file; /* rank 0 */
+} GaugeProbes;
+
 struct _p_Output {
   MPI_Comm       comm;
   PetscMPIInt    rank, size;
   Cloud          cloud; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
   char          *options; /* the user's, one a line, before solvers add defaults of their own */
-  PetscBool      overwrite, walls, precise, ready, restarting;
+  PetscBool      overwrite, walls, precise, ready, restarting, solids; /* solids: they are written */
   Schedule       series, snapshot, checkpoint;
   PetscInt       series_step, snapshot_step; /* of the last line and the last snapshot; -1: none */
   FILE          *series_file;                /* rank 0 */
@@ -58,6 +72,7 @@ struct _p_Output {
   PetscReal      wall_start, wall_before; /* s: MPI_Wtime at the start; spent before the restart */
   GaugeSetup     gauge;
   GaugePoints    points;
+  GaugeProbes    probes;
 };
 
 /* --- output.c --- */
@@ -94,6 +109,8 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state);
 /* SnapshotScan - finds the snapshots of the folder up to a step and removes later ones. Collective. */
 PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
 PetscErrorCode SnapshotWrite(Output output, const StepState *state);
+/* SolidsWrite - the dummy particles of solids, which do not move, into solids.h5: for pictures. Collective. */
+PetscErrorCode SolidsWrite(Output output);
 
 /* --- gauge_setup.c --- */
 PetscErrorCode GaugesDefaults(Output output);
@@ -112,6 +129,46 @@ PetscErrorCode PointsCheck(Output output);
 /* PointsColumns - how many columns the points have. PointsName - the name of one, with its unit. Not collective. */
 PetscInt       PointsColumns(Output output);
 PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t length);
+
+/* PointsSample - as OutputPoints, at count points at ([count][dim], m); values [count][1 + dim]. Collective. */
+PetscErrorCode PointsSample(Output output, PetscInt count, const PetscReal at[], PetscReal values[]);
+
+/* --- gauge_probes.c: surface heights, lines, forces on walls and solids, droplets --- */
+/* ProbesSetFromOptions - inside an options block; ProbesCheck - refuses bad values, after it. Collective. */
+PetscErrorCode ProbesSetFromOptions(Output output, OptionItems PetscOptionsObject);
+PetscErrorCode ProbesCheck(Output output);
+/* ProbesColumns - how many columns of the series they have. ProbesName - the name of one, with its unit. Not
+ * collective. */
+PetscInt       ProbesColumns(Output output);
+PetscErrorCode ProbesName(Output output, PetscInt column, char name[], size_t length);
+/* ProbesMeasure - values [ProbesColumns]. Collective. */
+PetscErrorCode ProbesMeasure(Output output, PetscReal values[]);
+/* ProbesStart - opens lines.csv and droplets.csv as SeriesStart does the series; ProbesWrite - adds the state to them;
+   ProbesFinish - closes them. Collective. */
+PetscErrorCode ProbesStart(Output output, PetscBool same, PetscInt restart_step);
+PetscErrorCode ProbesWrite(Output output, const StepState *state);
+PetscErrorCode ProbesFinish(Output output);
+/* --- gauge_forces.c --- */
+/* ForcesCount - walls of the box and solids. ForcesName - xmin, ..., zmax or the solid's. ForcesMeasure - force
+   [count][dim] of the liquid's pressure on each, N (N/m in two dimensions): -sum V_a V_b (p_a + p_b) grad W over pairs
+   of fluid a and dummy b (as Adami et al. 2012 for the fluid). Collective. */
+PetscInt       ForcesCount(Output output);
+const char    *ForcesName(Output output, PetscInt index);
+PetscErrorCode ForcesMeasure(Output output, PetscReal force[]);
+/* --- gauge_droplets.c --- */
+/* A piece of liquid: particles that hang together. */
+typedef struct {
+  PetscReal label, particles, place[DIM], velocity[DIM]; /* label: smallest id; mean place (m) and velocity (m/s) */
+} Piece;
+
+/* DropletsFind - all pieces, the largest first, on rank 0, to be freed with PetscFree; elsewhere none. Collective. */
+PetscErrorCode DropletsFind(Output output, PetscInt *count, Piece **piece);
+
+/* --- series.c, for tables that grow line by line and whose first columns are time and step --- */
+/* TableStart - opens <folder>/<name> to append, with the head line if it is new, cut behind restart_step if 'same';
+ *last: the step of its last line or -1. Collective. */
+PetscErrorCode TableStart(Output output, const char name[], const char head[], PetscBool same, PetscInt restart_step,
+                          FILE **file, PetscInt *last);
 
 /* --- storage.c: HDF5 files of rows spread over the ranks; errors are collected and agreed upon when the file is closed
  * --- */
@@ -178,6 +235,9 @@ typedef struct {
   PetscInt      *queue;                  /* [count] */
 } GaugeGrid;
 
+/* GaugeLabels - FIELD_WORK1 of owned fluid: the smallest id of what it hangs together with by steps below 'distance'
+   (m). The cloud must be in step with the swarm. Collective. */
+PetscErrorCode GaugeLabels(Output output, PetscReal distance);
 /* GaugeConnected - connected[n_fluid of the cloud]: whether a chain of fluid particles, each closer than 'distance' (m)
    to the next, joins it with the pool. The cloud must be in step with the swarm. Collective. */
 PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool connected[]);

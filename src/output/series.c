@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #define SERIES_FILE "series.csv"
-#define LINE_LENGTH 16384 /* 32 bytes for each of the columns above and 4 for each of the GAUGE_POINTS_MOST points */
+#define LINE_LENGTH 65536 /* a hundred bytes for each of the columns below and of the gauges */
 #define NAME_LENGTH 64
 
 /* The columns: name and value, from state (StepState), gauges (GaugeValues) and wall (s). The places of the first three
@@ -26,6 +26,10 @@
   X("volume", gauges->volume)                     /* m3 */                                                             \
   X("density_error", state->density_error)                                                                             \
   X("divergence", state->divergence)                                                                                   \
+  X("solver_error", state->solver_error)                                                                               \
+  X("surface_energy", gauges->multiplicity * state->surface_energy) /* J */                                            \
+  X("viscous_work", gauges->multiplicity * state->viscous_work)     /* J */                                            \
+  X("tension_work", gauges->multiplicity * state->tension_work)     /* J */                                            \
   X("particles", gauges->particles)                                                                                    \
   X("lost", state->lost)                                                                                               \
   X("rejected", state->rejected)                                                                                       \
@@ -51,6 +55,12 @@ static PetscErrorCode HeadLine(Output output, char line[LINE_LENGTH])
     char name[NAME_LENGTH];
 
     PetscCall(PointsName(output, c, name, sizeof(name)));
+    used += (size_t)snprintf(line + used, LINE_LENGTH - used, ",%s", name);
+  }
+  for (PetscInt c = 0; c < ProbesColumns(output); c++) {
+    char name[NAME_LENGTH];
+
+    PetscCall(ProbesName(output, c, name, sizeof(name)));
     used += (size_t)snprintf(line + used, LINE_LENGTH - used, ",%s", name);
   }
   (void)snprintf(line + used, LINE_LENGTH - used, "\n");
@@ -91,40 +101,50 @@ static int Cut(const char path[], const char temporary[], const char head[], Pet
 }
 
 /* Opens the file to append, with the head when it is new. Rank 0; returns an errno. */
-static int Open(Output output, const char path[], const char head[])
+static int Open(const char path[], const char head[], FILE **file)
 {
   struct stat info;
 
-  output->series_file = fopen(path, "a");
-  if (!output->series_file) return errno;
-  if (fstat(fileno(output->series_file), &info)) return errno;
-  if (info.st_size == 0 && (fputs(head, output->series_file) < 0 || fflush(output->series_file)))
-    return errno;
+  *file = fopen(path, "a");
+  if (!*file) return errno;
+  if (fstat(fileno(*file), &info)) return errno;
+  if (info.st_size == 0 && (fputs(head, *file) < 0 || fflush(*file))) return errno;
   return 0;
 }
 
-PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
+PetscErrorCode TableStart(Output output, const char name[], const char head[], PetscBool same, PetscInt restart_step,
+                          FILE **file, PetscInt *last)
 {
-  char     path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN], head[LINE_LENGTH];
-  PetscInt last  = -1;
-  int      error = 0, other;
+  char path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN];
+  int  error = 0, other;
 
   PetscFunctionBegin;
-  PetscCall(OutputPath(output, SERIES_FILE, path));
-  PetscCall(OutputPath(output, SERIES_FILE ".tmp", temporary));
-  PetscCall(HeadLine(output, head));
-  if (!output->rank && same) error = Cut(path, temporary, head, restart_step, &last);
+  *last = -1;
+  PetscCall(OutputPath(output, name, path));
+  PetscCall(PetscSNPrintf(temporary, sizeof(temporary), "%s.tmp", path));
+  if (!output->rank && same) error = Cut(path, temporary, head, restart_step, last);
   other = error == EILSEQ;
   PetscCallMPI(MPI_Bcast(&other, 1, MPI_INT, 0, output->comm));
   PetscCheckUser(
     !other, output->comm,
-    "%s has other columns than this run writes (-gauge_points, or the version of the program); move it away to "
+    "%s has other columns than this run writes (-gauge_..., or the version of the program); move it away to "
     "continue the run.",
     path);
-  if (!output->rank && !error) error = Open(output, path, head);
+  if (!output->rank && !error) error = Open(path, head, file);
   PetscCall(FolderStatus(output, error, "write", path));
-  PetscCallMPI(MPI_Bcast(&last, 1, MPIU_INT, 0, output->comm));
-  output->series_step = last;
+  PetscCallMPI(MPI_Bcast(last, 1, MPIU_INT, 0, output->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
+{
+  char *head;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(LINE_LENGTH, &head));
+  PetscCall(HeadLine(output, head));
+  PetscCall(TableStart(output, SERIES_FILE, head, same, restart_step, &output->series_file, &output->series_step));
+  PetscCall(PetscFree(head));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,7 +156,7 @@ static int Value(FILE *file, PetscBool first, double value)
   return fprintf(file, "%.12g", value) < 0 ? errno : 0;
 }
 
-/* One line: the columns, then the n values of the points. Returns an errno. */
+/* One line: the columns, then the n values of points and other gauges. Returns an errno. */
 static int Line(FILE *file, const StepState *state, const GaugeValues *gauges, PetscReal wall, PetscInt n,
                 const PetscReal point[])
 {
@@ -158,15 +178,18 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state)
 {
   char        path[PETSC_MAX_PATH_LEN];
   GaugeValues gauges;
-  PetscReal   point[GAUGE_POINTS_MOST * (1 + DIM)];
+  PetscInt    points = PointsColumns(output), probes = ProbesColumns(output);
+  PetscReal  *gauge;
   int         error = 0;
 
   PetscFunctionBegin;
   PetscCall(OutputGauges(output, &gauges));
-  PetscCall(OutputPoints(output, point));
+  PetscCall(PetscMalloc1(points + probes, &gauge));
+  PetscCall(OutputPoints(output, gauge));
+  PetscCall(ProbesMeasure(output, gauge + points));
   PetscCall(OutputPath(output, SERIES_FILE, path));
-  if (!output->rank)
-    error = Line(output->series_file, state, &gauges, OutputWallTime(output), PointsColumns(output), point);
+  if (!output->rank) error = Line(output->series_file, state, &gauges, OutputWallTime(output), points + probes, gauge);
+  PetscCall(PetscFree(gauge));
   PetscCall(FolderStatus(output, error, "write", path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,7 +3,8 @@
 #include <errno.h>
 #include <unistd.h>
 
-#define XDMF_FILE "snapshots.xdmf"
+#define XDMF_FILE   "snapshots.xdmf"
+#define SOLIDS_FILE "solids.h5"
 
 /* Integer fields of a snapshot; the layer only where there are walls. */
 static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};
@@ -242,6 +243,38 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bytes a particle has in a snapshot. */
+static PetscInt64 ParticleBytes(Output output)
+{
+  PetscInt64 bytes = (INT_FIELDS(output->walls) + 1) * (PetscInt64)sizeof(PetscInt);
+
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    bytes += Fields[f].width * (PetscInt64)(output->precise ? sizeof(double) : sizeof(float));
+  return bytes;
+}
+
+PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,
+                              PetscInt64 *checkpoint)
+{
+  PetscInt       count[2] = {0, 0}; /* in a snapshot, all */
+  PetscInt64     stored   = INT_COUNT * (PetscInt64)sizeof(PetscInt);
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) count[0] += output->walls || !arrays.integer[INT_LAYER][a];
+  count[1] = arrays.n;
+  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
+  *bytes      = count[0] * ParticleBytes(output);
+  *checkpoint = count[1] * stored;
+  *snapshots  = 2;
+  if (output->snapshot.interval > 0 && end < PETSC_MAX_REAL)
+    *snapshots = 1 + (PetscInt64)PetscCeilReal((end - start) / output->snapshot.interval);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SnapshotWrite(Output output, const StepState *state)
 {
   ParticleArrays arrays;
@@ -279,5 +312,48 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   PetscCall(EntryAdd(output, &entry));
   PetscCall(XdmfWrite(output));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolidsWrite(Output output)
+{
+  Cloud     cloud = output->cloud;
+  Rows      rows  = {.width = DIM};
+  Storage   storage;
+  PetscBool failed;
+  double   *place, *normal;
+  PetscInt *solid;
+  char      path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc3(DIM * cloud->n_owned, &place, DIM * cloud->n_owned, &normal, cloud->n_owned, &solid));
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+    PetscReal        n[DIM];
+
+    if (cloud->integer[INT_BODY][a] > BODY_SOLID) continue;
+    SceneSolidNormal(cloud->scene, x, n);
+    for (PetscInt d = 0; d < DIM; d++) {
+      place[DIM * rows.n + d]  = (double)x[d];
+      normal[DIM * rows.n + d] = (double)n[d];
+    }
+    solid[rows.n++] = BODY_SOLID - cloud->integer[INT_BODY][a];
+  }
+  PetscCallMPI(MPI_Exscan(&rows.n, &rows.start, 1, MPIU_INT, MPI_SUM, output->comm));
+  if (!output->rank) rows.start = 0;
+  PetscCallMPI(MPI_Allreduce(&rows.n, &rows.total, 1, MPIU_INT, MPI_SUM, output->comm));
+  PetscCall(OutputPath(output, SOLIDS_FILE ".tmp", path));
+  PetscCall(StorageCreate(output->comm, path, &storage));
+  PetscCall(StoragePutText(&storage, "format", "isph solids"));
+  PetscCall(StorageWrite(&storage, "position", H5T_NATIVE_DOUBLE, &rows, place, "m", "dummy particles of solids"));
+  PetscCall(StorageWrite(&storage, "normal", H5T_NATIVE_DOUBLE, &rows, normal, "1", "out of the solid"));
+  rows.width = 1;
+  PetscCall(StorageWrite(&storage, "solid", STORAGE_INT, &rows, solid, "1", "index of the solid in -solids"));
+  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(PetscFree3(place, normal, solid));
+  PetscCheckUser(!failed, output->comm, "Cannot write %s/%s: is the disk full, or the folder gone?", output->folder,
+                 SOLIDS_FILE);
+  PetscCall(FolderCommit(output, SOLIDS_FILE, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -73,6 +73,8 @@ PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[
   for (PetscInt k = 0; k < n; k++) HashReal(hash, numbers[k]);
   for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++)
     HashBody(hash, domain, SceneBody(packing->cloud->scene, b));
+  for (PetscInt b = 0; b < SceneSolidCount(packing->cloud->scene); b++)
+    HashBody(hash, domain, SceneSolid(packing->cloud->scene, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

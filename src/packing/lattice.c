@@ -78,7 +78,7 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
 
   for (PetscInt d = 0; d < domain->dim; d++)
     if (x[d] <= domain->lower[d] || x[d] >= domain->upper[d]) return PETSC_FALSE;
-  if (PointDistance(packing, b, point, x) > level[b]) return PETSC_FALSE;
+  if (PointDistance(packing, b, point, x) > level[b] || SceneSolidDistance(scene, x, NULL) <= 0) return PETSC_FALSE;
   for (PetscInt other = 0; other < b; other++)
     if (BodyDistance(SceneBody(scene, other), x) <= level[other]) return PETSC_FALSE;
   return PETSC_TRUE;
@@ -156,39 +156,65 @@ static PetscErrorCode FitLevel(Packing packing, PetscInt b, const BoxLattice *la
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Visit_Lattice(Packing packing, PackingVisitor visitor, void *context)
+/* Shows the points of body b's lattice to the visitor; *id is the number of the next. */
+static void VisitBody(Packing packing, PetscInt b, const BoxLattice *lattice, const PetscReal level[],
+                      PackingVisitor visitor, void *context, PetscInt *id)
 {
   const Domain             domain = packing->cloud->domain;
   const Scene              scene  = packing->cloud->scene;
   const PetscReal          jitter = ((Lattice *)packing->data)->jitter * domain->spacing; /* m */
   const unsigned long long seed   = (unsigned long long)packing->seed;
-  BoxLattice               box, lattice;
-  PetscReal                level[SCENE_MAX_BODIES];
-  PetscInt                 id = 0;
+
+  for (PetscInt k = 0; k < lattice->n[2]; k++) {
+    for (PetscInt j = 0; j < lattice->n[1]; j++) {
+      for (PetscInt i = 0; i < lattice->n[0]; i++) {
+        const PetscInt index[DIM] = {i, j, k};
+        PetscReal      x[DIM];
+
+        for (PetscInt d = 0; d < DIM; d++) x[d] = lattice->origin[d] + index[d] * lattice->pitch[d];
+        BodyDisplace(SceneBody(scene, b), x);
+        if (!Belongs(packing, level, b, (k * lattice->n[1] + j) * lattice->n[0] + i, x)) continue;
+        for (PetscInt d = 0; d < domain->dim; d++)
+          x[d] += jitter * (2 * RandomUnit(seed, (unsigned long long)*id * DIM + (unsigned long long)d) - 1);
+        PackingConfine(domain, x);
+        visitor(context, (*id)++, b, x);
+      }
+    }
+  }
+}
+
+static PetscErrorCode Visit_Lattice(Packing packing, PackingVisitor visitor, void *context)
+{
+  const Domain domain = packing->cloud->domain;
+  const Scene  scene  = packing->cloud->scene;
+  BoxLattice   box, lattice;
+  PetscReal    level[SCENE_MAX_BODIES];
+  PetscInt     id = 0;
 
   PetscFunctionBegin;
   BoxLatticeSetUp(domain, &box);
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
+    if (BodyEmits(SceneBody(scene, b))) continue;
     BodyLattice(domain, &box, SceneBody(scene, b), &lattice);
     PetscCall(FitLevel(packing, b, &lattice, &level[b]));
-    for (PetscInt k = 0; k < lattice.n[2]; k++) {
-      for (PetscInt j = 0; j < lattice.n[1]; j++) {
-        for (PetscInt i = 0; i < lattice.n[0]; i++) {
-          const PetscInt index[DIM] = {i, j, k};
-          PetscReal      x[DIM];
-
-          for (PetscInt d = 0; d < DIM; d++) x[d] = lattice.origin[d] + index[d] * lattice.pitch[d];
-          BodyDisplace(SceneBody(scene, b), x);
-          if (!Belongs(packing, level, b, (k * lattice.n[1] + j) * lattice.n[0] + i, x)) continue;
-          for (PetscInt d = 0; d < domain->dim; d++) {
-            x[d] += jitter * (2 * RandomUnit(seed, (unsigned long long)id * DIM + (unsigned long long)d) - 1);
-          }
-          PackingConfine(domain, x);
-          visitor(context, id++, b, x);
-        }
-      }
-    }
+    VisitBody(packing, b, &lattice, level, visitor, context, &id);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, PackingVisitor visitor, void *context)
+{
+  BoxLattice box, lattice;
+  PetscReal  level[SCENE_MAX_BODIES];
+  PetscInt   id = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) level[b] = -PETSC_MAX_REAL;
+  BoxLatticeSetUp(packing->cloud->domain, &box);
+  BodyLattice(packing->cloud->domain, &box, SceneBody(packing->cloud->scene, body), &lattice);
+  PetscCall(FitLevel(packing, body, &lattice, &level[body]));
+  VisitBody(packing, body, &lattice, level, visitor, context, &id);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

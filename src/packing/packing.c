@@ -74,6 +74,7 @@ PetscErrorCode PackingDestroy(Packing *packing)
   PetscFunctionBegin;
   if (!*packing) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*packing)->ops.destroy) PetscCall((*packing)->ops.destroy(*packing));
+  PetscCall(EmissionsDestroy(*packing));
   PetscCall(PetscFree(*packing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,19 +137,20 @@ static PetscErrorCode CreateParticles(Packing packing)
   const Domain   domain = cloud->domain;
   const PetscInt cells = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
   Filling        filling = {.domain = domain};
-  PetscInt      *weight, own = 0, walls;
+  PetscInt      *weight, own = 0, walls, solids;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &filling.rank));
   PetscCall(PetscCalloc2(cells, &filling.weight, cells, &weight));
   PetscCall(packing->ops.visit(packing, Weigh, &filling));
   packing->count = filling.count;
-  PetscCheckUser(packing->count > 0, cloud->comm,
+  PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
   if (filling.rank == 0) { /* DomainPartition sums over the ranks */
     PetscCall(PetscArraycpy(weight, filling.weight, cells));
     WallWeigh(domain, layers, weight);
+    SolidWeigh(domain, cloud->scene, layers, weight);
   }
   PetscCall(DomainPartition(domain, 1, weight));
   for (PetscInt c = 0; c < cells; c++)
@@ -160,8 +162,11 @@ static PetscErrorCode CreateParticles(Packing packing)
   PetscCall(packing->ops.visit(packing, Fill, &filling));
   PetscCall(ParticlesClose(cloud->particles, &filling.arrays));
   PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
-  PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " fluid and %" PetscInt_FMT " wall particles\n", packing->type,
-                      packing->count, walls));
+  PetscCall(SolidCreateParticles(cloud->particles, domain, cloud->scene, layers, packing->count + walls, &solids));
+  PetscCall(PetscInfo(NULL,
+                      "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
+                      " solid particles\n",
+                      packing->type, packing->count, walls, solids));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -270,7 +275,7 @@ static PetscErrorCode Measure(Packing packing, PackingReport *report)
   PetscCall(PetscFree(row));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
-  report->density_std = PetscSqrtReal(squares / packing->count);
+  report->density_std = PetscSqrtReal(squares / PetscMax(packing->count, 1));
   report->smallest_distance =
     closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);

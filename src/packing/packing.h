@@ -34,6 +34,11 @@ PetscErrorCode PackingKeepRelaxed(Packing packing, const char how[]);
 /* PackingSetVelocities - gives every fluid particle the initial velocity of its body at its position; ends with
    CloudResync. Collective. */
 PetscErrorCode PackingSetVelocities(Packing packing);
+/* PackingEmit - adds to the swarm what the emitters of the scene have brought up to the time (s) since the last call,
+   and gives the liquid inside them their velocity. 'resumed': the first call of a run that continues, which only counts
+   what was brought before. Ends with CloudResync when there is new liquid: *emitted particles over all ranks.
+   Collective. */
+PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted);
 PetscErrorCode PackingDestroy(Packing *packing);
 
 /* WallCreateParticles - dummy particles of all wall faces: layers on a lattice of the particle spacing outside the box,

@@ -30,6 +30,8 @@ static PetscErrorCode Check_Poisson(Packing packing)
   const MPI_Comm comm = packing->cloud->comm;
 
   PetscFunctionBegin;
+  PetscCheckUser(!SceneSolidCount(packing->cloud->scene) && !SceneEmits(packing->cloud->scene), packing->cloud->comm,
+                 "-packing_type poisson knows neither -solids nor emitters; use -packing_type lattice");
   PetscCheckUser(p->distance > 0 && p->distance < 1, comm,
                  "-packing_distance is %g; it must lie between 0 and 1 spacings", (double)p->distance);
   PetscCheckUser(p->tolerance > 0 && p->tolerance < 1, comm, "-packing_tolerance is %g; it must lie between 0 and 1",

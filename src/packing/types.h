@@ -10,6 +10,12 @@
 /* Sees one sample: its id, the index of its body, its position (m). */
 typedef void (*PackingVisitor)(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM]);
 
+/* What an emitter brings each time. */
+typedef struct {
+  PetscInt   n, done; /* points; emissions so far */
+  PetscReal *x;       /* [n][3] m; NULL: not yet known */
+} Emission;
+
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
   PetscErrorCode (*setfromoptions)(Packing     packing,
@@ -30,6 +36,7 @@ struct _p_Packing {
   PetscInt   seed;
   PetscInt   count; /* samples of the scene, over all ranks */
   char       cache[PETSC_MAX_PATH_LEN];
+  Emission   emission[SCENE_MAX_BODIES];
 };
 
 PetscErrorCode PackingCreate_Lattice(Packing packing);
@@ -53,6 +60,16 @@ PetscInt PackingWallLayers(Cloud cloud);
 /* WallWeigh - adds the dummy particles of the walls to the number of particles of each cell, weight [cells]. Not
    collective. */
 void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
+
+/* LatticeVisitBody - shows the lattice points of one body. Collective. */
+PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, PackingVisitor visitor, void *context);
+/* EmissionsDestroy - frees what emitters bring. */
+PetscErrorCode EmissionsDestroy(Packing packing);
+/* SolidWeigh, SolidCreateParticles - as WallWeigh and WallCreateParticles, of the solids: points of the box's lattice
+   inside them, at most 'layers' spacings deep; each is a top layer with a pressure of its own. */
+void           SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
+PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
+                                    PetscInt *count);
 
 /* PackingRow - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume fraction
    V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */

@@ -25,10 +25,13 @@ typedef enum {
 
 #define STORED_INTS(X)                                                                                                 \
   X(ID, "id", "identity, unique and permanent")                                                                        \
-  X(BODY, "body", "index of the body in -bodies; -1 for a dummy particle of a wall")                                   \
+  X(BODY, "body", "index of the body in -bodies; -1: dummy of a wall of the box; -2, -3, ...: of a solid")             \
   X(LAYER, "layer", "0: fluid; 1: top layer of a wall, solved; 2, 3, ...: deeper layers, slaved")                      \
   X(PARENT, "parent", "id of the top-layer particle a deeper wall particle takes its pressure from; own id otherwise") \
   X(SURFACE, "surface", "1: on the free surface, 2: near it, 0: inside")
+
+#define BODY_WALL  (-1)
+#define BODY_SOLID (-2) /* of the first of -solids; -3 of the second, and so on */
 
 #define WORK_REALS(X)                                                                                                  \
   X(START, "start", 3, PARITY_POINT, "m", "position at the start of the step")                                         \
@@ -36,6 +39,7 @@ typedef enum {
   X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force")                \
   X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                               \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
+  X(CROWDING, "crowding", 3, PARITY_VECTOR, "1/m", "sum of V (1 + 0.2 (W/W(d0))^4) grad W: shifting goes against it") \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
   X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \

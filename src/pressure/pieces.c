@@ -17,38 +17,6 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* F as a function of w1/w1(0): the filled fraction of the kernel from the length of sum V grad W, as if the surface
- * were flat. */
-PetscErrorCode TabulateSurfaceFraction(Pressure pressure)
-{
-  Kernel          kernel  = pressure->cloud->kernel;
-  const PetscReal support = KernelSupport(kernel);
-  PetscReal       zero, depth = 0;
-
-  PetscFunctionBegin;
-  KernelHalfSpace(kernel, 0, &zero, NULL);
-  pressure->surface_plane                   = zero;
-  pressure->surface_fraction[0]             = 1;
-  pressure->surface_fraction[SURFACE_TABLE] = 0.5;
-  for (PetscInt k = SURFACE_TABLE - 1; k > 0;
-       k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
-    PetscReal low = depth, high = support, plane;
-
-    for (PetscInt bisection = 0; bisection < 50; bisection++) {
-      const PetscReal middle = 0.5 * (low + high);
-
-      KernelHalfSpace(kernel, middle, &plane, NULL);
-      if (plane * SURFACE_TABLE > zero * k)
-        low = middle;
-      else
-        high = middle;
-    }
-    depth = 0.5 * (low + high);
-    KernelHalfSpace(kernel, depth, NULL, &pressure->surface_fraction[k]);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 #define LAMBDA_FULL 0.95 /* above: a full neighbourhood, F = 1 */
 #define LAMBDA_THIN 0.3  /* below: too few neighbours for F; only compression counts */
 
@@ -141,28 +109,41 @@ void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)
 
 /* --- gradients: acceleration -grad p/rho --- */
 
-static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, PetscReal out[DIM])
+/* -sum c (r_a - r_b) over the row; c: [lanes]. */
+static void SumAlong(const Row *restrict row, const PetscReal *restrict c, const PetscReal x[DIM], PetscReal out[DIM])
 {
-  Cloud            cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density,
-                  *p     = cloud->field[FIELD_PRESSURE];
-  const PetscReal  own   = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
-  const PetscReal *slope = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
-  PetscReal        ax = 0, ay = 0, az = 0;
+  const PetscInt  m  = RowLanes(row);
+  const PetscReal px = x[0], py = x[1], pz = x[2];
+  PetscReal       ax = 0, ay = 0, az = 0;
 
-  KernelGradient(cloud->kernel, row->n, row->r2, row->F);
   SIMD_LOOP(reduction(+ : ax, ay, az))
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b = row->index[k];
-    const PetscReal c = volume[b] * rest[b] * (own + p[b] / (density[b] * density[b])) * row->F[k];
-
-    ax -= c * row->dx[k];
-    ay -= c * row->dy[k];
-    az -= c * row->dz[k];
+  for (PetscInt k = 0; k < m; k++) {
+    ax -= c[k] * (px - row->x[4 * k]);
+    ay -= c[k] * (py - row->x[4 * k + 1]);
+    az -= c[k] * (pz - row->x[4 * k + 2]);
   }
   out[0] = ax;
   out[1] = ay;
   out[2] = az;
+}
+
+/* Eq. (9) for one row; scale: of the kernel's F times V. */
+static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
+{
+  Cloud            cloud   = pressure->cloud;
+  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
+  const PetscReal  own     = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
+  const PetscReal *slope   = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
+  PetscReal        c[ROW_CAPACITY];
+
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt b = row->index[k];
+
+    c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
+  }
+  for (PetscInt k = row->n; k < row->m; k++) c[k] = 0;
+  SumAlong(row, c, cloud->field[FIELD_POSITION] + DIM * a, out);
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
 
@@ -172,18 +153,41 @@ static void SymmetricRow(Pressure pressure, PetscInt a, PairRow *restrict row, P
   }
 }
 
+/* V times the scale of the kernel's F: what sums over rows are multiplied by. */
+static PetscReal RowScale(Cloud cloud)
+{
+  PetscReal scale_w, scale_f, inverse_h2;
+
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  return cloud->domain->volume * scale_f;
+}
+
 /* Eq. (9). */
 PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 {
-  Cloud   cloud = pressure->cloud;
-  PairRow row;
+  Cloud           cloud = pressure->cloud;
+  const PetscReal scale = RowScale(cloud);
+  Row             row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    SymmetricRow(pressure, a, &row, acceleration + DIM * a);
+    RowLoad(cloud, a, &row);
+    SymmetricRow(pressure, a, &row, scale, acceleration + DIM * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -B_a sum V (p_b - p_a) grad W of one row. */
+static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
+{
+  const PetscReal *p = cloud->field[FIELD_PRESSURE], own = p[a];
+  PetscReal        c[ROW_CAPACITY], sum[DIM];
+
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < row->n; k++) c[k] = (p[row->index[k]] - own) * row->f[k];
+  for (PetscInt k = row->n; k < row->m; k++) c[k] = 0;
+  SumAlong(row, c, cloud->field[FIELD_POSITION] + DIM * a, sum);
+  TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, scale * sum[0], scale * sum[1], scale * sum[2], out);
 }
 
 /* Inside -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), where pressure differences know nothing of the
@@ -197,35 +201,24 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
   Cloud            cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *p = cloud->field[FIELD_PRESSURE], *volume = cloud->volume,
-                  h = KernelSmoothingLength(cloud->kernel);
-  PairRow row;
+  const PetscReal *density = PressureDensity(pressure), h = KernelSmoothingLength(cloud->kernel),
+                  scale = RowScale(cloud);
+  Row row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PetscReal *out = acceleration + DIM * a;
+
+    RowLoad(cloud, a, &row);
     if (cloud->integer[INT_SURFACE][a])
-      SymmetricRow(pressure, a, &row, acceleration + DIM * a);
+      SymmetricRow(pressure, a, &row, scale, out);
     else {
-      PetscReal ax = 0, ay = 0, az = 0;
+      const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
+      PetscReal        background;
 
-      KernelGradient(cloud->kernel, row.n, row.r2, row.F);
-      SIMD_LOOP(reduction(+ : ax, ay, az))
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscReal c = volume[row.index[k]] * (p[row.index[k]] - p[a]) * row.F[k];
-
-        ax -= c * row.dx[k];
-        ay -= c * row.dy[k];
-        az -= c * row.dz[k];
-      }
-      TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, ax, ay, az, acceleration + DIM * a);
-      {
-        PetscReal      *out        = acceleration + DIM * a;
-        const PetscReal background = 2 * pressure->regularization * h * Norm(out),
-                        *n         = cloud->field[FIELD_NORMAL] + DIM * a;
-
-        for (PetscInt d = 0; d < DIM; d++) out[d] = (out[d] - background * n[d]) / density[a];
-      }
+      CorrectedRow(cloud, a, &row, scale, out);
+      background = 2 * pressure->regularization * h * Norm(out);
+      for (PetscInt d = 0; d < DIM; d++) out[d] = (out[d] - background * n[d]) / density[a];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -236,7 +229,8 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
 {
   Cloud      cloud     = pressure->cloud;
   PetscReal *corrected = cloud->field[FIELD_ACCELERATION], *change = cloud->field[FIELD_START];
-  PairRow    row;
+  const PetscReal scale = RowScale(cloud);
+  Row             row;
 
   PetscFunctionBegin;
   PetscCall(GradientCorrected(pressure, corrected));
@@ -245,8 +239,8 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
     if (cloud->integer[INT_SURFACE][a]) continue;
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    SymmetricRow(pressure, a, &row, symmetric);
+    RowLoad(cloud, a, &row);
+    SymmetricRow(pressure, a, &row, scale, symmetric);
     for (PetscInt d = 0; d < DIM; d++) {
       change[DIM * a + d]    = corrected[DIM * a + d] - symmetric[d];
       corrected[DIM * a + d] = symmetric[d];

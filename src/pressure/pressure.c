@@ -30,7 +30,6 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->relaxation_time = 1e-3;
   p->closure_factor  = 2;
   p->regularization  = 2;
-  PetscCall(PetscStrncpy(p->mat_type, MATAIJ, sizeof(p->mat_type)));
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,8 +102,16 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(PetscOptionsReal("-pressure_rebuild_growth",
                              "growth of the iterations that makes the preconditioner anew (1)",
                              "PressureSetFromOptions", pressure->rebuild_growth, &pressure->rebuild_growth, NULL));
-  PetscCall(PetscOptionsFList("-mat_type", "PETSc type of the pressure matrix", "MatSetType", MatList,
-                              pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
+  PetscCall(PetscOptionsReal("-pressure_density_tolerance",
+                             "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, "
+                             "-ksp_rtol and the others",
+                             "PressureSetFromOptions", pressure->density_tolerance, &pressure->density_tolerance,
+                             NULL));
+  PetscCall(PetscOptionsFList("-mat_type",
+                              "PETSc type of the pressure matrix; none given: shell, the sum of pairs without a "
+                              "matrix, if the preconditioner does without entries, else aij",
+                              "MatSetType", MatList, pressure->mat_type, pressure->mat_type,
+                              sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm,
@@ -112,6 +119,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm,
                  "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative",
                  pressure->rebuild_interval);
+  PetscCheckUser(pressure->density_tolerance >= 0, cloud->comm,
+                 "-pressure_density_tolerance is %g; it must not be negative", (double)pressure->density_tolerance);
   PetscCheckUser(pressure->closure_factor > 0, cloud->comm, "-pressure_closure_factor is %g; it must be positive",
                  (double)pressure->closure_factor);
   PetscCheckUser(pressure->regularization >= 0, cloud->comm, "-pressure_regularization is %g; it must not be negative",
@@ -121,7 +130,16 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
-  PetscCall(TabulateSurfaceFraction(pressure));
+  KernelHalfSpace(pressure->cloud->kernel, 0, &pressure->surface_plane, NULL);
+  KernelSurfaceTable(pressure->cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates)
+{
+  PetscFunctionBegin;
+  PetscCall(pressure->source(pressure, dt, rhs));
+  *accumulates = (PetscBool)(pressure->source == SourceDivergence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,6 +166,8 @@ PetscErrorCode PressureForget(Pressure pressure)
   PetscCall(KSPDestroy(&pressure->ksp));
   PetscCall(VecDestroy(&pressure->b));
   PetscCall(VecDestroy(&pressure->x));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
+  PetscCall(MatDestroy(&pressure->operator));
   pressure->kept    = -1;
   pressure->rebuild = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -163,6 +183,8 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
   PetscCall(PetscFree(p->div));
   PetscCall(PetscFree(p->closed));
+  PetscCall(PetscFree(p->pairs));
+  PetscCall(PetscFree(p->own_weight));
   PetscCall(PetscFree(p->column));
   PetscCall(PetscFree(p->off_row));
   PetscCall(PetscFree(p->mark));

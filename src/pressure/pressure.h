@@ -25,6 +25,7 @@ typedef struct {
   PetscInt           iterations;
   KSPConvergedReason reason;
   PetscReal          residual; /* norm of the last residual, in the norm of the KSP */
+  PetscReal          density;  /* rms relative density error that this residual leaves after the step, 1 */
   PetscBool          rebuilt;  /* the preconditioner was made anew */
 } PressureResult;
 
@@ -38,7 +39,7 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
    -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
-   -pressure_rebuild_interval, -pressure_rebuild_growth, -mat_type; the KSP's options act at its creation. Collective.
+   -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the KSP's options act at its creation. Collective.
  */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
@@ -56,9 +57,19 @@ PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
 /* PressureSetUp - PressureAssemble and the set-up of solver and preconditioner, which reads all their options.
  * Collective. */
 PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
+/* PressureSolver - the KSP and the right-hand side of the last PressureSetUp or PressureSolve, borrowed until the next
+   call. Not collective. */
+PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
+/* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last PressureSetUp;
+   values [n_rows]. Not collective. */
+PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);
+/* PressureSource - minus the source of div(grad p/rho), rhs[n_rows] (1/s2), that PressureSolve would solve for; reads
+   what that reads. *accumulates: it is a rate of compression over dt, else the compression itself over dt^2. Not
+   collective. */
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates);
 /* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_WORK3. Not collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */

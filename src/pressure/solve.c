@@ -23,7 +23,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
   PC        pc;
-  PetscBool gamg, cheap;
+  PetscBool gamg, cheap, shell;
 
   PetscFunctionBegin;
   PetscCall(PressureForget(pressure));
@@ -40,8 +40,13 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPGetPC(pressure->ksp, &pc));
   PetscCall(PCSetType(pc, PCTWOLEVEL));
   PetscCall(KSPSetFromOptions(pressure->ksp));
+  if (pressure->density_tolerance > 0) PetscCall(SetDensityConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
+  PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
+  PetscCheckUser(cheap || !shell, cloud->comm,
+                 "-mat_type shell has no entries for this -pc_type; " PCTWOLEVEL ", jacobi and none do without");
+  pressure->assembled  = (PetscBool)!(shell || (cheap && !pressure->mat_type[0]));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   if (gamg) {
@@ -54,21 +59,31 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles into the store the preconditioner does not need; makes the solver if the layout changed. */
-static PetscErrorCode Prepare(Pressure pressure, PetscReal dt)
+/* The system at the positions of the cloud, its matrix, if entries are wanted, in the store that the preconditioner does
+ * not need; makes the solver if the layout changed. */
+static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries)
 {
   PetscFunctionBegin;
   if (!pressure->ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
-  pressure->current = pressure->kept == 0 ? 1 : 0;
-  PetscCall(SystemAssemble(pressure, &pressure->store[pressure->current], dt));
+  pressure->dt = dt;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
+  PetscCall(OperatorSetUp(pressure));
+  pressure->A = pressure->operator;
+  if (entries || pressure->assembled) {
+    pressure->current = pressure->kept == 0 ? 1 : 0;
+    PetscCall(SystemAssemble(pressure, &pressure->store[pressure->current]));
+    pressure->A = pressure->store[pressure->current].A;
+  }
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
+  PetscCall(SystemRightHandSide(pressure, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
 {
   PetscFunctionBegin;
-  PetscCall(Prepare(pressure, dt));
-  *A = pressure->store[pressure->current].A;
+  PetscCall(Prepare(pressure, dt, PETSC_TRUE));
+  *A = pressure->A;
   *b = pressure->b;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -100,15 +115,51 @@ static PetscErrorCode LocateRows(Pressure pressure)
 
 PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
 {
-  Mat A = NULL;
-  Vec b = NULL;
-
   PetscFunctionBegin;
-  PetscCall(PressureAssemble(pressure, dt, &A, &b));
+  PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(LocateRows(pressure));
-  PetscCall(KSPSetOperators(pressure->ksp, A, A));
+  PetscCall(KSPSetOperators(pressure->ksp, pressure->A, pressure->A));
   PetscCall(KSPSetUp(pressure->ksp));
   PetscCall(KSPSetUpOnBlocks(pressure->ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b)
+{
+  PetscFunctionBegin;
+  *ksp = pressure->ksp;
+  *b   = pressure->b;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives the solver this step's matrix, and the preconditioner it if 'renew' says so. A preconditioner made of entries
+   may go on reading them: it keeps its store until it is renewed. */
+static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
+{
+  PetscFunctionBegin;
+  if (renew) {
+    pressure->kept    = pressure->assembled ? pressure->current : KEPT_OPERATOR;
+    pressure->age     = 0;
+    pressure->rebuild = PETSC_FALSE;
+    PetscCall(LocateRows(pressure));
+    if (!pressure->assembled) { /* the operator is one object in all steps: this says that it has changed */
+      PetscCall(MatAssemblyBegin(pressure->A, MAT_FINAL_ASSEMBLY));
+      PetscCall(MatAssemblyEnd(pressure->A, MAT_FINAL_ASSEMBLY));
+    }
+  }
+  PetscCall(KSPSetReusePreconditioner(pressure->ksp, (PetscBool)!renew));
+  PetscCall(
+    KSPSetOperators(pressure->ksp, pressure->A, pressure->assembled ? pressure->store[pressure->kept].A : pressure->A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
+{
+  const Cloud cloud = pressure->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(values, cloud->n_rows));
+  for (PetscInt r = 0; r < cloud->n_fluid; r++) values[r] = pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -116,18 +167,13 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
 static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
 {
   Cloud        cloud = pressure->cloud;
-  Mat          A     = pressure->store[pressure->current].A;
+  Mat          A     = pressure->A;
   PetscScalar *x;
 
   PetscFunctionBegin;
-  if (pressure->rebuild || pressure->kept < 0 || pressure->age >= pressure->kept_steps) {
-    pressure->kept    = pressure->current;
-    pressure->age     = 0;
-    pressure->rebuild = PETSC_FALSE;
-    PetscCall(LocateRows(pressure));
-  }
+  PetscCall(SetOperators(
+    pressure, (PetscBool)(pressure->rebuild || pressure->kept < 0 || pressure->age >= pressure->kept_steps)));
   result->rebuilt = (PetscBool)(pressure->age == 0);
-  PetscCall(KSPSetOperators(pressure->ksp, A, pressure->store[pressure->kept].A));
   PetscCall(VecGetArrayWrite(pressure->x, &x));
   PetscCall(PetscArraycpy(x, cloud->field[FIELD_PRESSURE], cloud->n_rows));
   PetscCall(VecRestoreArrayWrite(pressure->x, &x));
@@ -149,9 +195,10 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
 {
   Cloud              cloud = pressure->cloud;
   const PetscScalar *x;
+  PetscReal          largest;
 
   PetscFunctionBegin;
-  PetscCall(Prepare(pressure, dt));
+  PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   PetscCall(Attempt(pressure, result));
   if (result->reason < 0 && !result->rebuilt) { /* a stale preconditioner may be the reason */
@@ -165,6 +212,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
     pressure->rebuild = PETSC_TRUE;
   pressure->age++;
+  PetscCall(ResidualDensity(pressure, &largest, &result->density));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (result->reason < 0) {
     pressure->rebuild = PETSC_TRUE;

@@ -15,13 +15,14 @@ PetscErrorCode MatrixStoreReset(MatrixStore *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Deeper wall particles of each row, after a change of the local order. */
-static PetscErrorCode ListChildren(Pressure pressure)
+PetscErrorCode SystemChildren(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
   PetscInt *place;
 
   PetscFunctionBegin;
+  if (pressure->child_layout == cloud->layout) PetscFunctionReturn(PETSC_SUCCESS);
+  pressure->child_layout = cloud->layout;
   PetscCall(PetscFree(pressure->child_first));
   PetscCall(PetscFree(pressure->child));
   PetscCall(PetscCalloc1(cloud->n_rows + 1, &pressure->child_first));
@@ -47,7 +48,6 @@ PetscErrorCode SystemColumns(Pressure pressure)
   PetscFunctionBegin;
   if (pressure->layout == cloud->layout && pressure->halo_builds == cloud->halo_builds)
     PetscFunctionReturn(PETSC_SUCCESS);
-  if (pressure->layout != cloud->layout) PetscCall(ListChildren(pressure));
   if (cloud->n_total > pressure->column_capacity) {
     pressure->column_capacity = cloud->capacity;
     PetscCall(PetscFree(pressure->column));
@@ -77,24 +77,6 @@ PetscErrorCode SystemColumns(Pressure pressure)
   pressure->layout      = cloud->layout;
   pressure->halo_builds = cloud->halo_builds;
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void PairCoefficients(Pressure pressure, PetscInt a, PairRow *restrict row, PetscReal *restrict K)
-{
-  Cloud            cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *volume = cloud->volume, *rest = cloud->rest_density;
-  const PetscReal eta2 = EtaSquared(cloud->kernel), rho_a = density[a], m_a = volume[a] * rest[a] * pressure->row_scale;
-
-  KernelGradient(cloud->kernel, row->n, row->r2, row->F);
-  /* Eq. (8): m_b 8/(rho_a+rho_b)^2 (r . grad W)/(r^2+eta^2), times m_a/m_ref so that K_ab = K_ba also between liquids
-   */
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b   = row->index[k];
-    const PetscReal sum = rho_a + density[b];
-
-    K[k] = -m_a * volume[b] * rest[b] * 8 / (sum * sum) * row->F[k] * row->r2[k] / (row->r2[k] + eta2);
-  }
 }
 
 /* Member m of row r: the particle itself, then its deeper wall particles; -1 behind the last. */
@@ -161,14 +143,14 @@ static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s)
 }
 
 /* Second pass: rows are visited in order and each writes its entries (r, c) at the end of row c, so columns come out
-   sorted. Returns the number of rows the closure added to. */
-static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, PetscInt *closed)
+   sorted. */
+static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s)
 {
   Cloud           cloud = pressure->cloud;
   const PetscInt *layer = cloud->integer[INT_LAYER], *column = pressure->column, n = cloud->n_rows;
+  const PetscReal scale = pressure->weight_scale;
   PetscInt       *mark = pressure->mark, *slot = pressure->slot, *tail, *columns, capacity = ROW_CAPACITY;
-  PetscReal      *sums, K[ROW_CAPACITY];
-  PairRow         row;
+  PetscReal      *sums;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &tail));
@@ -176,11 +158,10 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, PetscInt *c
   PetscCall(PetscMalloc1(capacity, &columns));
   PetscCall(PetscMalloc1(capacity, &sums));
   for (PetscInt c = 0; c < n + pressure->off_count; c++) mark[c] = -1;
-  *closed = 0;
   for (PetscInt r = 0; r < n; r++) {
-    const PetscInt place = tail[r]++;
-    PetscInt       used = 0, off = s->oi[r];
-    PetscReal      diagonal = 0, extra;
+    const PetscInt  place    = tail[r]++;
+    const PetscReal diagonal = pressure->pairs[r] + pressure->closed[r];
+    PetscInt        used = 0, off = s->oi[r];
 
     for (PetscInt m = 0, a; (a = RowMember(pressure, r, m)) >= 0; m++) {
       if (used + cloud->first[a + 1] - cloud->first[a] > capacity) {
@@ -188,26 +169,20 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, PetscInt *c
         PetscCall(PetscRealloc(capacity * sizeof(*columns), &columns));
         PetscCall(PetscRealloc(capacity * sizeof(*sums), &sums));
       }
-      PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-      PairCoefficients(pressure, a, &row, K);
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscInt b = row.index[k], c = column[b];
+      for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+        const PetscInt  b = cloud->list[k], c = column[b];
+        const PetscReal K = scale * pressure->weight[k];
 
         if (c == r || (layer[a] && layer[b])) continue;
-        diagonal += K[k];
         if (mark[c] != r) {
           mark[c]       = r;
           slot[c]       = used;
           columns[used] = c;
-          sums[used++]  = K[k];
+          sums[used++]  = K;
         } else
-          sums[slot[c]] += K[k];
+          sums[slot[c]] += K;
       }
     }
-    extra = pressure->closure(pressure, r, diagonal);
-    *closed += extra > 0;
-    pressure->closed[r] = extra;
-    diagonal += extra;
     s->j[place] = r;
     s->a[place] = diagonal > 0 ? diagonal : 1;
     for (PetscInt k = 0; k < used; k++) {
@@ -232,7 +207,7 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
 {
   Cloud       cloud = pressure->cloud;
   PetscMPIInt size;
-  PetscBool   plain;
+  PetscBool   plain, shell;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
@@ -243,57 +218,32 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
     PetscCall(MatCreateMPIAIJWithSplitArrays(cloud->comm, cloud->n_rows, cloud->n_rows, cloud->rows_global,
                                              cloud->rows_global, s->i, s->j, s->a, s->oi, s->oj, s->oa, &s->A));
   PetscCall(PetscStrcmp(pressure->mat_type, MATAIJ, &plain));
+  PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
+  plain = (PetscBool)(plain || shell || !pressure->mat_type[0]);
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions ask for it */
   if (!plain) PetscCall(MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether any particle anywhere is on a free surface: if none is, no row is closed, however disordered the particles
- * are. */
-static PetscErrorCode FindFreeSurface(Pressure pressure)
+PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s)
 {
-  Cloud    cloud = pressure->cloud;
-  PetscInt flags = 0;
-
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid && !flags; a++) flags = cloud->integer[INT_SURFACE][a] == 1;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &flags, 1, MPIU_INT, MPI_MAX, cloud->comm));
-  pressure->free_surface = (PetscBool)(flags > 0);
+  PetscCall(MatDestroy(&s->A));
+  PetscCall(SystemColumns(pressure));
+  PetscCall(CountEntries(pressure, s));
+  PetscCall(FillEntries(pressure, s));
+  PetscCall(WrapMatrix(pressure, s));
+  PetscCall(OperatorNullSpace(pressure, s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
+PetscErrorCode SystemRightHandSide(Pressure pressure, PetscReal dt)
 {
   Cloud        cloud = pressure->cloud;
-  PetscInt     closed;
   PetscScalar *rhs;
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
-  PetscCall(MatDestroy(&s->A));
-  if (cloud->n_rows > pressure->closed_capacity) {
-    pressure->closed_capacity = cloud->capacity;
-    PetscCall(PetscFree(pressure->closed));
-    PetscCall(PetscMalloc1(pressure->closed_capacity, &pressure->closed));
-  }
-  PetscCall(SystemColumns(pressure));
-  PetscCall(FindFreeSurface(pressure));
-  PetscCall(CountEntries(pressure, s));
-  PetscCall(FillEntries(pressure, s, &closed));
-  PetscCall(WrapMatrix(pressure, s));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closed, 1, MPIU_INT, MPI_SUM, cloud->comm));
-  /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
-     null space is one constant or nothing. */
-  pressure->constant_null = (PetscBool)(closed == 0);
-  if (pressure->constant_null) {
-    MatNullSpace constant;
-
-    PetscCall(MatNullSpaceCreate(cloud->comm, PETSC_TRUE, 0, NULL, &constant));
-    PetscCall(MatSetNullSpace(s->A, constant));
-    PetscCall(MatNullSpaceDestroy(&constant));
-  }
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscCall(VecGetArrayWrite(pressure->b, &rhs));
   PetscCall(pressure->source(pressure, dt, rhs));
@@ -301,41 +251,9 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
   for (PetscInt r = 0; r < cloud->n_fluid; r++) /* the missing neighbours have the pressure of surface tension */
     rhs[r] += pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
-  /* identity rows: nothing around that could carry a pressure (with closures that leave such rows empty) */
-  for (PetscInt r = 0; r < cloud->n_rows; r++)
-    if (s->i[r + 1] - s->i[r] == 1 && s->oi[r + 1] == s->oi[r]) rhs[r] = 0;
+  for (PetscInt r = 0; r < cloud->n_rows; r++) /* nothing around that could carry a pressure */
+    if (pressure->pairs[r] == 0) rhs[r] = 0;
   PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[])
-{
-  Cloud           cloud = pressure->cloud;
-  const PetscInt *layer = cloud->integer[INT_LAYER];
-  PetscReal      *full  = cloud->field[FIELD_WORK1], K[ROW_CAPACITY];
-  PairRow         row;
-
-  PetscFunctionBegin;
-  PetscCall(SystemColumns(pressure));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) full[a] = p[cloud->row[a] - cloud->row_start];
-  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
-  for (PetscInt r = 0; r < cloud->n_rows; r++) {
-    PetscReal sum = 0, diagonal = 0, extra;
-
-    for (PetscInt m = 0, a; (a = RowMember(pressure, r, m)) >= 0; m++) {
-      PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-      PairCoefficients(pressure, a, &row, K);
-      for (PetscInt k = 0; k < row.n; k++) {
-        const PetscInt b = row.index[k];
-
-        if ((layer[a] && layer[b]) || pressure->column[b] == r) continue;
-        sum += K[k] * (full[a] - full[b]);
-        diagonal += K[k];
-      }
-    }
-    extra = pressure->closure(pressure, r, diagonal);
-    y[r]  = sum + (diagonal + extra > 0 ? extra : 1) * full[r];
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include "pressure.h"
 
 #define SURFACE_TABLE 512
+#define KEPT_OPERATOR 2 /* for Pressure.kept */
 
 /* rhs[n_rows], to be multiplied by the row's mass later: minus the source of div(grad p/rho). */
 typedef PetscErrorCode (*SourceFunction)(Pressure, PetscReal dt, PetscReal rhs[]);
@@ -28,8 +29,12 @@ struct _p_Pressure {
   ClosureFunction  closure;
   GradientFunction gradient;
   PetscBool        summed;
-  PetscReal       *closed; /* [n_rows] what the closure added to the diagonal */
-  PetscInt         closed_capacity;
+  /* Eq. (8) as the sum of pairs: K_ab = weight_scale weight[k] of pair k of the cloud's list, 1/kg m3/m2 */
+  const float     *weight;       /* the cloud's laplacian, or own_weight where liquids differ */
+  float           *own_weight;
+  PetscReal        weight_scale;
+  PetscReal       *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
+  PetscInt         rows_capacity, weight_capacity;
   PetscReal        relaxation_time, relaxation_option;
   PetscReal        lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
   PetscReal        lattice_sum;                                        /* sum V W on a full lattice, 1 */
@@ -38,11 +43,13 @@ struct _p_Pressure {
   PetscInt         div_capacity;
   /* columns: column[b] < n_rows local, otherwise n_rows + place of the global row in off_row */
   PetscInt    layout, halo_builds, column_capacity, *column, off_count, *off_row;
-  PetscInt   *child_first, *child; /* deeper wall particles of each row */
+  PetscInt   *child_first, *child, child_layout; /* deeper wall particles of each row; the layout they are of */
   PetscInt   *mark, *slot;         /* [n_rows + off_count] */
   PetscReal   row_scale;           /* 1/m_ref */
   MatrixStore store[2];
-  PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none */
+  PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none, or
+                                KEPT_OPERATOR */
+  Mat         operator, A; /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from it or from a store */
   KSP         ksp;
   Vec         b, x;
   PetscInt    solver_layout;  /* the local order the solver was made for */
@@ -50,20 +57,36 @@ struct _p_Pressure {
   PetscReal   regularization; /* background pressure of the corrected gradient over h |grad p| */
   PetscBool   free_surface;   /* any particle is on one */
   PetscBool   constant_null;
+  PetscBool   assembled;      /* the solver needs entries: a matrix, not the operator */
   PetscInt    age, rebuild_interval, kept_steps,
     first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
+  PetscReal dt;                /* s, of the system assembled last */
+  PetscReal density_tolerance; /* 1; 0: PETSc's own test */
+  Vec       scratch[2];
   PetscReal rebuild_growth;
   PetscBool rebuild;
 };
 
 /* SystemColumns - brings the column numbering up to date with the cloud's ghosts and layout. Not collective. */
 PetscErrorCode SystemColumns(Pressure pressure);
-/* SystemAssemble - matrix into store s, right-hand side into pressure->b. Collective. */
-PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s, PetscReal dt);
+/* SystemAssemble - matrix into store s after OperatorSetUp. Collective. */
+PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s);
 PetscErrorCode MatrixStoreReset(MatrixStore *s);
-/* PairCoefficients - K_ab of particle a's row (already loaded), Eq. (8), scaled with m_a/m_ref; 1/kg m3/m2. Not
- * collective. */
-void PairCoefficients(Pressure pressure, PetscInt a, PairRow *row, PetscReal K[]);
+/* SystemRightHandSide - into pressure->b, after OperatorSetUp. Collective. */
+PetscErrorCode SystemRightHandSide(Pressure pressure, PetscReal dt);
+/* SystemChildren - lists the deeper wall particles of each row if the layout is new. Not collective. */
+PetscErrorCode SystemChildren(Pressure pressure);
+/* OperatorSetUp - weights of the pairs, their sums and what the closure adds, at the positions of the cloud; creates
+   the operator if there is none. Collective. */
+PetscErrorCode OperatorSetUp(Pressure pressure);
+/* OperatorNullSpace - A has the constant as its null space if no row was closed, otherwise none. Collective. */
+PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A);
+
+/* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
+PetscErrorCode SetDensityConvergence(Pressure pressure);
+/* ResidualDensity - relative density error (1) that the present residual leaves after the step: largest and root mean
+   square over the rows. Collective. */
+PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal *rms);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);
@@ -72,6 +95,5 @@ PetscReal      ClosureFull(Pressure, PetscInt, PetscReal);
 PetscErrorCode GradientSymmetric(Pressure, PetscReal[]);
 PetscErrorCode GradientCorrected(Pressure, PetscReal[]);
 PetscErrorCode GradientConserved(Pressure, PetscReal[]);
-PetscErrorCode TabulateSurfaceFraction(Pressure);
 
 #endif

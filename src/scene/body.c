@@ -19,6 +19,7 @@ PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body
   (*body)->material.viscosity = WATER_VISCOSITY;
   PetscCall(PetscStrncpy((*body)->name, name, sizeof((*body)->name)));
   PetscCall(PetscSNPrintf((*body)->prefix, sizeof((*body)->prefix), "%s_", name));
+  PetscCall(PetscStrncpy((*body)->type, "liquid", sizeof((*body)->type)));
   PetscCall(PetscStrncpy((*body)->shape_type, "box", sizeof((*body)->shape_type)));
   PetscCall(PetscStrncpy((*body)->velocity_type, "uniform", sizeof((*body)->velocity_type)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -30,6 +31,7 @@ PetscErrorCode BodyDestroy(Body *body)
   if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*body)->shape_data));
   PetscCall(PetscFree((*body)->velocity_data));
+  PetscCall(PetscFree((*body)->emitter));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -196,7 +198,25 @@ static PetscErrorCode CheckInside(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList shapes, PetscFunctionList velocities)
+/* The type last: an emitter looks at shape and velocity. */
+static PetscErrorCode ReadType(Body body, OptionItems PetscOptionsObject, PetscFunctionList types)
+{
+  BodyType type;
+  char     names[NAMES_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsFList("-type", "What the body is", "SceneSetFromOptions", types, body->type, body->type,
+                              sizeof(body->type), NULL));
+  PetscCall(PetscFunctionListFind(types, body->type, &type));
+  PetscCall(ListNames(types, names, sizeof(names)));
+  PetscCheckUser(type, body->domain->comm, "-%stype %s is no type of body; there are %s", body->prefix, body->type,
+                 names);
+  PetscCall(type(body, PetscOptionsObject));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList types, PetscFunctionList shapes,
+                                  PetscFunctionList velocities)
 {
   char title[2 * SCENE_NAME_LENGTH];
 
@@ -206,6 +226,20 @@ PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList shapes, PetscFunc
   PetscCall(ReadShape(body, PetscOptionsObject, shapes));
   PetscCall(ReadMaterial(body, PetscOptionsObject));
   PetscCall(ReadVelocity(body, PetscOptionsObject, velocities));
+  PetscCall(ReadType(body, PetscOptionsObject, types));
+  PetscOptionsEnd();
+  PetscCall(CheckInside(body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolidSetFromOptions(Body body, PetscFunctionList shapes)
+{
+  char title[2 * SCENE_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, shapes));
   PetscOptionsEnd();
   PetscCall(CheckInside(body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -219,9 +253,11 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer)
 
   PetscFunctionBegin;
   BodyBounds(body, lower, upper);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s within %g, %g, %g to %g, %g, %g m\n", body->name, body->shape_type,
-                                   (double)lower[0], (double)lower[1], (double)lower[2], (double)upper[0],
-                                   (double)upper[1], (double)upper[2]));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s%s within %g, %g, %g to %g, %g, %g m\n", body->name,
+                                   body->emitter ? "emitter, " : "", body->shape_type, (double)lower[0],
+                                   (double)lower[1], (double)lower[2], (double)upper[0], (double)upper[1],
+                                   (double)upper[2]));
+  if (!body->velocity) PetscFunctionReturn(PETSC_SUCCESS); /* a solid */
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "density %g kg/m3, viscosity %g Pa s, tension %g N/m, color %" PetscInt_FMT "\n",

@@ -3,15 +3,18 @@
 #include <ctype.h>
 
 #define OVERLAP_TOLERANCE 1e-6 /* of the spacing; bodies that touch do not overlap */
+#define NORMAL_STEP       0.1  /* of the spacing, of the differences that give a normal */
 
 static PetscFunctionList ShapeList    = NULL;
 static PetscFunctionList VelocityList = NULL;
+static PetscFunctionList TypeList     = NULL;
 
 static PetscErrorCode SceneFinalizePackage(void)
 {
   PetscFunctionBegin;
   PetscCall(PetscFunctionListDestroy(&ShapeList));
   PetscCall(PetscFunctionListDestroy(&VelocityList));
+  PetscCall(PetscFunctionListDestroy(&TypeList));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -24,8 +27,11 @@ static PetscErrorCode SceneRegisterAll(void)
   PetscCall(PetscFunctionListAdd(&ShapeList, "cylinder", ShapeCylinder));
   PetscCall(PetscFunctionListAdd(&ShapeList, "ellipsoid", ShapeEllipsoid));
   PetscCall(PetscFunctionListAdd(&ShapeList, "half_space", ShapeHalfSpace));
+  PetscCall(PetscFunctionListAdd(&ShapeList, "stl", ShapeStl));
   PetscCall(PetscFunctionListAdd(&ShapeList, "thread", ShapeThread));
   PetscCall(PetscFunctionListAdd(&ShapeList, "wave", ShapeWave));
+  PetscCall(PetscFunctionListAdd(&TypeList, "liquid", BodyTypeLiquid));
+  PetscCall(PetscFunctionListAdd(&TypeList, "emitter", BodyTypeEmitter));
   PetscCall(VelocityRegisterAll(&VelocityList));
   PetscCall(PetscRegisterFinalize(SceneFinalizePackage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -45,30 +51,52 @@ PetscErrorCode SceneDestroy(Scene *scene)
   PetscFunctionBegin;
   if (!*scene) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < (*scene)->count; b++) PetscCall(BodyDestroy(&(*scene)->body[b]));
+  for (PetscInt b = 0; b < (*scene)->solids; b++) PetscCall(BodyDestroy(&(*scene)->solid[b]));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads -gravity, -central_force_rate and -bodies; name is [count] strings to be freed. */
-static PetscErrorCode ReadScene(Scene scene, char *name[], PetscInt *count)
+/* Names of the bodies or solids: [count] strings to be freed. */
+typedef struct {
+  const char *option;
+  char       *name[SCENE_MAX_BODIES + 1]; /* one more than allowed, to notice too many */
+  PetscInt    count;
+} Names;
+
+/* Reads the forces and the names. */
+static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids)
 {
+  PetscReal frequency = 0;
+
   PetscFunctionBegin;
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
   PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
-                                    "SceneSetFromOptions", name, count, NULL));
+                                    "SceneSetFromOptions", bodies->name, &bodies->count, NULL));
+  PetscCall(PetscOptionsStringArray("-solids", "Names of fixed solids, separated by commas", "SceneSetFromOptions",
+                                    solids->name, &solids->count, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
                                 "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
+  PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity_amplitude",
+                                "Amplitude of a part a sin(2 pi f t) of gravity, as in a tank that is shaken (m/s2)",
+                                "SceneSetFromOptions", scene->amplitude, NULL));
+  PetscCall(PetscOptionsReal("-gravity_frequency", "Frequency f of that part (Hz)", "SceneSetFromOptions", frequency,
+                             &frequency, NULL));
   PetscCall(PetscOptionsReal("-central_force_rate",
                              "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
                              "SceneSetFromOptions", scene->central_rate, &scene->central_rate, NULL));
   PetscOptionsEnd();
   PetscCheckUser(scene->central_rate >= 0 && !PetscIsInfOrNanReal(scene->central_rate), scene->domain->comm,
                  "-central_force_rate must be finite and not negative, not %g 1/s", (double)scene->central_rate);
+  PetscCheckUser(frequency >= 0 && !PetscIsInfOrNanReal(frequency), scene->domain->comm,
+                 "-gravity_frequency must be finite and not negative, not %g Hz", (double)frequency);
+  PetscCheckUser(frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
+                 "-gravity_amplitude needs -gravity_frequency, in Hz");
+  scene->angular_frequency = 2 * PETSC_PI * frequency;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* An identifier that is new and does not collide with the options of the box. */
-static PetscErrorCode CheckName(Scene scene, const char name[])
+static PetscErrorCode CheckName(Scene scene, const char option[], const char name[])
 {
   MPI_Comm  comm = scene->domain->comm;
   size_t    length;
@@ -80,17 +108,36 @@ static PetscErrorCode CheckName(Scene scene, const char name[])
   for (size_t k = 0; k < length; k++) {
     if (!isalnum((unsigned char)name[k]) && name[k] != '_') good = PETSC_FALSE;
   }
-  PetscCheckUser(
-    good, comm,
-    "-bodies: '%s' is not a name; a letter, then letters, digits and underscores, fewer than %d, are allowed", name,
-    SCENE_NAME_LENGTH);
+  PetscCheckUser(good, comm,
+                 "%s: '%s' is not a name; a letter, then letters, digits and underscores, fewer than %d, are allowed",
+                 option, name, SCENE_NAME_LENGTH);
   PetscCall(PetscStrcmp(name, "box", &same));
   if (!same) PetscCall(PetscStrncmp(name, "box_", 4, &same));
-  PetscCheckUser(!same, comm, "-bodies: the name %s is taken: -box_... are the options of the box", name);
-  for (PetscInt b = 0; b < scene->count; b++) {
-    PetscCall(PetscStrcmp(name, scene->body[b]->name, &same));
-    PetscCheckUser(!same, comm, "-bodies: the name %s appears twice", name);
+  PetscCheckUser(!same, comm, "%s: the name %s is taken: -box_... are the options of the box", option, name);
+  for (PetscInt b = 0; b < scene->count + scene->solids; b++) {
+    PetscCall(PetscStrcmp(name, b < scene->count ? scene->body[b]->name : scene->solid[b - scene->count]->name, &same));
+    PetscCheckUser(!same, comm, "%s: the name %s appears twice", option, name);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the bodies of the names, which are freed. */
+static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], PetscInt *count)
+{
+  PetscErrorCode bad = PETSC_SUCCESS;
+
+  PetscFunctionBegin;
+  PetscCheckUser(names->count <= SCENE_MAX_BODIES, scene->domain->comm, "%s has more than the %d names allowed",
+                 names->option, SCENE_MAX_BODIES);
+  for (PetscInt b = 0; b < names->count; b++) {
+    if (!bad) bad = CheckName(scene, names->option, names->name[b]);
+    if (!bad) {
+      PetscCall(BodyCreate(scene->domain, names->name[b], b, &body[b]));
+      (*count)++;
+    }
+    PetscCall(PetscFree(names->name[b]));
+  }
+  PetscCall(bad);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,28 +159,20 @@ static PetscErrorCode CheckOverlap(Scene scene)
 
 PetscErrorCode SceneSetFromOptions(Scene scene)
 {
-  Domain         domain                     = scene->domain;
-  char          *name[SCENE_MAX_BODIES + 1] = {NULL}; /* one more than allowed, to notice too many */
-  PetscInt       count                      = SCENE_MAX_BODIES + 1;
-  PetscErrorCode bad                        = PETSC_SUCCESS;
+  Domain domain = scene->domain;
+  Names  bodies = {.option = "-bodies", .count = SCENE_MAX_BODIES + 1},
+        solids  = {.option = "-solids", .count = SCENE_MAX_BODIES + 1};
 
   PetscFunctionBegin;
   PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read once only");
-  PetscCall(ReadScene(scene, name, &count));
-  PetscCheckUser(count > 0, domain->comm,
+  PetscCall(ReadScene(scene, &bodies, &solids));
+  PetscCheckUser(bodies.count > 0, domain->comm,
                  "-bodies is missing: the names of one or more bodies of liquid must be given");
-  PetscCheckUser(count <= SCENE_MAX_BODIES, domain->comm, "-bodies has more than the %d names allowed",
-                 SCENE_MAX_BODIES);
-  for (PetscInt b = 0; b < count; b++) {
-    if (!bad) bad = CheckName(scene, name[b]);
-    if (!bad) {
-      PetscCall(BodyCreate(domain, name[b], b, &scene->body[b]));
-      scene->count++;
-    }
-    PetscCall(PetscFree(name[b]));
-  }
-  PetscCall(bad);
-  for (PetscInt b = 0; b < count; b++) PetscCall(BodySetFromOptions(scene->body[b], ShapeList, VelocityList));
+  PetscCall(CreateBodies(scene, &bodies, scene->body, &scene->count));
+  PetscCall(CreateBodies(scene, &solids, scene->solid, &scene->solids));
+  for (PetscInt b = 0; b < scene->count; b++)
+    PetscCall(BodySetFromOptions(scene->body[b], TypeList, ShapeList, VelocityList));
+  for (PetscInt b = 0; b < scene->solids; b++) PetscCall(SolidSetFromOptions(scene->solid[b], ShapeList));
   PetscCall(CheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -189,6 +228,10 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
                            scene->count, (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   for (PetscInt b = 0; b < scene->count; b++) PetscCall(BodyView(scene->body[b], viewer));
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, "solid "));
+    PetscCall(BodyView(scene->solid[b], viewer));
+  }
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -203,11 +246,66 @@ Body SceneBody(Scene scene, PetscInt index)
   return scene->body[index];
 }
 
+void SceneSetTime(Scene scene, PetscReal time)
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    scene->shake[d] = scene->amplitude[d] * PetscSinReal(scene->angular_frequency * time);
+}
+
+PetscBool SceneEmits(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (BodyEmits(scene->body[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscInt SceneSolidCount(Scene scene)
+{
+  return scene->solids;
+}
+
+Body SceneSolid(Scene scene, PetscInt index)
+{
+  return scene->solid[index];
+}
+
+PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest)
+{
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    const PetscReal s = BodyDistance(scene->solid[b], x);
+
+    if (s < least) {
+      least = s;
+      if (nearest) *nearest = b;
+    }
+  }
+  return least;
+}
+
+void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM])
+{
+  const PetscReal step = NORMAL_STEP * scene->domain->spacing;
+  PetscReal       length;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
+
+    low[d] -= step;
+    high[d] += step;
+    n[d] = d < scene->domain->dim ? SceneSolidDistance(scene, high, NULL) - SceneSolidDistance(scene, low, NULL) : 0;
+  }
+  length = Norm(n);
+  for (PetscInt d = 0; d < DIM; d++) n[d] = length > 0 ? n[d] / length : 0;
+}
+
 void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
 {
   const PetscReal square = scene->central_rate * scene->central_rate;
 
-  for (PetscInt d = 0; d < DIM; d++) g[d] = scene->gravity[d] - (d < scene->domain->dim ? square * x[d] : 0);
+  for (PetscInt d = 0; d < DIM; d++)
+    g[d] = scene->gravity[d] + scene->shake[d] - (d < scene->domain->dim ? square * x[d] : 0);
 }
 
 /* The acceleration is minus its gradient. */

@@ -2,10 +2,19 @@
    forces.
 
    -bodies film,drop  and, for each body <b>:
-   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread, its sizes, -<b>_density, -<b>_viscosity,
+   -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread|stl, its sizes, -<b>_density, -<b>_viscosity,
    -<b>_tension, -<b>_color,
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
-   the uniform part). Every shape is cut by the box.
+   the uniform part). Every shape is cut by the box and by the solids.
+
+   -<b>_type emitter: the body is not there at the start; its shape is filled anew, with its velocity, each _interval
+   (s) from _start (s) on, _count times (0: without end): a train of drops. The default interval is the shape's length
+   along the velocity over the speed, so that a box or cylinder of a whole number of spacings gives a jet without gaps.
+   Liquid inside the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed is v (1 + e sin
+   2 pi f t).
+
+   -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: fixed obstacles, no-slip as far as the viscous
+   form makes the walls of the box so. They may touch and overlap each other and the faces of the box.
 
    Sizes (m): box _lower, _upper (default: the simulation box); sphere _center, _radius; cylinder _center, _radius,
    _axis x|y|z or a vector, _height (0: infinite); ellipsoid _center, _radii; half_space _point, _normal (out of the
@@ -14,7 +23,9 @@
    a^2/2 coth(kH) cos 2k(x - x_lower) from the level: a cosine and what a standing wave of finite height adds in second
    order. The lattice packing moves its points there along the field of the linear wave, which keeps every volume, so
    that the amplitude may be a fraction of the spacing; thread (three dimensions only): an infinite cylinder, _center,
-   _radius, _axis, whose radius has waves of _wave_amplitude and _wave_length, thickest at the center, made like a wave.
+   _radius, _axis, whose radius has waves of _wave_amplitude and _wave_length, thickest at the center, made like a wave;
+   stl: a closed surface of triangles from the file _file, times _scale, moved by _offset; its distance comes from a
+   table with a node a half spacing, exact to some tenths of a spacing at edges; in two dimensions its section at z = 0.
    Velocities: rotation _rotation_rate (rad/s), _rotation_center;
    strain _strain_rate (1/s, diagonal or full gradient), _strain_center; shear _shear_rate (1/s), _shear_direction,
    _shear_normal, _shear_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
@@ -47,10 +58,11 @@ typedef struct {
 
 /* SceneCreate - a scene in a domain (borrowed, must outlive the scene). Collective. */
 PetscErrorCode SceneCreate(Domain domain, Scene *scene);
-/* SceneSetFromOptions - reads the bodies, -gravity (m/s2), -central_force_rate (1/s; acceleration -rate^2 x about the
-   origin). Refuses unknown shapes and velocity types, names that are not identifiers or appear twice, no body at all,
-   non-positive sizes and densities, negative viscosity or tension, a body wholly outside the box, and bodies that
-   overlap (more than rounding; checked on the points of a lattice of the particle spacing). Collective. */
+/* SceneSetFromOptions - reads the bodies, -gravity (m/s2), -gravity_amplitude (m/s2), -gravity_frequency (Hz),
+   -central_force_rate (1/s; acceleration -rate^2 x about the origin). Refuses unknown shapes and velocity types, names
+   that are not identifiers or appear twice, no body at all, non-positive sizes and densities, negative viscosity or
+   tension, a body wholly outside the box, and bodies that overlap (more than rounding; checked on the points of a
+   lattice of the particle spacing). Collective. */
 PetscErrorCode SceneSetFromOptions(Scene scene);
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
 PetscErrorCode SceneDestroy(Scene *scene);
@@ -60,7 +72,15 @@ PetscInt        SceneCount(Scene scene);                /* number of bodies */
 Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCount */
 const char     *BodyName(Body body);
 const Material *BodyMaterial(Body body);
-PetscInt        BodyColor(Body body); /* integer label for pictures; default: the body's index */
+PetscInt        BodyColor(Body body);                    /* integer label for pictures; default: the body's index */
+PetscInt        SceneSolidCount(Scene scene);            /* number of solids */
+Body            SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; has no material */
+/* SceneSolidDistance - signed distance of x (m) to the nearest solid, negative inside one; PETSC_MAX_REAL without any.
+ *nearest (may be NULL): its index. */
+PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);
+/* SceneSolidNormal - unit vector n out of the nearest solid at x (m), by differences of the distance; zero where that
+   is flat. */
+void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM]);
 /* BodyDistance - signed distance of x (m) to the surface of the shape, negative inside; the box is not part of it. */
 PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 /* BodyContains - whether x (m) is inside the shape and inside the box. */
@@ -72,8 +92,19 @@ void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
 void BodyDisplace(Body body, PetscReal x[DIM]);
 /* BodyVelocity - the initial velocity v (m/s) at x (m). */
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
+/* BodyEmits - whether the body is an emitter. BodyEmissions - how many times it has been filled up to and at the time
+   (s). BodyEmissionShift - how far (m, along x) liquid of emission number k, from 0 on, has moved by then if it moved
+   with the emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). */
+PetscBool BodyEmits(Body body);
+PetscInt  BodyEmissions(Body body, PetscReal time);
+void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
+void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
+/* SceneEmits - whether any body is an emitter. */
+PetscBool SceneEmits(Scene scene);
+/* SceneSetTime - the time (s) at which gravity is asked for from here on: it may swing. */
+void SceneSetTime(Scene scene, PetscReal time);
 /* SceneAcceleration - gravity and central force g (m/s2) at x (m). SceneForcePotential - its potential energy a unit
-   mass (J/kg). */
+   mass (J/kg), without the part that swings. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has one: modules nobody needs are skipped. */

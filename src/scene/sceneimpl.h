@@ -31,6 +31,8 @@ struct _p_Body {
   void              *velocity_data; /* as shape_data */
   PetscReal          uniform[DIM];  /* uniform part of the velocity, m/s */
   Material           material;
+  char               type[SCENE_NAME_LENGTH];
+  void              *emitter; /* of an emitter, freed with PetscFree; NULL: liquid */
   PetscInt           color;
 };
 
@@ -38,18 +40,28 @@ struct _p_Scene {
   Domain    domain; /* borrowed */
   PetscInt  count;
   Body      body[SCENE_MAX_BODIES];
-  PetscReal gravity[DIM]; /* m/s2 */
-  PetscReal central_rate; /* 1/s */
+  PetscInt  solids;
+  Body      solid[SCENE_MAX_BODIES];
+  PetscReal gravity[DIM];                      /* m/s2 */
+  PetscReal central_rate;                      /* 1/s */
+  PetscReal amplitude[DIM], angular_frequency; /* of the part of gravity that swings, m/s2, rad/s */
+  PetscReal shake[DIM];                        /* that part at the time set last, m/s2 */
 };
 
 /* The tables of the shapes, one file each; registered in scene.c. */
 const ShapeOps *ShapeBox(void);
 const ShapeOps *ShapeSphere(void);
+const ShapeOps *ShapeStl(void);
 const ShapeOps *ShapeCylinder(void);
 const ShapeOps *ShapeEllipsoid(void);
 const ShapeOps *ShapeHalfSpace(void);
 const ShapeOps *ShapeThread(void);
 const ShapeOps *ShapeWave(void);
+
+/* A type of body reads its options inside an options block, after shape and velocity; liquid has none. */
+typedef PetscErrorCode (*BodyType)(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode BodyTypeLiquid(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode BodyTypeEmitter(Body body, OptionItems PetscOptionsObject);
 
 /* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
@@ -58,7 +70,10 @@ PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
    -<b>_*; shapes and velocities are the lists of registered types. Refuses (UserError) what SceneSetFromOptions says of
    one body. Collective. */
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
-PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList shapes, PetscFunctionList velocities);
+PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList types, PetscFunctionList shapes,
+                                  PetscFunctionList velocities);
+/* SolidSetFromOptions - the shape alone: all a solid has. Collective. */
+PetscErrorCode SolidSetFromOptions(Body body, PetscFunctionList shapes);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 

@@ -65,6 +65,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
                           " steps rolled back, %" PetscInt_FMT " particles left the box\n",
                           steps, n, text, (now - progress->started) / PetscMax(1, steps),
                           (double)progress->iterations / PetscMax(1, steps), state->rejected, state->lost));
+    PetscCall(BudgetReport(sim));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,9 +4,10 @@
 #define WHY_LENGTH 512
 
 /* Options that the relaxed positions do not depend on. */
-static const char *const irrelevant[] = {"output_",   "snapshot_",  "series_",  "checkpoint_",   "gauge_",
-                                         "progress_", "time_start", "time_end", "steps_max",     "restart",
-                                         "log_",      "options_",   "velocity", "packing_cache", "wall_clock"};
+static const char *const irrelevant[] = {"output_",       "snapshot_",  "series_",  "checkpoint_", "gauge_",
+                                         "progress_",     "time_start", "time_end", "steps_max",   "restart",
+                                         "log_",          "options_",   "monitor",  "dry_run",     "velocity",
+                                         "packing_cache", "wall_clock"};
 
 /* All other options in use, as one text. */
 static PetscErrorCode DescribeRelaxation(char **how)

@@ -25,6 +25,10 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                             sim->steps_max, &sim->steps_max, NULL));
   PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart,
                                sim->restart, sizeof(sim->restart), NULL));
+  PetscCall(PetscOptionsBool("-dry_run",
+                             "set up, print particles, memory, time-step bounds, estimated time and output, draw the "
+                             "scene, stop",
+                             "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
   PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none",
                              "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
   PetscCall(PetscOptionsReal("-wall_clock_limit",
@@ -37,6 +41,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                              "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5,
                              &sim->relaxation_damping, &sim->has_damping));
   PetscOptionsEnd();
+  PetscCall(MonitorSetFromOptions(sim));
   if (!sim->has_damping) sim->relaxation_damping = 0.5;
   PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative",
                  (double)sim->relaxation_time);
@@ -56,6 +61,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   MPI_Comm comm = sim->comm;
 
   PetscFunctionBegin;
+  PetscCall(DumpStart(sim));
   PetscCall(PetscOptionsHasHelp(NULL, stop));
   PetscCall(ReadOwnOptions(sim));
   PetscCall(DomainCreate(comm, &sim->domain));
@@ -77,6 +83,8 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(PressureCreate(sim->cloud, &sim->pressure));
   PetscCall(StepperCreate(sim->cloud, sim->tension, sim->pressure, &sim->stepper));
   PetscCall(StepperSetFromOptions(sim->stepper));
+  PetscCall(SpectrumCreate(sim->cloud, sim->tension, sim->pressure, &sim->spectrum));
+  PetscCall(SpectrumSetFromOptions(sim->spectrum));
   PetscCall(OutputCreate(sim->cloud, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
   PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,
@@ -84,12 +92,14 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
+  PetscCall(DumpFinish(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SimSetUp(Sim sim)
 {
   const PetscBool restarting = (PetscBool)(sim->restart[0] != 0);
+  PetscInt        emitted, particles;
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
@@ -102,6 +112,10 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudResync(sim->cloud));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));
+  PetscCall(PackingEmit(sim->packing, sim->state.time, restarting, &emitted));
+  PetscCallMPI(MPI_Allreduce(&sim->cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, sim->comm));
+  PetscCheckUser(particles > 0, sim->comm,
+                 "there is no liquid at the start: an emitter must start at -time_start or before");
   PetscCall(StepperPrepare(sim->stepper));
   PetscCall(RefuseUnusedOptions(sim->comm));
   if (!restarting) {
@@ -110,7 +124,8 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudCommit(sim->cloud, &lost)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
-    PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
+    if (!sim->dry_run) PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
+    PetscCall(BudgetStart(sim));
   }
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -182,6 +197,7 @@ PetscErrorCode SimRun(Sim sim)
   PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
   while (!last) {
     PetscBool failed;
+    PetscInt  emitted;
     char      why[FAREWELL_LENGTH];
 
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, DivergenceWanted(sim, steps), &sim->state, &failed, why,
@@ -192,16 +208,24 @@ PetscErrorCode SimRun(Sim sim)
                      "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s",
                      (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
+    PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
     PetscCall(InterruptCheck(sim, &progress, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
     PetscCall(ProgressStep(sim, &progress, last));
+    PetscCall(MonitorStep(sim));
     if (interrupted)
       PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s; continue with -restart and the newest checkpoint in %s\n",
                             interrupted, (double)sim->state.time, OutputFolder(sim->output)));
   }
   PetscCall(PetscLogStagePop());
+  if (SpectrumWanted(sim->spectrum)) {
+    SpectrumStep step = {.iterations = sim->state.iterations, .form = StepperViscosityForm(sim->stepper)};
+
+    PetscCall(StepperPredict(sim->stepper, &sim->state, &step.dt));
+    PetscCall(SpectrumRun(sim->spectrum, &step));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -211,7 +235,9 @@ PetscErrorCode SimDestroy(Sim *sim)
 
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MonitorDestroy(s));
   if (s->output) PetscCall(OutputDestroy(&s->output));
+  if (s->spectrum) PetscCall(SpectrumDestroy(&s->spectrum));
   if (s->stepper) PetscCall(StepperDestroy(&s->stepper));
   if (s->pressure) PetscCall(PressureDestroy(&s->pressure));
   if (s->packing) PetscCall(PackingDestroy(&s->packing));

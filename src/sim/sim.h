@@ -4,6 +4,7 @@
 
 #include "../output/output.h"
 #include "../packing/packing.h"
+#include "../spectrum/spectrum.h"
 #include "../stepper/stepper.h"
 
 typedef struct _p_Sim *Sim;
@@ -12,7 +13,7 @@ typedef struct _p_Sim *Sim;
 PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim);
 /* SimSetFromOptions - every class reads its options, in the order they need each other; -time_start, -time_end (s),
    -restart (file), -progress_interval (s of wall clock). Refuses bad input (UserError). With -help it prints all
-   options and sets *stop. Collective. */
+   options, with -dump_options it writes them into a file; both set *stop. Collective. */
 PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop);
 /* SimSetUp - particles from the packing or a checkpoint, run folder, solver; refuses options nobody read. Collective.
  */
@@ -21,6 +22,12 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer);
 /* SimRun - steps to -time_end. A step that cannot be saved ends the run with a checkpoint of the last good state and a
  * UserError. Collective. */
 PetscErrorCode SimRun(Sim sim);
+/* SimIsDry - whether -dry_run was given: then SimDryRun comes in place of SimRun. Not collective. */
+PetscBool SimIsDry(Sim sim);
+/* SimDryRun - prints what the run would need: particles, memory, the bounds of the time step, time (from a few steps
+   that are computed and forgotten) and output; draws the initial state into <-output_dir>.svg. Nothing else is written.
+   Collective. */
+PetscErrorCode SimDryRun(Sim sim);
 PetscErrorCode SimDestroy(Sim *sim);
 
 #endif

@@ -15,12 +15,17 @@ struct _p_Sim {
   Packing       packing;
   Pressure      pressure;
   Stepper       stepper;
+  Spectrum      spectrum;
   Output        output;
   StepState     state;
   PackingReport report;
   PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping;
   PetscInt      steps_max;
-  PetscBool     has_end, has_damping;
+  PetscBool     has_end, has_damping, dry_run;
+  PetscViewer   monitor; /* NULL: none */
+  PetscInt      monitor_lines;
+  PetscBool     monitor_csv, monitor_draw;
+  char          dump[PETSC_MAX_PATH_LEN];
   char          restart[PETSC_MAX_PATH_LEN];
 };
 
@@ -36,6 +41,20 @@ PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.
  * Collective. */
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
+/* BudgetStart - the state's energy and density at the start of a run, into the state. Collective. */
+PetscErrorCode BudgetStart(Sim sim);
+/* BudgetReport - prints density error, divergence, energy residual and volume of the present state against the start,
+   and which knob dominates. Collective. */
+PetscErrorCode BudgetReport(Sim sim);
+/* MonitorSetFromOptions - -monitor [ascii|ascii:file|ascii:file.csv:ascii_csv|draw], see monitor.c; MonitorStep - a
+   line, or a picture, of the step; MonitorDestroy. Collective. */
+PetscErrorCode MonitorSetFromOptions(Sim sim);
+PetscErrorCode MonitorStep(Sim sim);
+PetscErrorCode MonitorDestroy(Sim sim);
+/* DumpStart - with -dump_options, from here on the help texts of all options are kept instead of printed; DumpFinish -
+   they are written to the file. Collective. */
+PetscErrorCode DumpStart(Sim sim);
+PetscErrorCode DumpFinish(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);

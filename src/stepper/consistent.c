@@ -6,6 +6,21 @@
 
 PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnose, Attempted *attempted)
 {
+  PetscFunctionBegin;
+  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureProjected, attempted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result)
+{
+  PetscFunctionBegin;
+  PetscCall(PressureSolve(stepper->pressure, dt, result));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose, PressureStep pressure,
+                              Attempted *attempted)
+{
   Cloud      cloud = stepper->cloud;
   PetscReal *r, *v, *new_r, *new_v, *a;
   PetscReal  drift = 0; /* largest displacement of the first half, m */
@@ -34,7 +49,7 @@ PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnos
   if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
 
   /* Stage 2: pressure, at the same positions */
-  PetscCall(PressureSolve(stepper->pressure, dt, &attempted->pressure));
+  PetscCall(pressure(stepper, dt, &attempted->pressure));
   if (attempted->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureAcceleration(stepper->pressure));
   new_r = cloud->field[FIELD_START];

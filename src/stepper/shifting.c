@@ -4,39 +4,21 @@
 #include "types.h"
 
 #define LAMBDA_SHIFTED 0.2 /* at most: a spray particle, not shifted */
-#define CLUMP_WEIGHT   0.2 /* of the term that resists pairing (Lind et al. 2012; Monaghan 2000) */
 
 #define SHIFT FIELD_WORK3 /* dr */
 #define SHARE FIELD_WORK1 /* see OperatorsShares */
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
    'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
-static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PairRow *restrict row, PetscReal dr[DIM])
+static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, PetscReal dr[DIM])
 {
-  Cloud            cloud = stepper->cloud;
-  const PetscReal *u = cloud->field[FIELD_PREDICTED], *volume = cloud->volume, h = KernelSmoothingLength(cloud->kernel);
-  const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, ux = u[3 * a], uy = u[3 * a + 1], uz = u[3 * a + 2];
-  const PetscReal  cap = stepper->shifting_cap * cloud->domain->spacing, scale = 1 / stepper->self_kernel;
-  PetscReal        cx = 0, cy = 0, cz = 0, speed2 = 0, factor, length;
+  Cloud            cloud  = stepper->cloud;
+  const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
+  const PetscReal  cap   = stepper->shifting_cap * cloud->domain->spacing,
+                  factor = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt * speed;
+  PetscReal length;
 
-  KernelGradient(cloud->kernel, row->n, row->r2, row->F);
-  SIMD_LOOP(reduction(+ : cx, cy, cz) reduction(max : speed2))
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b     = row->index[k];
-    const PetscReal ratio = row->W[k] * scale, ratio2 = ratio * ratio,
-                    f  = volume[b] * row->F[k] * (1 + CLUMP_WEIGHT * ratio2 * ratio2);
-    const PetscReal wx = u[3 * b] - ux, wy = u[3 * b + 1] - uy, wz = u[3 * b + 2] - uz,
-                    w2 = wx * wx + wy * wy + wz * wz;
-
-    cx += f * row->dx[k];
-    cy += f * row->dy[k];
-    cz += f * row->dz[k];
-    speed2 = w2 > speed2 ? w2 : speed2;
-  }
-  factor = -stepper->shifting_strength * h * dt * PetscSqrtReal(speed2);
-  dr[0]  = factor * cx;
-  dr[1]  = factor * cy;
-  dr[2]  = factor * cz;
+  for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
   if (cloud->integer[INT_SURFACE][a]) {
     const PetscReal n2 = Dot(normal, normal), share = n2 > 0 ? Dot(dr, normal) / n2 : 0;
 
@@ -47,11 +29,29 @@ static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PairRow *restrict ro
     for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
 }
 
+/* The largest |u_b - u_a| of the neighbours b, whose u the row has. */
+static PetscReal RelativeSpeed(const Row *restrict row, const PetscReal u[DIM])
+{
+  const PetscInt  m  = RowLanes(row);
+  const PetscReal ux = u[0], uy = u[1], uz = u[2];
+  PetscReal       speed2 = 0;
+
+  SIMD_LOOP(reduction(max : speed2))
+  for (PetscInt k = 0; k < m; k++) {
+    const PetscReal wx = row->v[4 * k] - ux, wy = row->v[4 * k + 1] - uy, wz = row->v[4 * k + 2] - uz,
+                    w2 = wx * wx + wy * wy + wz * wz;
+
+    speed2 = w2 > speed2 ? w2 : speed2;
+  }
+  return PetscSqrtReal(speed2);
+}
+
 /* Pass 1: what each particle wants. */
 static PetscErrorCode Wishes(Stepper stepper, PetscReal dt)
 {
-  Cloud   cloud = stepper->cloud;
-  PairRow row;
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *u     = cloud->field[FIELD_PREDICTED];
+  Row              row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
@@ -59,34 +59,37 @@ static PetscErrorCode Wishes(Stepper stepper, PetscReal dt)
 
     dr[0] = dr[1] = dr[2] = 0;
     if (a >= cloud->n_fluid || cloud->field[SHARE][a] <= 0) continue;
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
-    Wish(stepper, dt, a, &row, dr);
+    RowLoad(cloud, a, &row);
+    RowGather(&row, a, u, row.v);
+    Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
   }
   PetscCall(CloudUpdate(cloud, SHIFT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a. */
-static void Taylor(Stepper stepper, PetscInt a, const PairRow *restrict row, const PetscReal dr[DIM],
-                   PetscReal change[DIM])
+/* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a; the row has positions and u. */
+static void Taylor(Stepper stepper, PetscInt a, Row *restrict row, const PetscReal dr[DIM], PetscReal change[DIM])
 {
   Cloud            cloud = stepper->cloud;
-  const PetscReal *u = cloud->field[FIELD_PREDICTED], *volume = cloud->volume;
-  const PetscInt  *layer = cloud->integer[INT_LAYER];
-  const PetscReal  ux = u[3 * a], uy = u[3 * a + 1], uz = u[3 * a + 2];
-  PetscReal        gx = 0, gy = 0, gz = 0, along[DIM];
+  const PetscReal *u = cloud->field[FIELD_PREDICTED] + DIM * a, *p = cloud->field[FIELD_POSITION] + DIM * a;
+  const PetscReal  px = p[0], py = p[1], pz = p[2], ux = u[0], uy = u[1], uz = u[2];
+  const PetscInt   m  = RowLanes(row);
+  PetscReal        gx = 0, gy = 0, gz = 0, along[DIM], scale_w, scale_f, inverse_h2;
 
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, dr[0], dr[1], dr[2], along);
+  for (PetscInt d = 0; d < DIM; d++) along[d] *= cloud->domain->volume * scale_f;
+  if (OperatorsNearWall(cloud, p))
+    for (PetscInt k = 0; k < row->n; k++)
+      if (cloud->integer[INT_LAYER][row->index[k]]) row->f[k] = 0;
   SIMD_LOOP(reduction(+ : gx, gy, gz))
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b = row->index[k];
-    const PetscReal c =
-      (layer[b] ? 0 : volume[b]) * row->F[k] * (along[0] * row->dx[k] + along[1] * row->dy[k] + along[2] * row->dz[k]);
+  for (PetscInt k = 0; k < m; k++) {
+    const PetscReal c = row->f[k] * (along[0] * (px - row->x[4 * k]) + along[1] * (py - row->x[4 * k + 1]) +
+                                     along[2] * (pz - row->x[4 * k + 2]));
 
-    gx += c * (u[3 * b] - ux);
-    gy += c * (u[3 * b + 1] - uy);
-    gz += c * (u[3 * b + 2] - uz);
+    gx += c * (row->v[4 * k] - ux);
+    gy += c * (row->v[4 * k + 1] - uy);
+    gz += c * (row->v[4 * k + 2] - uz);
   }
   change[0] = gx;
   change[1] = gy;
@@ -99,19 +102,19 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
 {
   Cloud            cloud = stepper->cloud;
   const PetscReal *wish = cloud->field[SHIFT], *share = cloud->field[SHARE];
-  PairRow          row;
+  PairRow          pairs;
+  Row              row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal sx = wish[3 * a], sy = wish[3 * a + 1], sz = wish[3 * a + 2];
 
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
-    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &pairs);
+    KernelEvaluate(cloud->kernel, pairs.n, pairs.r2, pairs.W, NULL);
     SIMD_LOOP(reduction(- : sx, sy, sz))
-    for (PetscInt k = 0; k < row.n; k++) {
-      const PetscInt  b = row.index[k];
-      const PetscReal w = row.W[k] * share[b]; /* walls have none */
+    for (PetscInt k = 0; k < pairs.n; k++) {
+      const PetscInt  b = pairs.index[k];
+      const PetscReal w = pairs.W[k] * share[b]; /* walls have none */
 
       sx -= w * wish[3 * b];
       sy -= w * wish[3 * b + 1];
@@ -120,6 +123,8 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
     {
       const PetscReal dr[DIM] = {sx, sy, sz};
 
+      RowLoad(cloud, a, &row);
+      RowGather(&row, a, cloud->field[FIELD_PREDICTED], row.v);
       Taylor(stepper, a, &row, dr, change + DIM * a);
       for (PetscInt d = 0; d < DIM; d++) {
         x[DIM * a + d] += dr[d];
@@ -133,8 +138,9 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
 /* Every particle for itself: one pass. */
 static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], PetscReal change[])
 {
-  Cloud   cloud = stepper->cloud;
-  PairRow row;
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *u     = cloud->field[FIELD_PREDICTED];
+  Row              row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -142,9 +148,9 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
     if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
-    Wish(stepper, dt, a, &row, dr);
+    RowLoad(cloud, a, &row);
+    RowGather(&row, a, u, row.v);
+    Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
     Taylor(stepper, a, &row, dr, change + DIM * a);
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
   }

@@ -25,7 +25,7 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   Cloud           cloud = stepper->cloud;
   const PetscReal h = KernelSmoothingLength(cloud->kernel), left = end - state->time;
   ParticleArrays  arrays;
-  PetscReal       local[3] = {0, 0, 0}, largest[3], step = PETSC_MAX_REAL, viscous = PETSC_MAX_REAL;
+  PetscReal       local[3] = {0, 0, 0}, largest[3], step = PETSC_MAX_REAL;
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
@@ -43,28 +43,38 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
+  stepper->bounds = (StepBounds){PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
   if (largest[0] > 0) step = PetscMin(step, stepper->cfl * h / largest[0]);
+  if (stepper->sound_speed > 0)
+    step = PetscMin(step, stepper->sound_cfl * h / (stepper->sound_speed + PetscMax(largest[0], largest[2])));
   if (largest[2] > 0)
     step = PetscMin(step, SPRAY_SHARE * stepper->displacement_max * cloud->domain->spacing / largest[2]);
-  if (largest[1] > 0) step = PetscMin(step, FORCE_LIMIT * PetscSqrtReal(h / largest[1]));
+  stepper->bounds.speed = step;
+  if (largest[1] > 0) stepper->bounds.force = FORCE_LIMIT * PetscSqrtReal(h / largest[1]);
+  step = PetscMin(step, stepper->bounds.force);
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 
-    if (m->viscosity > 0) viscous = PetscMin(viscous, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
+    if (m->viscosity > 0)
+      stepper->bounds.viscosity =
+        PetscMin(stepper->bounds.viscosity, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
     if (m->tension > 0 && TensionReach(stepper->tension) > 0)
-      step = PetscMin(step, CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+      stepper->bounds.tension =
+        PetscMin(stepper->bounds.tension,
+                 CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
+  step = PetscMin(step, stepper->bounds.tension);
   /* the first step takes the scene's own velocity for the one the particles will soon have, and so
      does a relaxation, which must use the steps of the run: pressure noise depends on them */
   if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0)
     step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
   if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
   if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
-  step = Viscosity(stepper, step, viscous);
+  step = Viscosity(stepper, step, stepper->bounds.viscosity);
   step = PetscMax(step, stepper->step_min);
   if (stepper->step_fixed > 0) {
     step = stepper->step_fixed;
-    (void)Viscosity(stepper, step, viscous);
+    (void)Viscosity(stepper, step, stepper->bounds.viscosity);
   }
   /* no tiny last step: the last two share what is left */
   if (left <= step * (1 + 1e-9))
@@ -73,6 +83,11 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
     step = 0.5 * left;
   *dt = step;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+StepBounds StepperBounds(Stepper stepper)
+{
+  return stepper->bounds;
 }
 
 /* Largest speed (bodies and walls, m/s), acceleration of each direction (m/s2) and fall through the body (m2/s2), and
@@ -127,6 +142,7 @@ PetscReal StepperEnergyAtHand(Stepper stepper)
   PetscReal    energy;
 
   FindScales(stepper, &scales);
+  if (SceneEmits(stepper->cloud->scene)) return 0;
   energy = 0.5 * scales.speed * scales.speed + scales.capillary;
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (scales.acceleration[d] > 0 && domain->face[d][0] == FACE_PERIODIC) return 0;

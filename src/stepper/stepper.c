@@ -1,8 +1,7 @@
 #include "types.h"
 
-#define MAX_HALVINGS 10
-/* over all ranks: squares of density error and divergence, particles inside, kinetic energy, mass */
-#define SUMS 5
+#define MAX_HALVINGS            10
+#define COMPRESSIBLE_RELAXATION 25 /* default of -pressure_relaxation_ratio: a faster repair does work on the sound */
 
 static PetscFunctionList SchemeList = NULL;
 
@@ -12,13 +11,13 @@ static PetscErrorCode StepperRegisterAll(void)
   if (SchemeList) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_CONSISTENT, SchemeConsistent));
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_DENSITY_INVARIANT, SchemeDensityInvariant));
+  PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_WEAKLY_COMPRESSIBLE, SchemeWeaklyCompressible));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper)
 {
-  const PetscReal d2 = PetscSqr(cloud->domain->spacing);
-  Stepper         s;
+  Stepper s;
 
   PetscFunctionBegin;
   PetscCall(StepperRegisterAll());
@@ -36,8 +35,11 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->shifting_cap      = 0.1;
   s->relaxation_ratio  = 5;
   s->damping           = 1;
+  s->sound_mach        = 0.1;
+  s->sound_cfl         = 0.4;
+  s->density_diffusion = 0.1;
+  s->sound_projected   = PETSC_TRUE;
   PetscCall(PetscStrncpy(s->scheme_type, SCHEME_CONSISTENT, sizeof(s->scheme_type)));
-  KernelEvaluate(cloud->kernel, 1, &d2, &s->self_kernel, NULL);
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -50,8 +52,11 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
   PetscFunctionBegin;
   if (paper)
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
+  else if (s->scheme == SchemeWeaklyCompressible)
+    PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   else
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
+  if (s->scheme == SchemeWeaklyCompressible) s->relaxation_ratio = COMPRESSIBLE_RELAXATION;
   s->shifting = s->centered = (PetscBool)!paper;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -87,14 +92,15 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(SchemeList, s->scheme_type, &s->scheme));
   PetscCheckUser(s->scheme, comm,
-                 "-scheme %s is not a scheme; there are " SCHEME_CONSISTENT " and " SCHEME_DENSITY_INVARIANT,
+                 "-scheme %s is not a scheme; there are " SCHEME_CONSISTENT ", " SCHEME_DENSITY_INVARIANT
+                 " and " SCHEME_WEAKLY_COMPRESSIBLE,
                  s->scheme_type);
   PetscCall(SetSchemeTypes(s));
   PetscOptionsBegin(comm, NULL, "Time stepping", "Stepper");
-  if (s->scheme == SchemeConsistent)
+  if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
                                s->shifting, &s->shifting, NULL));
-  if (s->scheme == SchemeConsistent)
+  if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-shifting_conserved",
                                "shifting keeps momentum and angular momentum, at more loss of energy",
                                "StepperSetFromOptions", s->shifting_conserved, &s->shifting_conserved, NULL));
@@ -102,7 +108,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
     PetscOptionsEList("-viscosity_form",
                       "cleary: Eq. (1), keeps angular momentum; morris: exact for shear, mirrored no-slip walls",
                       "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
-  if (s->scheme == SchemeConsistent)
+  if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                                "StepperSetFromOptions", s->centered, &s->centered, NULL));
   PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
@@ -135,10 +141,14 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                              "StepperSetFromOptions", s->density_ratio_max, &s->density_ratio_max, NULL));
   PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
+  if (s->scheme == SchemeWeaklyCompressible) PetscCall(CompressibleSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
   s->viscosity_form = (ViscosityForm)form;
   PetscCheckUser(s->viscous.ratio >= 0, comm, "-viscosity_step_ratio is %g; it must not be negative",
                  (double)s->viscous.ratio);
+  PetscCheckUser(s->energy_max >= 0, comm, "-energy_max is %g; it must not be negative", (double)s->energy_max);
+  PetscCall(CheckDensities(s));
+  s->energy_at_hand = StepperEnergyAtHand(s);
   PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
   PetscCheckUser(s->step_min >= 0 && s->step_max >= 0 && s->step_fixed >= 0, comm,
                  "-time_step, -time_step_min and -time_step_max must not be negative");
@@ -154,14 +164,12 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                  "-shifting_strength and -shifting_cap must not be negative");
   PetscCheckUser(s->relaxation_ratio > 0, comm, "-pressure_relaxation_ratio is %g; it must be positive",
                  (double)s->relaxation_ratio);
-  PetscCheckUser(s->energy_max >= 0, comm, "-energy_max is %g; it must not be negative", (double)s->energy_max);
-  PetscCall(CheckDensities(s));
   PetscCall(PressureSetFromOptions(s->pressure));
-  s->energy_at_hand = StepperEnergyAtHand(s);
   {
     const PetscReal velocity = StepperReferenceVelocity(s), h = KernelSmoothingLength(s->cloud->kernel);
 
     s->reference_velocity = velocity;
+    if (s->scheme == SchemeWeaklyCompressible) PetscCall(CompressibleCheck(s, velocity));
     if (velocity > 0) PetscCall(PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * h / velocity));
     PetscCheckUser(
       velocity > 0 || s->step_max > 0 || s->step_fixed > 0, comm,
@@ -175,6 +183,10 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g, shifting %s\n", stepper->scheme_type,
                                    (double)stepper->cfl, stepper->shifting ? "on" : "off"));
+  if (stepper->sound_speed > 0)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Sound: %g m/s, CFL %g, density diffusion %g\n",
+                                     (double)stepper->sound_speed, (double)stepper->sound_cfl,
+                                     (double)stepper->density_diffusion));
   PetscCall(PressureView(stepper->pressure, viewer));
   PetscCall(TensionView(stepper->tension, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -202,25 +214,84 @@ PetscErrorCode StepperDestroy(Stepper *stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Power of FIELD_ACCELERATION on the fluid, W, this rank. */
+static PetscReal Power(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *a = cloud->field[FIELD_ACCELERATION];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, a + DIM * k);
+  return sum;
+}
+
+/* Sum of m v.u of the fluid, u FIELD_PREDICTED, J, this rank: its change is the work of an implicit force. */
+static PetscReal Overlap(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[FIELD_PREDICTED];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, u + DIM * k);
+  return sum;
+}
+
+/* Area of the free surface of one particle's share, m2. The integral of |sum V grad W| over the liquid below a flat
+   surface is half its area, for any kernel: sum V W rises from 1/2 at the surface to 1 inside. */
+static PetscReal Area(Cloud cloud, PetscInt a)
+{
+  return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
+}
+
+/* What the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA, is made of. The flux of the
+   liquid through its surface should vanish; what it does not is taken out in Judge as if it were spread evenly, because
+   the pressure that all of a drop has in common would do work on it. */
+static void CapillaryWork(Cloud cloud, PetscReal dt, Attempted *attempted)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
+                  *capillary = cloud->field[FIELD_CAPILLARY];
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal area = Area(cloud, a), inward = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
+
+    if (area == 0) continue;
+    attempted->tension_work += capillary[a] * inward;
+    attempted->inward += inward;
+    attempted->area += area;
+    attempted->capillary_area += capillary[a] * area;
+  }
+}
+
 PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted)
 {
   Cloud      cloud        = stepper->cloud;
   PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
             *predicted = cloud->field[FIELD_PREDICTED];
+  PetscReal before     = 0; /* power of what acts so far, W */
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (stepper->damping == 1)
     for (PetscInt a = 0; a < cloud->n_fluid; a++)
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
-  if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit)
+  if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit) {
+    before = Power(cloud);
     PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+    attempted->viscous_work = dt * (Power(cloud) - before);
+  }
+  if (TensionReach(stepper->tension) > 0) before = Power(cloud);
   PetscCall(TensionApply(stepper->tension, cloud));
+  if (TensionReach(stepper->tension) > 0) {
+    attempted->tension_work = dt * (Power(cloud) - before);
+    CapillaryWork(cloud, dt, attempted);
+  }
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
-  if (stepper->viscous.implicit)
+  if (stepper->viscous.implicit) {
+    before = Overlap(cloud);
     PetscCall(ViscousSolve(stepper, dt, density, &attempted->viscous));
-  else
+    attempted->viscous_work = Overlap(cloud) - before;
+  } else
     PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -235,7 +306,9 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
     const PetscReal ratio = cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a];
 
     attempted->density = PetscMax(attempted->density, ratio);
+    attempted->surface += BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension * Area(cloud, a);
     if (cloud->integer[INT_SURFACE][a]) continue;
+    attempted->error += ratio;
     attempted->error2 += PetscSqr(ratio - 1);
     attempted->inside++;
   }
@@ -261,22 +334,48 @@ static void KineticEnergy(Cloud cloud, PetscReal *energy, PetscReal *mass)
   }
 }
 
+/* What Judge sums over the ranks. */
+enum {
+  SUM_ERROR2,
+  SUM_DIVERGENCE2,
+  SUM_INSIDE,
+  SUM_ERROR,
+  SUM_SURFACE,
+  SUM_VISCOUS,
+  SUM_TENSION,
+  SUM_INWARD,
+  SUM_AREA,
+  SUM_CAPILLARY,
+  SUM_KINETIC,
+  SUM_MASS,
+  SUM_COUNT
+};
+
 /* The verdict over all ranks; 'why' says what is wrong, empty if nothing is. */
-static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[SUMS], char why[],
-                            size_t length)
+static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[SUM_COUNT],
+                            char why[], size_t length)
 {
   Cloud           cloud    = stepper->cloud;
   const PetscReal spacing  = cloud->domain->spacing;
   PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken},
-            largest[3];
-  PetscReal parts[SUMS] = {attempted->error2, attempted->divergence2, (PetscReal)attempted->inside, 0, 0}, all;
+            largest[3], all;
+  PetscReal parts[SUM_COUNT] = {[SUM_ERROR2]      = attempted->error2,
+                                [SUM_DIVERGENCE2] = attempted->divergence2,
+                                [SUM_INSIDE]      = (PetscReal)attempted->inside,
+                                [SUM_ERROR]       = attempted->error,
+                                [SUM_SURFACE]     = attempted->surface,
+                                [SUM_VISCOUS]     = attempted->viscous_work,
+                                [SUM_TENSION]     = attempted->tension_work,
+                                [SUM_INWARD]      = attempted->inward,
+                                [SUM_AREA]        = attempted->area,
+                                [SUM_CAPILLARY]   = attempted->capillary_area};
 
   PetscFunctionBegin;
   why[0] = 0;
-  KineticEnergy(cloud, &parts[3], &parts[4]);
+  KineticEnergy(cloud, &parts[SUM_KINETIC], &parts[SUM_MASS]);
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(parts, sums, SUMS, MPIU_REAL, MPIU_SUM, cloud->comm));
-  all = stepper->energy_at_hand * sums[4];
+  PetscCallMPI(MPI_Allreduce(parts, sums, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
+  all = stepper->energy_at_hand * sums[SUM_MASS];
   if (attempted->viscous < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
@@ -302,31 +401,45 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
                             "the density reaches %.3g times the rest density, more than -density_max %g: particles "
                             "have clumped; try a smaller -time_cfl, -shifting or a smaller spacing",
                             (double)largest[1], (double)stepper->density_max));
-  else if (all > 0 && stepper->energy_max > 0 && sums[3] > stepper->energy_max * all)
+  else if (all > 0 && stepper->energy_max > 0 && sums[SUM_KINETIC] > stepper->energy_max * all)
     PetscCall(PetscSNPrintf(why, length,
                             "the kinetic energy is %.3g times all that speeds, falls and surfaces of the scene can "
                             "give, more than -energy_max %g: the run has become unstable; try a smaller -time_cfl or "
                             "spacing",
-                            (double)(sums[3] / all), (double)stepper->energy_max));
+                            (double)(sums[SUM_KINETIC] / all), (double)stepper->energy_max));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The sums' part of the state; of the divergence, that over the time step. */
+static void Measure(const PetscReal sums[SUM_COUNT], StepState *state)
+{
+  const PetscReal inside = PetscMax(1, sums[SUM_INSIDE]);
+
+  state->density_error  = PetscSqrtReal(sums[SUM_ERROR2] / inside);
+  state->divergence     = PetscSqrtReal(sums[SUM_DIVERGENCE2] / inside);
+  state->density_mean   = sums[SUM_INSIDE] > 0 ? sums[SUM_ERROR] / inside : 1;
+  state->surface_energy = sums[SUM_SURFACE];
 }
 
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length)
 {
   Cloud     cloud = stepper->cloud;
-  PetscReal dt, sums[SUMS];
+  PetscReal dt, sums[SUM_COUNT];
   PetscInt  iterations = 0;
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, end, &dt));
-  *failed = PETSC_TRUE;
+  stepper->first = (PetscBool)(state->step == 0);
+  *failed        = PETSC_TRUE;
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     Attempted attempted = {0};
 
+    SceneSetTime(cloud->scene, state->time + (stepper->centered ? 0.5 * dt : 0));
     PetscCall(stepper->scheme(stepper, dt, diagnose, &attempted));
     PetscCall(Judge(stepper, dt, &attempted, sums, why, length));
     iterations += attempted.pressure.iterations;
+    state->solver_error = attempted.pressure.density;
     if (!why[0]) {
       *failed = PETSC_FALSE;
       break;
@@ -342,8 +455,48 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->previous_time_step = dt;
   state->iterations         = iterations;
   state->step++;
-  state->density_error = sums[2] > 0 ? PetscSqrtReal(sums[0] / sums[2]) : 0;
-  state->divergence    = !diagnose ? NAN : sums[2] > 0 ? dt * PetscSqrtReal(sums[1] / sums[2]) : 0;
+  Measure(sums, state);
+  state->divergence = !diagnose ? NAN : dt * state->divergence;
+  state->viscous_work += sums[SUM_VISCOUS];
+  state->tension_work += sums[SUM_TENSION];
+  if (sums[SUM_AREA] > 0) state->tension_work -= sums[SUM_INWARD] * sums[SUM_CAPILLARY] / sums[SUM_AREA];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt)
+{
+  Cloud     cloud     = stepper->cloud;
+  Attempted attempted = {0};
+
+  PetscFunctionBegin;
+  PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
+  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(OperatorsMoments(cloud));
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(StageOne(stepper, *dt, PressureDensity(stepper->pressure), &attempted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+ViscosityForm StepperViscosityForm(Stepper stepper)
+{
+  return stepper->viscosity_form;
+}
+
+PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
+{
+  Cloud     cloud     = stepper->cloud;
+  Attempted attempted = {0};
+  PetscReal sums[SUM_COUNT];
+  char      why[1];
+
+  PetscFunctionBegin;
+  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(Diagnose(stepper, PETSC_FALSE, &attempted));
+  PetscCall(Judge(stepper, 0, &attempted, sums, why, sizeof(why)));
+  Measure(sums, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,7 @@
 #ifndef ISPH_STEPPER_H
 #define ISPH_STEPPER_H
 
+#include "../operators/operators.h"
 #include "../pressure/pressure.h"
 #include "../tension/tension.h"
 #include "state.h"
@@ -12,11 +13,15 @@ typedef struct _p_Stepper *Stepper;
 #define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, with the mended tension */
 #define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */
 
+#define SCHEME_WEAKLY_COMPRESSIBLE                                                                                     \
+  "weakly_compressible" /* the consistent scheme with an explicit pressure: Tait's equation, artificial sound */
+
 /* StepperCreate - borrows all three. Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
-   -displacement_max (spacings), -density_max (1), -wall_guard (spacings). Collective. */
+   -displacement_max (spacings), -density_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),
+   -sound_mach, -sound_cfl, -sound_projected, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
 /* StepperPrepare - assembles and sets the solver up at the present state so that every option of the solver has been
@@ -27,11 +32,26 @@ PetscErrorCode StepperPrepare(Stepper stepper);
    'length' bytes) says what went wrong. diagnose: also measure the divergence. Collective. */
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length);
+/* StepperPredict - stage one of a step from the swarm's state, so that PressureAssemble gives the system of that step;
+ *dt: its size (s). Collective. */
+PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
+/* StepperViscosityForm - of -viscosity_form. Not collective. */
+ViscosityForm StepperViscosityForm(Stepper stepper);
+/* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
+ */
+PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperForget - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
 PetscErrorCode StepperForget(Stepper stepper);
 /* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each
    step (1: the real dynamics with body force). Not collective. */
 PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor);
+/* What bounds a time step, s; PETSC_MAX_REAL: nothing. */
+typedef struct {
+  PetscReal speed, force, viscosity, tension;
+} StepBounds;
+
+/* StepperBounds - of the last step that was chosen. Not collective. */
+StepBounds StepperBounds(Stepper stepper);
 /* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, those of walls, sqrt(g L),
  * sqrt(sigma/(rho h)). Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);

@@ -27,6 +27,7 @@ PetscErrorCode CurvatureSetUp(Tension tension)
 
   PetscFunctionBegin;
   KernelHalfSpace(tension->kernel, 0, &tension->plane, NULL);
+  KernelSurfaceTable(tension->kernel, WALL_TABLE, tension->fraction);
   for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
   KernelEvaluate(tension->kernel, WALL_TABLE, r2, W, NULL);
   tension->moment = 0;
@@ -111,6 +112,19 @@ static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], P
 
 #define CHUNK 512
 
+/* s[k] = |x - c_k|^2/H^2 of m <= CHUNK collected candidates from 'begin' on. */
+static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], PetscReal inverse_h2,
+                             float *restrict s)
+{
+  const PetscReal *restrict cx = tension->liquid.near + begin, *restrict cy = cx + tension->liquid.stride,
+                            *restrict cz = cy + tension->liquid.stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < m; k++)
+    s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
+}
+
 /* Adds phi and grad phi of the collected candidates first to n - 1 at x, without V. */
 static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
                      PetscReal gradient[DIM])
@@ -118,15 +132,15 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
                             *restrict cz = cy + tension->liquid.stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
-  PetscReal       r2[CHUNK], W[CHUNK], F[CHUNK], sum = 0, gx = 0, gy = 0, gz = 0;
+  PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
+  float           s[CHUNK], W[CHUNK], F[CHUNK];
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < m; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, m, r2, W, F);
+    Distances(tension, begin, m, x, inverse_h2, s);
+    KernelSingle(tension->kernel, m, s, W, F);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
     for (PetscInt k = 0; k < m; k++) {
       sum += W[k];
@@ -135,10 +149,10 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
       gz += F[k] * (z0 - cz[begin + k]);
     }
   }
-  *phi += sum;
-  gradient[0] += gx;
-  gradient[1] += gy;
-  gradient[2] += gz;
+  *phi += scale_w * sum;
+  gradient[0] += scale_f * gx;
+  gradient[1] += scale_f * gy;
+  gradient[2] += scale_f * gz;
 }
 
 /* phi and grad phi at x of the n collected particles and, behind them, the images. An image of the free surface has the
@@ -183,18 +197,18 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       r2[CHUNK], W[CHUNK];
+  PetscReal       scale_w, scale_f, inverse_h2;
+  float           s[CHUNK], W[CHUNK];
   PetscReal       count = 0, sw = 0, sx = 0, sy = 0, sz = 0, px = 0, py = 0, pz = 0, ss = 0;
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < l; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, l, r2, W, NULL);
+    Distances(tension, begin, l, x, inverse_h2, s);
+    KernelSingle(tension->kernel, l, s, W, NULL);
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
               reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
@@ -295,17 +309,17 @@ static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict value = nz + stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       r2[CHUNK], W[CHUNK], M[6], B[6];
+  PetscReal       M[6], B[6], scale_w, scale_f, inverse_h2;
+  float           s[CHUNK], W[CHUNK];
   PetscReal       count = 0, sw = 0, f = 0, sx = 0, sy = 0, sz = 0, fx = 0, fy = 0, fz = 0;
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < l; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelEvaluate(tension->kernel, l, r2, W, NULL);
+    Distances(tension, begin, l, x, inverse_h2, s);
+    KernelSingle(tension->kernel, l, s, W, NULL);
     SIMD_LOOP(reduction(+ : count, sw, f, sx, sy, sz, fx, fy, fz, xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < l; k++) {
       const PetscInt  b = begin + k;
@@ -350,6 +364,11 @@ static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const
   return f / sw;
 }
 
+static inline PetscReal Sigma(Cloud cloud, PetscInt a)
+{
+  return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
+}
+
 typedef enum { PASS_NORMAL, PASS_CURVATURE, PASS_MEAN } PassKind;
 
 /* One pass over the owned particles of the sorted liquid. Normal and depth go to FIELD_WORK3 (zero where the surface is
@@ -384,6 +403,8 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
 
         SumMirrored(tension, real, image, images, x, &phi, g);
         length = Norm(g);
+        if (tension->sheets)
+          cloud->field[FIELD_CAPILLARY][a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi, V * length);
         if (V * length * H < tension->threshold) continue;
         for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
         scalar[a] = FlatDepth(tension, V * phi);
@@ -391,8 +412,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
         Moments m;
 
         SumNormals(tension, n, x, normal + DIM * a, &m);
-        scalar[a] = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension *
-                    Curvature(tension, &m, normal + DIM * a);
+        scalar[a] = Sigma(cloud, a) * Curvature(tension, &m, normal + DIM * a);
       } else
         cloud->field[FIELD_CAPILLARY][a] =
           Mean(tension, n, x, normal + DIM * a, cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
@@ -434,6 +454,7 @@ PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(PetscArrayzero(cloud->field[FIELD_WORK1], cloud->n_owned));
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
   PetscCall(Pass(tension, cloud, PASS_NORMAL));
+  if (tension->sheets) PetscCall(SheetPull(tension, cloud));
   PetscCall(CloudUpdate(cloud, FIELD_WORK3));
   PetscCall(CloudUpdate(cloud, FIELD_WORK1));
   PetscCall(PetscMalloc1(cloud->n_total, &keep));

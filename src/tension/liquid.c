@@ -1,9 +1,14 @@
 /* The liquid around a cell, in columns that the compiler can vectorise over. */
 #include "types.h"
 
-/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
-   the particles of one share the work of collecting them. */
-#define CELLS_A_SUPPORT 3
+/* How many cells further along x may hold points within 'radius' of a cell that is dy, dz cells away; -1: none. */
+static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
+{
+  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
+                  rest = radius * radius - y * y - z * z;
+
+  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
+}
 
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
 {
@@ -25,10 +30,14 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const 
   PetscCall(PetscMalloc1(DIM * liquid->count, &x));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * liquid->index[k] + d];
-  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / CELLS_A_SUPPORT));
+  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / LIQUID_CELLS));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
   PetscCall(PetscFree(x));
+  liquid->reach = (PetscInt)(support / liquid->grid.size) + 1;
+  for (PetscInt dy = 0; dy <= liquid->reach; dy++)
+    for (PetscInt dz = 0; dz <= liquid->reach; dz++)
+      liquid->along[dy][dz] = CellsAlong(liquid->grid.size, support, dy, dz);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,26 +48,17 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
       liquid->sorted[(column + w) * liquid->count + k] = field[width * LiquidParticle(liquid, k) + w];
 }
 
-/* How many cells further along x may hold points within 'radius' of a cell that is dy, dz cells away; -1: none. */
-static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
-{
-  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
-                  rest = radius * radius - y * y - z * z;
-
-  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
-}
-
 /* One pass over the cells around c: counts (width 0) or copies. */
 static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt width)
 {
   const CellGrid *grid = &liquid->grid;
   const PetscInt  x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
-  const PetscInt  reach = (PetscInt)(liquid->support / grid->size) + 1;
+  const PetscInt  reach = liquid->reach;
   PetscInt        n     = 0;
 
   for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
     for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
-      const PetscInt along = CellsAlong(grid->size, liquid->support, dy, dz),
+      const PetscInt along = liquid->along[PetscAbsInt(dy)][PetscAbsInt(dz)],
                      line  = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
 
       if (along < 0) continue;

@@ -34,6 +34,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->calibration = 3.959;
   t->band        = 1;
   t->sharpening  = 2;
+  t->sheets      = PETSC_TRUE;
   t->threshold   = 0.2;
   t->angle       = 90;
   for (PetscInt d = 0; d < domain->dim; d++)
@@ -80,6 +81,8 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                                "TensionSetFromOptions", tension->band, &tension->band, NULL));
   }
   if (tension->apply == TensionApply_Curvature) {
+    PetscCall(PetscOptionsBool("-tension_sheets", "energy of sheets and threads too thin for a normal",
+                               "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
     PetscCall(PetscOptionsReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)",
                                "TensionSetFromOptions", tension->sharpening, &tension->sharpening, NULL));
     PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",

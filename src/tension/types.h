@@ -9,10 +9,14 @@
 
 /* The liquid (fluid particles, ghosts too) sorted into cells, with columns of whatever a pass sums over. */
 #define LIQUID_WIDTH 9
+/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
+   the particles of one share the work of collecting them. */
+#define LIQUID_CELLS 3
 typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m */
   PetscInt   capacity, count, stride;
+  PetscInt   reach, along[LIQUID_CELLS + 2][LIQUID_CELLS + 2]; /* cells within the support: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] x, y, z, then a payload, in the grid's order */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the same columns of what LiquidCollect found */
   PetscInt  *index;  /* [count] local index, before sorting: see LiquidParticle */
@@ -66,17 +70,18 @@ struct _p_Tension {
   char            type[64];
   TensionFunction apply;
   PetscReal       spacing, smoothing, ratio, calibration, band;
-  PetscReal       sharpening;            /* of the curvature */
-  PetscReal       threshold;             /* of |grad phi| H: the surface is near */
-  PetscReal       angle;                 /* contact angle, rad */
-  PetscBool       walls;                 /* the box has any */
-  Kernel          kernel;                /* W^H */
-  PetscReal       wall[WALL_TABLE + 1];  /* w1 over depth, 1/m */
-  PetscReal       depth[WALL_TABLE + 1]; /* depth (m) over the filled fraction 0.5 to 1 */
-  PetscReal       plane, moment;         /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  PetscReal       sharpening;               /* of the curvature */
+  PetscReal       threshold;                /* of |grad phi| H: the surface is near */
+  PetscReal       angle;                    /* contact angle, rad */
+  PetscBool       walls;                    /* the box has any */
+  Kernel          kernel;                   /* W^H */
+  PetscReal       wall[WALL_TABLE + 1];     /* w1 over depth, 1/m */
+  PetscReal       depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal       fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
+  PetscReal       plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
   Liquid          liquid;
   Band            band_cells;
-  PetscBool       has_band;
+  PetscBool       has_band, sheets; /* sheet.c is used */
 };
 
 /* TensionBand - brings band_cells up to date: cells within the radius (m) of a surface particle. Collective. */
@@ -84,6 +89,12 @@ PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius);
 /* CurvatureSetUp - the tables of the depth. */
 PetscErrorCode CurvatureSetUp(Tension tension);
 
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3), phi and |grad phi| (1/m) has in a
+   sheet. Not collective. */
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient);
+/* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION; from the liquid, sorted, and
+ * sigma S' in FIELD_CAPILLARY, which is zero afterwards. Collective. */
+PetscErrorCode SheetPull(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud);
 PetscErrorCode TensionApply_None(Tension tension, Cloud cloud);

@@ -1,5 +1,23 @@
 #include "wall.h"
 
+/* The same for solids: out along the normal. */
+static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscInt *touched)
+{
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal deep = distance - SceneSolidDistance(cloud->scene, x + DIM * a, NULL);
+    PetscReal       n[DIM], inwards;
+
+    if (deep <= 0) continue;
+    SceneSolidNormal(cloud->scene, x + DIM * a, n);
+    inwards = PetscMin(0, Dot(v + DIM * a, n));
+    for (PetscInt d = 0; d < DIM; d++) {
+      x[DIM * a + d] += deep * n[d];
+      v[DIM * a + d] -= inwards * n[d];
+    }
+    (*touched)++;
+  }
+}
+
 PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscInt *touched)
 {
   Domain domain = cloud->domain;
@@ -27,6 +45,7 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
         }
       }
     }
+  if (SceneSolidCount(cloud->scene)) GuardSolids(cloud, distance, x, v, touched);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

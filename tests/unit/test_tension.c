@@ -11,6 +11,7 @@
 #define FILM                                                                                                           \
   "-spacing 1 -box_lower -7,-7,-20 -box_upper 7,7,20 -box_x periodic -box_y periodic -bodies a "                       \
   "-a_tension 1 "
+#define STRIP "-spacing 1 -box_lower -24,-7,-20 -box_upper 24,7,20 -box_y periodic -bodies a -a_tension 1 "
 #define OCTANT                                                                                                         \
   "-spacing 1 -box_lower 0,0,0 -box_upper 24,24,24 -box_xmin symmetry -box_ymin symmetry -box_zmin symmetry -bodies "  \
   "a -a_tension 1 "
@@ -201,6 +202,36 @@ static PetscErrorCode TestExtremes(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A sheet of one particle is pulled together by twice the tension; the forces of all add up to nothing, jitter or not.
+ */
+static PetscErrorCode TestSheet(void)
+{
+  const PetscInt  strip[DIM] = {28, 14, 1};
+  const PetscReal any[]      = {0, 1000};
+
+  PetscFunctionBegin;
+  for (PetscInt jittered = 0; jittered < 2; jittered++) {
+    const PetscInt n    = Fill(InShell, any, strip, origin, jittered ? JITTER : 0);
+    PetscReal      half = 0, sum[DIM] = {0, 0, 0};
+    Setup          s;
+
+    PetscCall(SetupFill(STRIP, n, points, 0, &s));
+    PetscCall(SetupMoments(&s));
+    PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+    PetscCall(TensionApply(s.tension, s.cloud));
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+      const PetscReal *force = s.cloud->field[FIELD_ACCELERATION] + DIM * a, mass = s.cloud->rest_density[a];
+
+      for (PetscInt d = 0; d < DIM; d++) sum[d] += mass * force[d];
+      if (s.cloud->field[FIELD_POSITION][DIM * a] > 0) half += mass * force[0];
+    }
+    PetscCall(SetupClose(&s));
+    if (!jittered) CHECK_CLOSE(SetupSum(half) / 14, -2, 0.02, "sheet_pull");
+    for (PetscInt d = 0; d < DIM; d++) CHECK_CLOSE(SetupSum(sum[d]) / 14, 0, 1e-10, "sheet_momentum");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A circle that meets the floor under the contact angle has the same curvature everywhere, the foot not excepted. */
 static PetscErrorCode TestContact(void)
 {
@@ -230,6 +261,7 @@ int main(int argc, char **argv)
   PetscCall(TestShapes());
   PetscCall(TestMirrors());
   PetscCall(TestExtremes());
+  PetscCall(TestSheet());
   PetscCall(TestContact());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

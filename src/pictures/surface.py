@@ -228,19 +228,26 @@ def colors(points, normals, base, shade, toward_eye):
     return (255 * np.clip(color, 0, 1) ** (1 / 1.25)).astype(np.uint8)
 
 
-def picture(liquid, camera, size, drop_alone=False):
-    """Renders the surface: an array [height][width][3] of bytes.
+def line_actor(lines):
+    """Lines from a to b, [(a, b), ...] in m."""
+    mesh, corners, pairs = vtkPolyData(), vtkPoints(), vtkCellArray()
+    corners.SetData(numpy_to_vtk(np.array(lines, np.float32).reshape(-1, 3), deep=True))
+    pairs.SetData(2, numpy_to_vtkIdTypeArray(np.arange(2 * len(lines), dtype=np.int64), deep=True))
+    mesh.SetPoints(corners)
+    mesh.SetLines(pairs)
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(mesh)
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(0.6, 0.6, 0.6)
+    actor.GetProperty().SetLineWidth(1.5)
+    actor.GetProperty().LightingOff()
+    return actor
 
-    camera: position, focus, up (m), and either 'angle' (degrees, perspective) or 'height' (m, parallel projection).
-    """
-    points, normals, cells, share = surface(liquid, drop_alone)
-    eye, focus = np.array(camera["position"], float), np.array(camera["focus"], float)
-    toward = eye - points if "angle" in camera else np.broadcast_to(eye - focus, points.shape)
-    toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    base = FILM_COLOR + share[:, None] * (DROP_COLOR - FILM_COLOR)
-    shade = np.ones(len(points)) if drop_alone else liquid.shade(points, normals)
-    rgb = colors(points, normals, base, shade, toward)
 
+def render(points, cells, rgb, camera, size, lines=()):
+    """Draws triangles with a colour a corner: an array [height][width][3] of bytes. camera as for picture(); lines: ends
+    (m) of thin grey lines."""
     mesh = vtkPolyData()
     corners = vtkPoints()
     corners.SetData(numpy_to_vtk(points.astype(np.float32), deep=True))
@@ -257,9 +264,11 @@ def picture(liquid, camera, size, drop_alone=False):
     renderer = vtkRenderer()
     renderer.SetBackground(1, 1, 1)
     renderer.AddActor(actor)
+    if len(lines):
+        renderer.AddActor(line_actor(lines))
     view = renderer.GetActiveCamera()
-    view.SetPosition(*eye)
-    view.SetFocalPoint(*focus)
+    view.SetPosition(*camera["position"])
+    view.SetFocalPoint(*camera["focus"])
     view.SetViewUp(*camera["up"])
     if "angle" in camera:
         view.SetViewAngle(camera["angle"])
@@ -280,6 +289,22 @@ def picture(liquid, camera, size, drop_alone=False):
     image = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(size[1], size[0], -1)
     window.Finalize()
     return image[::-1, :, :3].copy()
+
+
+def picture(liquid, camera, size, drop_alone=False):
+    """Renders the surface: an array [height][width][3] of bytes.
+
+    camera: position, focus, up (m), and either 'angle' (degrees, perspective) or 'height' (m, parallel projection).
+    """
+    points, normals, cells, share = surface(liquid, drop_alone)
+    eye, focus = np.array(camera["position"], float), np.array(camera["focus"], float)
+    toward = eye - points if "angle" in camera else np.broadcast_to(eye - focus, points.shape)
+    toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
+    base = FILM_COLOR + share[:, None] * (DROP_COLOR - FILM_COLOR)
+    shade = np.ones(len(points)) if drop_alone else liquid.shade(points, normals)
+    rgb = colors(points, normals, base, shade, toward)
+
+    return render(points, cells, rgb, camera, size)
 
 
 def section(liquid, half_thickness, window, pixels):

@@ -1,0 +1,20 @@
+"""A display for VTK: Debian's draws in a window only."""
+import os
+import shutil
+import sys
+
+from tables import RunError
+
+PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
+
+
+def with_display():
+    """Starts this program again under xvfb-run if there is no display."""
+    if os.environ.get("DISPLAY"):
+        return
+    if not shutil.which("xvfb-run") or not shutil.which("xauth"):
+        raise RunError(f"without a display the pictures need xvfb: apt-get install {PACKAGES}")
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", sys.executable, os.path.abspath(sys.argv[0])]
+    sys.stdout.flush()
+    os.execvp(command[0], command + sys.argv[1:])

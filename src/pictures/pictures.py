@@ -1,0 +1,179 @@
+#!/usr/bin/python3
+"""Pictures of any run, for a paper or a look.
+
+    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG]
+
+Writes into RUN_FOLDER/figures:
+    section.png   moments of a section through the middle (in two dimensions of all), with axes and units
+    surface.png   three dimensions: the liquid's surface in perspective
+    top.png       three dimensions: from above, with a scale bar
+    curves.png    the columns of series.csv that change
+Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
+"""
+import argparse
+import os
+import sys
+
+import tables
+from display import PACKAGES, with_display
+
+UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
+         "kinetic_energy": "J", "potential_energy": "J", "jet_height": "m", "highest": "m", "volume": "m3"}
+COLUMNS = 3  # of panels, fewer where they are flat
+SKIP = ("step", "wall_time", "rejected", "time")
+
+
+def grid(count, width=4.0, height=3.0, columns=COLUMNS):
+    """A figure with panels for 'count' moments."""
+    columns = min(columns, count)
+    rows = -(-count // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(width * columns, height * rows), squeeze=False,
+                                layout="constrained")
+    for panel in axes.flat[count:]:
+        panel.set_axis_off()
+    return figure, list(axes.flat[:count])
+
+
+def key(figure, axes, run, color, ends):
+    """The legend: names of bodies, or the colour scale."""
+    if color == "body":
+        names = [(views.BODY_COLORS[b % len(views.BODY_COLORS)], name) for b, name in enumerate(run.names())]
+        if len(run.solid):
+            names.append((views.SOLID_COLOR, "solid"))
+        marks = [plt.Line2D([], [], marker="o", ls="", color=c, label=name) for c, name in names]
+        axes[0].legend(handles=marks, loc="upper right", fontsize=8, framealpha=0.8, handletextpad=0.2)
+    else:
+        scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(*ends), views.MAPS[color])
+        figure.colorbar(scale, ax=axes, label=views.UNITS[color], shrink=0.8)
+
+
+def save(figure, folder, name):
+    path = os.path.join(folder, name)
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+    print(path)
+
+
+def sections(run, states, color, ends, folder):
+    lower, upper = window(run, states)
+    unit, name = data.scale(upper[0] - lower[0])
+    ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
+    columns = COLUMNS if ratio > 0.3 else 2 if ratio > 0.12 else 1
+    width = 12.0 / columns
+    figure, axes = grid(len(states), width, min(6.0, 0.85 * width * ratio + 0.7), columns)
+    for panel, state in zip(axes, states):
+        views.section(panel, run, state, color, ends, unit)
+        panel.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
+        panel.set_title(data.duration(state.time), fontsize=10)
+        panel.set(xlabel=f"x ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
+        panel.label_outer()
+    key(figure, axes, run, color, ends)
+    save(figure, folder, "section.png")
+
+
+def window(run, states):
+    """Corners (x, up) of what sections show: the liquid of all states and the solids, cut by the box."""
+    pair = [0, run.up]
+    points = np.concatenate([state.points for state in states] + [run.solid])[:, pair]
+    room = 0.04 * (points.max(axis=0) - points.min(axis=0)).max() + run.spacing
+    return (np.maximum(run.lower[pair], points.min(axis=0) - room), np.minimum(run.upper[pair], points.max(axis=0) + room))
+
+
+def surfaces(run, states, arguments, ends, folder):
+    """Perspective, and the view from above."""
+    colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
+    for name in ("surface.png", "top.png"):
+        if name == "surface.png":
+            view, half = views.camera(run, states, arguments.azimuth, arguments.elevation)
+        else:
+            view, half = views.above(run, states)
+        figure, axes = grid(len(states), height=4.0 * views.PANEL[1] / views.PANEL[0] + 0.15)
+        for panel, state in zip(axes, states):
+            panel.imshow(views.picture(run, state, arguments.color, ends, colormap, view, half))
+            panel.set(xticks=[], yticks=[])
+            panel.spines[:].set_color("0.8")
+            panel.set_title(data.duration(state.time), fontsize=10)
+        scale_bar(axes[-1], view)
+        key(figure, axes, run, arguments.color, ends)
+        save(figure, folder, name)
+
+
+def scale_bar(panel, view):
+    """Exact in a parallel view; in perspective at the distance of the focus, and said so."""
+    if "height" in view:
+        height, note = view["height"], ""
+    else:
+        distance = np.linalg.norm(np.subtract(view["position"], view["focus"]))
+        height, note = 2 * distance * np.tan(np.radians(view["angle"] / 2)), " (at the centre)"
+    pixel = height / views.PANEL[1]
+    length = data.bar(height)
+    unit, name = data.scale(length)
+    x, y = 0.05 * views.PANEL[0], 0.94 * views.PANEL[1]
+    panel.plot([x, x + length / pixel], [y, y], color="black", lw=2)
+    panel.text(x, y - 0.02 * views.PANEL[1], f"{length * unit:g} {name}{note}", fontsize=9)
+
+
+def curves(run, folder):
+    """Every column of the series that changes, a panel each."""
+    table = tables.read_series(run.folder)
+    time = np.array(table["time"])
+    chosen = {}
+    for name, values in table.items():
+        values = np.array(values)
+        good = np.isfinite(values)
+        if name not in SKIP and good.sum() > 1 and np.ptp(values[good]) > 0:
+            chosen[name] = values
+    if not chosen:
+        return
+    figure, axes = grid(len(chosen), height=2.2)
+    factor, unit = next(((f, u) for f, u in ((1, "s"), (1e3, "ms"), (1e6, "us")) if np.abs(time).max() * f >= 1),
+                        (1e6, "us"))
+    for panel, (name, values) in zip(axes, chosen.items()):
+        panel.plot(factor * time, values, color=views.BODY_COLORS[0], lw=1.3)
+        unit_of = UNITS.get(name)
+        panel.set_title(name.replace("_", " ") + (f" ({unit_of})" if unit_of else ""), fontsize=9)
+        panel.set_xlabel(f"time ({unit})", fontsize=9)
+        panel.tick_params(labelsize=8)
+        panel.grid(color="0.9")
+        panel.spines[["top", "right"]].set_visible(False)
+        panel.label_outer()
+    save(figure, folder, "curves.png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folder", metavar="RUN_FOLDER")
+    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="moments to draw, s; the nearest snapshots")
+    parser.add_argument("--count", type=int, default=6, help="number of moments without --times (6)")
+    parser.add_argument("--color", choices=("body", "speed", "pressure"), default="body")
+    parser.add_argument("--azimuth", type=float, default=25, help="of the eye, degrees from -y towards x (25)")
+    parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
+    arguments = parser.parse_args()
+    run = data.Run(arguments.folder)
+    states = [run.read(path) for _, path in run.moments(arguments.times, max(1, arguments.count))]
+    folder = os.path.join(arguments.folder, "figures")
+    os.makedirs(folder, exist_ok=True)
+    ends = views.limits(states, arguments.color)
+    curves(run, folder)
+    sections(run, states, arguments.color, ends, folder)
+    if run.dim == 3:
+        surfaces(run, states, arguments, ends, folder)
+
+
+if __name__ == "__main__":
+    try:
+        try:
+            import h5py  # noqa: F401
+            import matplotlib
+            import numpy as np
+            matplotlib.use("Agg")
+            import matplotlib.pyplot as plt
+            with_display()
+            import run as data
+            import views
+        except ImportError as error:
+            raise tables.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, "
+                                  "then use /usr/bin/python3.") from error
+        main()
+    except tables.RunError as error:
+        sys.exit(f"pictures.py: {error}")

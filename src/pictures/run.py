@@ -1,0 +1,146 @@
+"""A run as the pictures need it: its scene, and its states unfolded over mirrors. Lengths in m, SI units."""
+import glob
+import os
+
+import h5py
+import numpy as np
+
+import tables
+from tables import RunError
+
+AXES = "xyz"
+
+
+def text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+class State:
+    """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]."""
+
+    def __init__(self, time, points, velocity, pressure, body):
+        self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
+
+    @property
+    def speed(self):
+        return np.linalg.norm(self.velocity, axis=1)
+
+
+class Run:
+    """A folder of a run. lower, upper: corners of the box with its mirror images; faces[d]: kinds of its two faces then."""
+
+    def __init__(self, folder):
+        if not os.path.isdir(folder):
+            raise RunError(f"{folder} is not a folder.")
+        self.folder, self.files = folder, []
+        for path in sorted(glob.glob(os.path.join(folder, "snapshot_*.h5"))):
+            try:
+                with h5py.File(path, "r") as file:
+                    self.files.append((float(np.ravel(file.attrs["time"])[0]), path))
+            except (OSError, KeyError):
+                print(f"{path} is not a whole snapshot; left out.")
+        if not self.files:
+            raise RunError(f"{folder} holds no readable snapshot_*.h5.")
+        self.files.sort()
+        self.options = tables.read_options(folder)
+        with h5py.File(self.files[0][1], "r") as file:
+            head = dict(file.attrs)
+        self.dim = int(np.ravel(head["dimension"])[0])
+        self.up = self.dim - 1
+        self.spacing = float(np.ravel(head["spacing"])[0])
+        self.lower, self.upper = np.array(head["box_lower"], float), np.array(head["box_upper"], float)
+        self.faces = [[self.face(d, side) for side in ("min", "max")] for d in range(self.dim)]
+        self.mirrors = self.unfold()
+        self.bodies = [name.strip() for name in self.options.get("bodies", "liquid").split(",")]
+        self.solid = self.read_solid()
+
+    def face(self, d, side):
+        """The kind of a face, as options.opts says."""
+        axis = AXES[d]
+        return self.options.get(f"box_{axis}{side}", self.options.get(f"box_{axis}", "open")).strip('"')
+
+    def unfold(self):
+        """[(direction, place)] of the mirrors that pictures look through: one a horizontal direction."""
+        mirrors = []
+        for d in range(self.dim - 1):
+            for side in range(2):
+                if self.faces[d][side] != "symmetry":
+                    continue
+                length, other = self.upper[d] - self.lower[d], self.faces[d][1 - side]
+                mirrors.append((d, self.upper[d] if side else self.lower[d]))
+                if side:
+                    self.upper[d] += length
+                else:
+                    self.lower[d] -= length
+                self.faces[d] = [other, other]
+                break
+        return mirrors
+
+    def reflect(self, points, vectors=(), others=()):
+        """Points with their mirror images; vectors change sign, others are copied."""
+        for d, place in self.mirrors:
+            image = points.copy()
+            image[:, d] = 2 * place - image[:, d]
+            points = np.concatenate([points, image])
+            flipped = []
+            for vector in vectors:
+                image = vector.copy()
+                image[:, d] = -image[:, d]
+                flipped.append(np.concatenate([vector, image]))
+            vectors = flipped
+            others = [np.concatenate([other, other]) for other in others]
+        return points, vectors, others
+
+    def read(self, path):
+        """The liquid of a snapshot."""
+        with h5py.File(path, "r") as file:
+            time = float(np.ravel(file.attrs["time"])[0])
+            body = np.ravel(file["body"])
+            liquid = body >= 0
+            points = np.array(file["position"], float)[liquid]
+            zero = np.zeros(len(points))
+            velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
+            pressure = np.ravel(file["pressure"])[liquid].astype(float) if "pressure" in file else zero
+        points, (velocity,), (pressure, body) = self.reflect(points, [velocity], [pressure, body[liquid]])
+        return State(time, points, velocity, pressure, body)
+
+    def read_solid(self):
+        """Dummy particles of solid bodies, [n][3]; none without the file."""
+        path = os.path.join(self.folder, "solids.h5")
+        if not os.path.exists(path):
+            return np.zeros((0, 3))
+        with h5py.File(path, "r") as file:
+            points = np.array(file["position"], float).reshape(-1, 3)
+        return self.reflect(points)[0]
+
+    def moments(self, times=None, count=6):
+        """The snapshots nearest to the times (s), or 'count' of them spread over the run."""
+        if times is None:
+            first, last = self.files[0][0], self.files[-1][0]
+            times = [first + (last - first) * k / (count - 1) for k in range(count)] if count > 1 else [last]
+        nearest = [min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times]
+        return sorted(set(nearest))
+
+    def names(self):
+        """Names of the bodies for the legend."""
+        return self.bodies
+
+
+def duration(seconds):
+    """Text of a time and its unit."""
+    for factor, unit in ((1, "s"), (1e3, "ms"), (1e6, "us")):
+        if abs(seconds) * factor >= 1:
+            return f"{seconds * factor:.3g} {unit}"
+    return f"{seconds * 1e6:.3g} us" if seconds else "0"
+
+
+def scale(length):
+    """Factor and unit in which a length (m) is a handy number."""
+    return (1e6, "um") if length < 1e-3 else (1e3, "mm") if length < 1 else (1, "m")
+
+
+def bar(width):
+    """A round length (m) for a scale bar in a picture 'width' wide."""
+    wanted = 0.25 * width
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return max(step * power for step in (1, 2, 5) if step * power <= wanted)

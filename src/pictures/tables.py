@@ -1,0 +1,57 @@
+"""Tables and options of a run, with nothing but Python. All values in SI units; a missing or unreadable number is NaN."""
+import csv
+import math
+import os
+
+
+class RunError(Exception):
+    """Something the user can put right; its text is the whole message."""
+
+
+def number(text):
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return math.nan
+
+
+def read_table(path):
+    """The columns of a file of comma-separated values: {name: [numbers]}. Lines that start with # are comments."""
+    try:
+        with open(path, newline="") as stream:
+            rows = list(csv.reader(line for line in stream if line.strip() and not line.startswith("#")))
+    except OSError as error:
+        raise RunError(f"{path}: {error.strerror}.") from error
+    if len(rows) < 2:
+        raise RunError(f"{path} holds no data yet.")
+    names = [name.strip() for name in rows[0]]
+    if "time" not in names:
+        raise RunError(f"{path} has no column 'time'.")
+    rows = [row for row in rows[1:] if len(row) == len(names)]  # a run that still writes may leave half a line
+    return {name: [number(row[i]) for row in rows] for i, name in enumerate(names)}
+
+
+def read_series(folder):
+    """The time series of a run."""
+    if not os.path.isdir(folder):
+        raise RunError(f"{folder} is not a folder.")
+    return read_table(os.path.join(folder, "series.csv"))
+
+
+def read_options(folder):
+    """The options of a run, {name without the dash: value}, from its options.opts; empty if there is none."""
+    options = {}
+    try:
+        with open(os.path.join(folder, "options.opts")) as stream:
+            for line in stream:
+                words = line.split("#")[0].split(None, 1)
+                if words and words[0].startswith("-"):
+                    options[words[0].lstrip("-")] = words[1].strip() if len(words) > 1 else ""
+    except OSError:
+        pass
+    return options
+
+
+def vector(options, name):
+    """An option of comma-separated numbers as a list; empty if it is not set."""
+    return [number(word) for word in options[name].split(",")] if name in options else []

@@ -1,0 +1,209 @@
+"""Views of one state: a section for matplotlib, the liquid's surface in perspective or from above by VTK."""
+import numpy as np
+from matplotlib.collections import EllipseCollection
+
+import surface
+
+# Okabe and Ito: told apart also by colour-blind eyes
+BODY_COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555")
+SOLID_COLOR = "#9a9a9a"
+FLOOR = np.array([0.90, 0.90, 0.88])
+MAPS = {"speed": "viridis", "pressure": "cividis"}
+UNITS = {"speed": "speed (m/s)", "pressure": "pressure (Pa)"}
+PERCENTILE = 99  # of the values: the end of a colour scale, so that one particle of spray does not set it
+ANGLE = 22.0  # degrees, of the perspective
+FILL = 0.8  # of the picture by the sphere around the liquid, which it never fills
+PANEL = (1000, 760)  # pixels
+
+
+def rgb_of(name):
+    return np.array([int(name[k:k + 2], 16) / 255 for k in (1, 3, 5)])
+
+
+def limits(states, color):
+    """Ends of the colour scale over all states; None for bodies."""
+    if color == "body":
+        return None
+    values = np.concatenate([getattr(state, color) for state in states])
+    low = 0.0 if color == "speed" else min(0.0, np.percentile(values, 100 - PERCENTILE))
+    high = np.percentile(values, PERCENTILE)
+    return low, high if high > low else low + 1
+
+
+def section(axes, run, state, color, ends, unit):
+    """Particles of a slab through the middle (all in two dimensions) as discs of a spacing. unit: factor on m."""
+    size = run.spacing * unit
+    pair = (0, run.up)
+    chosen = np.ones(len(state.points), bool)
+    solid = run.solid
+    if run.dim == 3:
+        middle = 0.5 * (run.lower[1] + run.upper[1])
+        chosen = np.abs(state.points[:, 1] - middle) <= 0.75 * run.spacing
+        solid = solid[np.abs(solid[:, 1] - middle) <= 0.75 * run.spacing]
+
+    def discs(points, **style):
+        n = np.full(len(points), size)
+        axes.add_collection(EllipseCollection(n, n, np.zeros(len(n)), units="xy", offsets=points[:, pair] * unit,
+                                              transOffset=axes.transData, linewidths=0, **style))
+
+    if len(solid):
+        discs(solid, facecolors=SOLID_COLOR)
+    points = state.points[chosen]
+    if color == "body":
+        discs(points, facecolors=[BODY_COLORS[b % len(BODY_COLORS)] for b in state.body[chosen]])
+    else:
+        discs(points, array=getattr(state, color)[chosen], cmap=MAPS[color], clim=ends)
+    frame(axes, run, unit)
+
+
+def frame(axes, run, unit):
+    """Walls as thick lines, mirrors dashed."""
+    x0, x1 = run.lower[0] * unit, run.upper[0] * unit
+    z0, z1 = run.lower[run.up] * unit, run.upper[run.up] * unit
+    lines = (((x0, x0), (z0, z1), run.faces[0][0]), ((x1, x1), (z0, z1), run.faces[0][1]),
+             ((x0, x1), (z0, z0), run.faces[run.up][0]), ((x0, x1), (z1, z1), run.faces[run.up][1]))
+    for x, z, kind in lines:
+        if kind == "wall":
+            axes.plot(x, z, color="black", lw=2, zorder=3, clip_on=False)
+        elif kind in ("symmetry", "periodic"):
+            axes.plot(x, z, color="0.6", lw=0.8, ls=(0, (4, 4)), zorder=3)
+
+
+class Fluid:
+    """Volume fraction of the particles on a grid over the box, and the mean of values there."""
+
+    def __init__(self, run, points, values):
+        inside = np.all((points >= run.lower - run.spacing) & (points <= run.upper + run.spacing), axis=1)
+        self.points, self.spacing = points[inside], run.spacing
+        values = values[inside]
+        margin = 4 * surface.FILTER * run.spacing
+        lower = np.maximum(run.lower, self.points.min(axis=0) - margin)
+        upper = np.minimum(run.upper, self.points.max(axis=0) + margin)
+        self.cell = max(surface.CELL * run.spacing, (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / 3))
+        self.origin = lower - np.ceil(margin / self.cell) * self.cell
+        shape = tuple(np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1)
+        near, value = images(run, self.points, values, margin)
+        places, weight = (near - self.origin) / self.cell, (run.spacing / self.cell) ** 3
+        width = surface.FILTER * run.spacing / self.cell
+        self.fraction = surface.blur(surface.deposit(places, shape, weight), width)
+        self.moment = [surface.blur(surface.deposit(places, shape, weight * column), width) for column in value.T]
+        for d in range(3):  # liquid ends flat at faces that are not open
+            nodes = self.origin[d] + self.cell * np.arange(shape[d])
+            for side, beyond in ((0, nodes < run.lower[d] - 0.5 * self.cell),
+                                 (1, nodes > run.upper[d] + 0.5 * self.cell)):
+                if run.faces[d][side] != "open":
+                    np.moveaxis(self.fraction, d, 0)[beyond] = 0
+
+    def places(self, points):
+        return (points - self.origin) / self.cell
+
+    def values(self, points):
+        """[n][columns]: the mean of the values at points of the surface."""
+        places = self.places(points)
+        amount = np.maximum(surface.sample(self.fraction, places), 1e-6)
+        return np.stack([surface.sample(moment, places) / amount for moment in self.moment], axis=1)
+
+    def mesh(self):
+        """Points, normals, triangles of the surface, and which particles it does not hold."""
+        points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell)
+        lonely = surface.sample(self.fraction, self.places(self.points)) < surface.LEVEL
+        return points, normals, cells, lonely
+
+
+def images(run, points, values, margin):
+    """Points within a margin beyond the faces too: copies through periodic faces, mirror images in walls and mirrors."""
+    for d in range(3):
+        length = run.upper[d] - run.lower[d]
+        new = [points]
+        more = [values]
+        for side, face in ((0, run.lower[d]), (1, run.upper[d])):
+            kind = run.faces[d][side]
+            if kind == "open":
+                continue
+            opposite = run.upper[d] if side == 0 else run.lower[d]
+            near = np.abs(points[:, d] - (opposite if kind == "periodic" else face)) < margin
+            copy = points[near].copy()
+            copy[:, d] = copy[:, d] + (-length if side == 0 else length) if kind == "periodic" else 2 * face - copy[:, d]
+            new.append(copy)
+            more.append(values[near])
+        points, values = np.concatenate(new), np.concatenate(more)
+    return points, values
+
+
+def value_table(state, color, bodies):
+    """What the surface's colour is made of: a column a body, or the scalar."""
+    if color == "body":
+        return np.stack([state.body == b for b in range(bodies)], axis=1).astype(float)
+    return getattr(state, color)[:, None]
+
+
+def base_colors(table, color, ends, colormap):
+    """Colours [n][3] of values [n][columns]."""
+    if color != "body":
+        return colormap(np.clip((table[:, 0] - ends[0]) / (ends[1] - ends[0]), 0, 1))[:, :3]
+    share = np.clip(table, 0, 1) ** 3
+    share /= np.maximum(share.sum(axis=1, keepdims=True), 1e-9)
+    return share @ np.array([rgb_of(BODY_COLORS[b % len(BODY_COLORS)]) for b in range(table.shape[1])])
+
+
+def solid_mesh(run):
+    """Triangles of the solid bodies."""
+    if not len(run.solid):
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
+    return Fluid(run, run.solid, np.zeros((len(run.solid), 1))).mesh()[:3]
+
+
+def floor_mesh(run, focus, half):
+    """The floor, if it is a wall: two triangles, cut to the neighbourhood of what is seen."""
+    if run.faces[2][0] != "wall":
+        return np.zeros((0, 3)), np.zeros((0, 3), int)
+    x0, y0 = np.maximum(run.lower[:2], focus[:2] - half)
+    x1, y1 = np.minimum(run.upper[:2], focus[:2] + half)
+    z = run.lower[2]
+    return np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]]), np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def camera(run, states, azimuth, elevation):
+    """A perspective that holds the liquid of all states; and the half width of what it sees."""
+    points = np.concatenate([state.points for state in states] + [run.solid])
+    lower = np.maximum(run.lower, np.percentile(points, 0.5, axis=0))
+    upper = np.minimum(run.upper, np.percentile(points, 99.5, axis=0))
+    focus, radius = 0.5 * (lower + upper), 0.5 * np.linalg.norm(upper - lower)
+    a, e = np.radians(azimuth), np.radians(elevation)
+    way = np.array([np.cos(e) * np.sin(a), -np.cos(e) * np.cos(a), np.sin(e)])
+    distance = FILL * radius / np.sin(np.radians(ANGLE / 2))
+    return dict(position=focus + distance * way, focus=focus, up=(0, 0, 1), angle=ANGLE), radius
+
+
+def above(run, states):
+    """A parallel view from above."""
+    points = np.concatenate([state.points for state in states])
+    lower, upper = np.maximum(run.lower, points.min(axis=0)), np.minimum(run.upper, points.max(axis=0))
+    focus = 0.5 * (lower + upper)
+    wide, high = upper[:2] - lower[:2] + 4 * run.spacing
+    height = max(high, wide * PANEL[1] / PANEL[0])
+    return dict(position=focus + [0, 0, 1], focus=focus, up=(0, 1, 0), height=height), 0.5 * max(wide, high)
+
+
+def picture(run, state, color, ends, colormap, view, half, size=PANEL):
+    """Renders the liquid's surface, solids and floor: [height][width][3] bytes."""
+    fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)))
+    points, normals, cells, lonely = fluid.mesh()
+    radius = run.spacing * (3 / (4 * np.pi)) ** (1 / 3)
+    balls = surface.spheres(fluid.points[lonely], radius)
+    points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
+    cells = np.concatenate([cells, balls[2] + len(points) - len(balls[0])])
+    base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)
+    solid = solid_mesh(run)
+    base = np.concatenate([base, np.tile(rgb_of(SOLID_COLOR), (len(solid[0]), 1))])
+    cells = np.concatenate([cells, solid[2] + len(points)])
+    points, normals = np.concatenate([points, solid[0]]), np.concatenate([normals, solid[1]])
+    eye, focus = np.array(view["position"], float), np.array(view["focus"], float)
+    toward = eye - points if "angle" in view else np.broadcast_to(eye - focus, points.shape)
+    toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
+    rgb = surface.colors(points, normals, base, np.ones(len(points)), toward)
+    ground, corners = floor_mesh(run, focus, 1.5 * half)
+    cells = np.concatenate([cells, corners + len(points)])
+    points = np.concatenate([points, ground])
+    rgb = np.concatenate([rgb, np.tile((255 * FLOOR).astype(np.uint8), (len(ground), 1))])
+    return surface.render(points, cells, rgb, view, size)

@@ -1,0 +1,240 @@
+/* Eq. (8) without a matrix: the sum over the pairs of the cloud's list, y_a = sum_b K_ab (p_a - p_b) + what the closure
+   adds, as a MATSHELL. A pair is eight bytes here, its number and its weight in single precision (the same for both
+   particles, so the operator is symmetric and constants have no pressure gradient to round-off); in an assembled row it
+   is twelve, and the assembly costs what six to eight products do. The weight's rounding, 6e-8, changes the pressure by
+   less than any tolerance in use. Deeper wall particles are folded into their parent (P^T A P), pairs of wall particles
+   left out. */
+#include "types.h"
+
+/* Whether every pair has the same material: then the cloud's own factors are the weights. */
+static PetscBool OneDensity(Pressure pressure)
+{
+  Scene scene = pressure->cloud->scene;
+
+  if (pressure->summed) return PETSC_FALSE;
+  for (PetscInt b = 1; b < SceneCount(scene); b++)
+    if (BodyMaterial(SceneBody(scene, b))->density != BodyMaterial(SceneBody(scene, 0))->density) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Eq. (8): K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2); times m_a/m_ref it is the same for both
+   particles also between liquids. The weights are those of the first body's density but for a factor. */
+static PetscErrorCode SetWeights(Pressure pressure)
+{
+  Cloud            cloud   = pressure->cloud;
+  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density,
+                  reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
+  const PetscInt count      = cloud->first[cloud->n_owned];
+  PetscReal      scale_w, scale_f, inverse_h2;
+
+  PetscFunctionBegin;
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  pressure->weight       = cloud->laplacian;
+  pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f;
+  if (OneDensity(pressure)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (count > pressure->weight_capacity) {
+    pressure->weight_capacity = count + count / 16;
+    PetscCall(PetscFree(pressure->own_weight));
+    PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->own_weight));
+  }
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal rho_a = density[a], rest_a = rest[a];
+
+    SIMD_LOOP()
+    for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+      const PetscInt  b   = cloud->list[k];
+      const PetscReal sum = rho_a + density[b];
+
+      pressure->own_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * cloud->laplacian[k];
+    }
+  }
+  pressure->weight = pressure->own_weight;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether particle a may be a neighbour of its own image, with which it has no pressure difference. */
+static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, reach = KernelSupport(cloud->kernel);
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (domain->face[d][0] == FACE_SYMMETRY && 2 * (x[d] - domain->lower[d]) < reach) return PETSC_TRUE;
+    if (domain->face[d][1] == FACE_SYMMETRY && 2 * (domain->upper[d] - x[d]) < reach) return PETSC_TRUE;
+    if (domain->face[d][0] == FACE_PERIODIC && domain->upper[d] - domain->lower[d] < reach) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* The sum of weights of particle a's pairs that count. */
+static PetscReal WeightSum(Pressure pressure, PetscInt a)
+{
+  Cloud           cloud  = pressure->cloud;
+  const float    *weight = pressure->weight;
+  const PetscInt *layer = cloud->integer[INT_LAYER], *list = cloud->list, *row = cloud->row;
+  const PetscInt  end = cloud->first[a + 1];
+  PetscReal       sum = 0;
+
+  if (a >= cloud->n_fluid) {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += layer[list[k]] ? 0 : weight[k];
+  } else if (MayMeetItself(cloud, a)) {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[list[k]] == row[a] ? 0 : weight[k];
+  } else {
+    SIMD_LOOP(reduction(+ : sum))
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += weight[k];
+  }
+  return sum;
+}
+
+/* Whether any particle anywhere is on a free surface: if none is, no row is closed, however disordered the particles
+ * are. */
+static PetscErrorCode FindFreeSurface(Pressure pressure)
+{
+  Cloud    cloud = pressure->cloud;
+  PetscInt flags = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid && !flags; a++) flags = cloud->integer[INT_SURFACE][a] == 1;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &flags, 1, MPIU_INT, MPI_MAX, cloud->comm));
+  pressure->free_surface = (PetscBool)(flags > 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sums of the rows and what the closure adds; constant_null. */
+static PetscErrorCode SetDiagonal(Pressure pressure)
+{
+  Cloud    cloud  = pressure->cloud;
+  PetscInt closed = 0;
+
+  PetscFunctionBegin;
+  if (cloud->n_rows > pressure->rows_capacity) {
+    pressure->rows_capacity = cloud->capacity;
+    PetscCall(PetscFree(pressure->closed));
+    PetscCall(PetscFree(pressure->pairs));
+    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->closed));
+    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->pairs));
+  }
+  for (PetscInt r = 0; r < cloud->n_rows; r++) pressure->pairs[r] = pressure->weight_scale * WeightSum(pressure, r);
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
+    pressure->pairs[cloud->row[a] - cloud->row_start] += pressure->weight_scale * WeightSum(pressure, a);
+  for (PetscInt r = 0; r < cloud->n_rows; r++) {
+    pressure->closed[r] = pressure->closure(pressure, r, pressure->pairs[r]);
+    closed += pressure->closed[r] > 0;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closed, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
+     null space is one constant or nothing. */
+  pressure->constant_null = (PetscBool)(closed == 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What row r has beside its pairs: the closure, or 1 if there is nothing at all. */
+static inline PetscReal Surplus(Pressure pressure, PetscInt r)
+{
+  return pressure->pairs[r] + pressure->closed[r] > 0 ? pressure->closed[r] : 1;
+}
+
+/* sum_b weight (p_a - p_b) of particle a's pairs that count. */
+static inline PetscReal PairSum(const PetscInt *restrict index, const float *restrict weight, PetscInt n,
+                                const PetscReal *restrict p, PetscReal own)
+{
+  PetscReal sum = 0;
+
+  SIMD_LOOP(reduction(+ : sum))
+  for (PetscInt k = 0; k < n; k++) sum += weight[k] * (own - p[index[k]]);
+  return sum;
+}
+
+static PetscReal WallPairSum(Cloud cloud, const float *restrict weight, PetscInt a, const PetscReal *restrict p)
+{
+  const PetscInt *layer = cloud->integer[INT_LAYER];
+  PetscReal       sum   = 0;
+
+  for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++)
+    sum += layer[cloud->list[k]] ? 0 : weight[k] * (p[a] - p[cloud->list[k]]);
+  return sum;
+}
+
+PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[])
+{
+  Cloud           cloud = pressure->cloud;
+  const PetscReal scale = pressure->weight_scale;
+  PetscReal      *full  = cloud->field[FIELD_WORK1];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(full, p, cloud->n_rows));
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) full[a] = p[cloud->row[a] - cloud->row_start];
+  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
+  for (PetscInt r = 0; r < cloud->n_fluid; r++) {
+    const PetscInt first = cloud->first[r];
+
+    y[r] = scale * PairSum(cloud->list + first, pressure->weight + first, cloud->first[r + 1] - first, full, full[r]) +
+           Surplus(pressure, r) * full[r];
+  }
+  for (PetscInt r = cloud->n_fluid; r < cloud->n_rows; r++)
+    y[r] = scale * WallPairSum(cloud, pressure->weight, r, full) + Surplus(pressure, r) * full[r];
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
+    y[cloud->row[a] - cloud->row_start] += scale * WallPairSum(cloud, pressure->weight, a, full);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
+{
+  Pressure           pressure;
+  const PetscScalar *p;
+  PetscScalar       *sum;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &pressure));
+  PetscCall(VecGetArrayRead(x, &p));
+  PetscCall(VecGetArrayWrite(y, &sum));
+  PetscCall(PressureMultiply(pressure, p, sum));
+  PetscCall(VecRestoreArrayWrite(y, &sum));
+  PetscCall(VecRestoreArrayRead(x, &p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
+{
+  Pressure     pressure;
+  PetscScalar *value;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &pressure));
+  PetscCall(VecGetArrayWrite(d, &value));
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = pressure->pairs[r] + Surplus(pressure, r);
+  PetscCall(VecRestoreArrayWrite(d, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A)
+{
+  MatNullSpace constant = NULL;
+
+  PetscFunctionBegin;
+  if (pressure->constant_null) PetscCall(MatNullSpaceCreate(pressure->cloud->comm, PETSC_TRUE, 0, NULL, &constant));
+  PetscCall(MatSetNullSpace(A, constant));
+  PetscCall(MatNullSpaceDestroy(&constant));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorSetUp(Pressure pressure)
+{
+  Cloud cloud = pressure->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SystemChildren(pressure));
+  PetscCall(FindFreeSurface(pressure));
+  PetscCall(SetWeights(pressure));
+  PetscCall(SetDiagonal(pressure));
+  if (!pressure->operator) {
+    PetscCall(MatCreateShell(cloud->comm, cloud->n_rows, cloud->n_rows, cloud->rows_global, cloud->rows_global,
+                             pressure, &pressure->operator));
+    PetscCall(MatShellSetOperation(pressure->operator, MATOP_MULT, (void (*)(void))MatMult_Pairs));
+    PetscCall(MatShellSetOperation(pressure->operator, MATOP_MULT_TRANSPOSE, (void (*)(void))MatMult_Pairs));
+    PetscCall(MatShellSetOperation(pressure->operator, MATOP_GET_DIAGONAL, (void (*)(void))MatGetDiagonal_Pairs));
+    PetscCall(MatSetOption(pressure->operator, MAT_SPD, PETSC_TRUE));
+  }
+  PetscCall(OperatorNullSpace(pressure, pressure->operator));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

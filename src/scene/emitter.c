@@ -1,0 +1,99 @@
+/* Types of bodies: liquid that is there from the start, and emitters that bring it in time after time. */
+#include "sceneimpl.h"
+
+typedef struct {
+  PetscReal start, interval;       /* s */
+  PetscInt  count;                 /* of emissions; 0: no end */
+  PetscReal modulation, frequency; /* of the speed: e (1), 2 pi f (rad/s) */
+} Emitter;
+
+PetscErrorCode BodyTypeLiquid(Body body, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Length (m) of the body's bounds along its velocity. */
+static PetscReal LengthAlong(Body body, PetscReal speed)
+{
+  PetscReal lower[DIM], upper[DIM], length = PETSC_MAX_REAL;
+
+  BodyBounds(body, lower, upper);
+  for (PetscInt d = 0; d < body->domain->dim; d++)
+    if (PetscAbsReal(body->uniform[d]) > 0)
+      length = PetscMin(length, (upper[d] - lower[d]) * speed / PetscAbsReal(body->uniform[d]));
+  return length;
+}
+
+PetscErrorCode BodyTypeEmitter(Body body, OptionItems PetscOptionsObject)
+{
+  MPI_Comm        comm  = body->domain->comm;
+  const PetscReal speed = Norm(body->uniform);
+  Emitter        *e;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&e));
+  body->emitter = e;
+  PetscCheckUser(speed > 0, comm, "-%stype emitter needs -%svelocity, not zero: the liquid must leave the shape",
+                 body->prefix, body->prefix);
+  e->interval = LengthAlong(body, speed) / speed;
+  PetscCall(PetscOptionsReal("-interval", "Time between fillings of an emitter (s); default: a jet without gaps",
+                             "BodyTypeEmitter", e->interval, &e->interval, NULL));
+  PetscCall(
+    PetscOptionsReal("-start", "Time of an emitter's first filling (s)", "BodyTypeEmitter", e->start, &e->start, NULL));
+  PetscCall(PetscOptionsInt("-count", "Number of fillings of an emitter; 0: no end", "BodyTypeEmitter", e->count,
+                            &e->count, NULL));
+  PetscCall(PetscOptionsReal("-modulation", "Amplitude of an emitter's speed over the speed, in [0, 1)",
+                             "BodyTypeEmitter", e->modulation, &e->modulation, NULL));
+  PetscCall(PetscOptionsReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "BodyTypeEmitter",
+                             e->frequency, &e->frequency, NULL));
+  PetscCheckUser(e->interval >= LengthAlong(body, speed) / speed * (1 - 1e-9) && !PetscIsInfOrNanReal(e->interval),
+                 comm, "-%sinterval is %g s; it must be at least %g s, in which the liquid leaves the shape",
+                 body->prefix, (double)e->interval, (double)(LengthAlong(body, speed) / speed));
+  PetscCheckUser(e->count >= 0, comm, "-%scount must not be negative", body->prefix);
+  PetscCheckUser(e->modulation >= 0 && e->modulation < 1, comm, "-%smodulation is %g; it must lie in [0, 1)",
+                 body->prefix, (double)e->modulation);
+  PetscCheckUser(e->frequency > 0 || e->modulation == 0, comm, "-%smodulation needs -%smodulation_frequency, in Hz",
+                 body->prefix, body->prefix);
+  e->frequency *= 2 * PETSC_PI;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool BodyEmits(Body body)
+{
+  return (PetscBool)(body->emitter != NULL);
+}
+
+/* The time (s) in which liquid of the unmodulated speed would have come as far as it has since the start. */
+static PetscReal Travelled(const Emitter *e, PetscReal time)
+{
+  const PetscReal t = time - e->start;
+
+  return e->modulation > 0 ? t + e->modulation * (1 - PetscCosReal(e->frequency * t)) / e->frequency : t;
+}
+
+PetscInt BodyEmissions(Body body, PetscReal time)
+{
+  const Emitter *e = (const Emitter *)body->emitter;
+  PetscInt       n;
+
+  if (time < e->start) return 0;
+  n = (PetscInt)PetscFloorReal(Travelled(e, time) / e->interval + 1e-9) + 1;
+  return e->count > 0 ? PetscMin(n, e->count) : n;
+}
+
+void BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
+{
+  const Emitter *e = (const Emitter *)body->emitter;
+
+  for (PetscInt d = 0; d < DIM; d++) shift[d] = (Travelled(e, time) - (PetscReal)k * e->interval) * body->uniform[d];
+}
+
+void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  const Emitter  *e     = (const Emitter *)body->emitter;
+  const PetscReal speed = 1 + e->modulation * PetscSinReal(e->frequency * (time - e->start));
+
+  BodyVelocity(body, x, v);
+  for (PetscInt d = 0; d < DIM; d++) v[d] += (speed - 1) * body->uniform[d];
+}

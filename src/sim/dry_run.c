@@ -1,0 +1,187 @@
+/* -dry_run: what a run would need, and a picture of its start. */
+#include "types.h"
+#include <errno.h>
+#include <petsctime.h>
+#include <stdio.h>
+#include <string.h>
+
+#define TRIAL_STEPS 3     /* that are computed to tell the time; the first, which sets everything up, is left out */
+#define PICTURE     800.0 /* larger side of the picture, pixels */
+#define SLAB        0.75  /* spacings to both sides of the middle of a scene in three dimensions */
+#define MEGABYTE    1e6
+
+/* Okabe and Ito's colours, told apart by colour-blind eyes too */
+static const char *const colors[] = {"#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"};
+
+PetscBool SimIsDry(Sim sim)
+{
+  return sim->dry_run;
+}
+
+static PetscErrorCode PrintParticles(Sim sim)
+{
+  PetscInt       count[3] = {0, 0, 0}; /* liquid, walls, solids */
+  double         memory[2];            /* bytes, all ranks, and the largest */
+  PetscLogDouble resident;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt body = arrays.integer[INT_BODY][a];
+
+    count[body >= 0 ? 0 : body == BODY_WALL ? 1 : 2]++;
+  }
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 3, MPIU_INT, MPI_SUM, sim->comm));
+  PetscCall(PetscMemoryGetCurrentUsage(&resident));
+  memory[0] = memory[1] = (double)resident;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[0], 1, MPI_DOUBLE, MPI_SUM, sim->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[1], 1, MPI_DOUBLE, MPI_MAX, sim->comm));
+  PetscCall(PetscPrintf(sim->comm,
+                        "Dry run\n  particles: %" PetscInt_FMT " of liquid, %" PetscInt_FMT
+                        " of the box's walls, %" PetscInt_FMT " of solids\n  memory: %.0f MB in all, %.0f MB on the "
+                        "largest rank, after the trial steps\n",
+                        count[0], count[1], count[2], memory[0] / MEGABYTE, memory[1] / MEGABYTE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintBound(Sim sim, const char what[], PetscReal bound)
+{
+  PetscFunctionBegin;
+  if (bound < PETSC_MAX_REAL) PetscCall(PetscPrintf(sim->comm, "    %-16s %.3g s\n", what, (double)bound));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes some steps for their time. */
+static PetscErrorCode Try(Sim sim, PetscReal *step_time)
+{
+  StepState state = sim->state;
+  double    start = 0, now;
+  PetscBool failed;
+  PetscInt  done = 0;
+  char      why[512];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < TRIAL_STEPS && state.time < sim->time_end; k++) {
+    if (k == 1) PetscCall(PetscTime(&start));
+    PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &state, &failed, why, sizeof(why)));
+    PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
+    done = k;
+  }
+  PetscCall(PetscTime(&now));
+  *step_time = done ? (PetscReal)(now - start) / done : 0;
+  PetscCallMPI(MPI_Bcast(step_time, 1, MPIU_REAL, 0, sim->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
+{
+  const StepBounds bounds  = StepperBounds(sim->stepper);
+  const PetscReal smallest = PetscMin(PetscMin(bounds.speed, bounds.force), PetscMin(bounds.viscosity, bounds.tension));
+  PetscReal steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / smallest : sim->steps_max;
+
+  PetscFunctionBegin;
+  if (sim->steps_max) steps = PetscMin(steps, (PetscReal)sim->steps_max);
+  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step at the start:\n"));
+  PetscCall(PrintBound(sim, "speed", bounds.speed));
+  PetscCall(PrintBound(sim, "force", bounds.force));
+  PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
+  PetscCall(PrintBound(sim, "surface tension", bounds.tension));
+  PetscCall(PetscPrintf(sim->comm,
+                        "  time: about %.0f steps of %.3g s (trial steps on this machine), %.3g minutes; liquid that "
+                        "gets faster needs more\n",
+                        (double)steps, (double)step_time, (double)(steps * step_time / 60)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rank 0 writes what all send: x, up and colour of the particles of the slab. Returns an errno. */
+static int Draw(Sim sim, const char path[], PetscInt n, const double particle[])
+{
+  const Domain domain = sim->domain;
+  const int    up     = (int)domain->dim - 1;
+  const double wide   = (double)(domain->upper[0] - domain->lower[0]),
+               high = (double)(domain->upper[up] - domain->lower[up]), scale = PICTURE / PetscMax(wide, high);
+  FILE *file = fopen(path, "w");
+
+  if (!file) return errno;
+  fprintf(file,
+          "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\">\n<rect width=\"100%%\" "
+          "height=\"100%%\" fill=\"white\" stroke=\"black\"/>\n",
+          wide * scale, high * scale + 20);
+  for (PetscInt k = 0; k < n; k++) {
+    const int body = (int)particle[3 * k + 2];
+
+    fprintf(file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\" fill=\"%s\"/>\n",
+            (particle[3 * k] - (double)domain->lower[0]) * scale,
+            ((double)domain->upper[up] - particle[3 * k + 1]) * scale, 0.5 * (double)domain->spacing * scale,
+            body < 0 ? "#999999" : colors[(size_t)body % PETSC_STATIC_ARRAY_LENGTH(colors)]);
+  }
+  fprintf(file, "<text x=\"4\" y=\"%.0f\" font-size=\"14\">%s; %g m wide, %g m high</text>\n</svg>\n",
+          high * scale + 15, domain->dim == 3 ? "section through the middle of y" : "x to the right, y up", wide, high);
+  return fclose(file) ? errno : 0;
+}
+
+static PetscErrorCode Picture(Sim sim)
+{
+  const Domain    domain = sim->domain;
+  const PetscReal middle = 0.5 * (domain->lower[1] + domain->upper[1]);
+  const PetscInt  up     = domain->dim - 1;
+  PetscMPIInt     size, rank, n = 0, *count, *place, total = 0;
+  double         *own, *all;
+  ParticleArrays  arrays;
+  char            path[PETSC_MAX_PATH_LEN];
+  int             error = 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(sim->comm, &size));
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  PetscCall(PetscMalloc1(3 * arrays.n, &own));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    if (arrays.integer[INT_BODY][a] == BODY_WALL) continue;
+    if (domain->dim == 3 && PetscAbsReal(x[1] - middle) > SLAB * domain->spacing) continue;
+    own[n++] = (double)x[0];
+    own[n++] = (double)x[up];
+    own[n++] = (double)arrays.integer[INT_BODY][a];
+  }
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCall(PetscMalloc2(size, &count, size, &place));
+  PetscCallMPI(MPI_Gather(&n, 1, MPI_INT, count, 1, MPI_INT, 0, sim->comm));
+  for (PetscMPIInt r = 0; r < size && !rank; r++) {
+    place[r] = total;
+    total += count[r];
+  }
+  PetscCall(PetscMalloc1(total, &all));
+  PetscCallMPI(MPI_Gatherv(own, n, MPI_DOUBLE, all, count, place, MPI_DOUBLE, 0, sim->comm));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s.svg", OutputFolder(sim->output)));
+  if (!rank) error = Draw(sim, path, total / 3, all);
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree2(count, place));
+  PetscCall(PetscFree(own));
+  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
+  PetscCheckUser(!error, sim->comm, "cannot write the picture %s: %s", path, strerror(error));
+  PetscCall(PetscPrintf(sim->comm, "  picture of the start: %s\n", path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimDryRun(Sim sim)
+{
+  PetscInt64 snapshots, bytes, checkpoint;
+  PetscReal  step_time;
+
+  PetscFunctionBegin;
+  PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
+  PetscCall(Picture(sim));
+  PetscCall(Try(sim, &step_time));
+  PetscCall(PrintParticles(sim));
+  PetscCall(PrintTime(sim, step_time));
+  PetscCall(PetscPrintf(sim->comm,
+                        "  output: about %" PetscInt64_FMT
+                        " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB\n",
+                        snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
+                        (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

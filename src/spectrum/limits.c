@@ -1,0 +1,154 @@
+/* The explicit terms: the largest step at which they are stable. */
+#include "types.h"
+
+#define TOLERANCE    1e-3 /* relative, of eigenvalues */
+#define DISPLACEMENT 1e-3 /* spacings: of the finite difference of the surface tension */
+
+/* y = - the viscous acceleration of the velocity x, 1/s times m/s. */
+static PetscErrorCode ApplyViscosity(Mat shell, Vec x, Vec y)
+{
+  Spectrum           s;
+  const PetscScalar *u;
+  PetscScalar       *a;
+  Cloud              cloud;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(shell, &s));
+  cloud = s->cloud;
+  PetscCall(PetscArrayzero(cloud->field[FIELD_VELOCITY], DIM * cloud->n_owned));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
+  PetscCall(VecGetArrayRead(x, &u));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->field[FIELD_VELOCITY][k] = PetscRealPart(u[k]);
+  PetscCall(VecRestoreArrayRead(x, &u));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+  PetscCall(OperatorsViscosity(cloud, s->form, cloud->rest_density));
+  PetscCall(VecGetArrayWrite(y, &a));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) a[k] = -cloud->field[FIELD_ACCELERATION][k];
+  PetscCall(VecRestoreArrayWrite(y, &a));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Surface tension at positions place + scale displacement: its acceleration, capillary pressure and slope. */
+static PetscErrorCode Displaced(Spectrum s, const PetscReal displacement[], PetscReal scale)
+{
+  Cloud cloud = s->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->place, DIM * cloud->n_owned));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->field[FIELD_POSITION][k] += scale * displacement[k];
+  PetscCall(CloudMoved(cloud, PETSC_FALSE));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
+  PetscCall(TensionApply(s->tension, cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], PetscReal acceleration[])
+{
+  const FieldId fields[] = {FIELD_ACCELERATION, FIELD_CAPILLARY_SLOPE, FIELD_CAPILLARY}; /* the last is a scalar */
+  Cloud         cloud    = s->cloud;
+  PetscReal     largest = 0, scale, *before[3];
+  PetscScalar  *rhs;
+  KSP           ksp;
+  Vec           b, p;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) largest = PetscMax(largest, Norm(displacement + DIM * a));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  scale = DISPLACEMENT * cloud->domain->spacing / PetscMax(largest, PETSC_SMALL * cloud->domain->spacing);
+  PetscCall(Displaced(s, displacement, -scale));
+  for (PetscInt f = 0; f < 3; f++) {
+    PetscCall(PetscMalloc1(DIM * cloud->n_owned, &before[f]));
+    PetscCall(PetscArraycpy(before[f], cloud->field[fields[f]], (f < 2 ? DIM : 1) * cloud->n_owned));
+  }
+  PetscCall(Displaced(s, displacement, scale));
+  for (PetscInt f = 0; f < 3; f++) {
+    PetscReal *now = cloud->field[fields[f]];
+
+    for (PetscInt k = 0; k < (f < 2 ? DIM : 1) * cloud->n_owned; k++) now[k] = (now[k] - before[f][k]) / (2 * scale);
+    PetscCall(PetscFree(before[f]));
+  }
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->place, DIM * cloud->n_owned));
+  PetscCall(CloudMoved(cloud, PETSC_FALSE));
+  /* the pressure that answers the change of that on the free surface */
+  PetscCall(PressureSolver(s->pressure, &ksp, &b));
+  PetscCall(VecDuplicate(b, &p));
+  PetscCall(VecGetArrayWrite(b, &rhs));
+  PetscCall(PressureCapillary(s->pressure, rhs));
+  PetscCall(VecRestoreArrayWrite(b, &rhs));
+  PetscCall(VecSet(p, 0));
+  PetscCall(KSPSetTolerances(ksp, 1e-2 * TOLERANCE, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(KSPSolve(ksp, b, p));
+  PetscCall(VecGetArray(p, &rhs));
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    cloud->field[FIELD_PRESSURE][a] = PetscRealPart(rhs[cloud->row[a] - cloud->row_start]);
+  PetscCall(VecRestoreArray(p, &rhs));
+  PetscCall(VecDestroy(&p));
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscCall(PressureAcceleration(s->pressure));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
+    acceleration[k] = cloud->field[FIELD_ACCELERATION][k] + cloud->field[FIELD_WORK3][k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* y = - the acceleration by the displacement x: eigenvalues are squares of frequencies, 1/s2. */
+static PetscErrorCode ApplyCapillary(Mat shell, Vec x, Vec y)
+{
+  Spectrum           s;
+  const PetscScalar *u;
+  PetscScalar       *a;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(shell, &s));
+  PetscCall(VecGetArrayRead(x, &u));
+  PetscCall(VecGetArrayWrite(y, &a));
+  PetscCall(CapillaryResponse(s, u, a));
+  for (PetscInt k = 0; k < DIM * s->cloud->n_fluid; k++) a[k] = -a[k];
+  PetscCall(VecRestoreArrayWrite(y, &a));
+  PetscCall(VecRestoreArrayRead(x, &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The largest eigenvalue of an operator on the fluid's vectors. */
+static PetscErrorCode Largest(Spectrum s, PetscErrorCode (*apply)(Mat, Vec, Vec), PetscReal *value, PetscBool *found)
+{
+  Mat shell;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateShell(s->cloud->comm, DIM * s->cloud->n_fluid, DIM * s->cloud->n_fluid, PETSC_DETERMINE,
+                           PETSC_DETERMINE, s, &shell));
+  PetscCall(MatShellSetOperation(shell, MATOP_MULT, (void (*)(void))apply));
+  PetscCall(SpectrumExtreme(shell, EPS_NHEP, EPS_LARGEST_MAGNITUDE, TOLERANCE, NULL, value, found));
+  PetscCall(MatDestroy(&shell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SpectrumLimits(Spectrum s, PetscReal dt)
+{
+  MPI_Comm  comm = s->cloud->comm;
+  PetscReal value, d2 = PetscSqr(s->cloud->domain->spacing), nu = 0;
+  PetscBool found;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPrintf(comm, "  explicit terms, against the time step %.4g s\n", (double)dt));
+  for (PetscInt b = 0; b < SceneCount(s->cloud->scene); b++) {
+    const Material *m = BodyMaterial(SceneBody(s->cloud->scene, b));
+
+    nu = PetscMax(nu, m->viscosity / m->density);
+  }
+  if (nu > 0) {
+    PetscCall(Largest(s, ApplyViscosity, &value, &found));
+    PetscCall(PetscPrintf(comm,
+                          "    viscosity  largest eigenvalue %.5g 1/s = %.4g nu/d0^2: stable up to 2/lambda = %.4g s, "
+                          "%.3g times the step\n",
+                          (double)value, (double)(value * d2 / nu), (double)(2 / value), (double)(2 / value / dt)));
+  }
+  if (TensionReach(s->tension) > 0) {
+    PetscCall(Largest(s, ApplyCapillary, &value, &found));
+    value = value > 0 ? PetscSqrtReal(value) : value;
+    PetscCall(PetscPrintf(comm,
+                          "    tension    largest frequency %.5g 1/s: stable up to 2/omega = %.4g s, %.3g times the "
+                          "step\n",
+                          (double)value, (double)(2 / value), (double)(2 / value / dt)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

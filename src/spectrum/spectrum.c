@@ -1,0 +1,94 @@
+#include "types.h"
+
+#define SUBSPACE 40 /* dimension of the Krylov space */
+
+PetscErrorCode SpectrumCreate(Cloud cloud, Tension tension, Pressure pressure, Spectrum *spectrum)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(spectrum));
+  (*spectrum)->cloud    = cloud;
+  (*spectrum)->tension  = tension;
+  (*spectrum)->pressure = pressure;
+  (*spectrum)->degrees  = 4;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SpectrumSetFromOptions(Spectrum s)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(s->cloud->comm, NULL, "Spectrum", "Spectrum");
+  PetscCall(PetscOptionsBool("-spectrum",
+                             "at the end of the run, report eigenvalues and condition of the pressure operator and the "
+                             "stability limits of the explicit terms",
+                             "SpectrumSetFromOptions", s->wanted, &s->wanted, NULL));
+  PetscCall(PetscOptionsInt("-spectrum_modes",
+                            "highest degree of the modes of oscillation that -spectrum gives of a single free drop (1); "
+                            "0: none",
+                            "SpectrumSetFromOptions", s->degrees, &s->degrees, NULL));
+  PetscOptionsEnd();
+  PetscCheckUser(s->degrees >= 0 && s->degrees <= 6, s->cloud->comm,
+                 "-spectrum_modes is %" PetscInt_FMT "; it must lie between 0 and 6", s->degrees);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool SpectrumWanted(Spectrum spectrum)
+{
+  return spectrum->wanted;
+}
+
+PetscErrorCode SpectrumExtreme(Mat A, EPSProblemType type, EPSWhich which, PetscReal tolerance, Vec deflated,
+                               PetscReal *value, PetscBool *found)
+{
+  EPS         eps;
+  PetscInt    count, n;
+  PetscScalar real, imaginary;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(A, &n, NULL));
+  PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &eps));
+  PetscCall(EPSSetOperators(eps, A, NULL));
+  PetscCall(EPSSetProblemType(eps, type));
+  PetscCall(EPSSetWhichEigenpairs(eps, which));
+  PetscCall(EPSSetDimensions(eps, 1, PetscMin(SUBSPACE, n), PETSC_DEFAULT));
+  PetscCall(EPSSetTolerances(eps, tolerance, PETSC_DEFAULT));
+  if (deflated) PetscCall(EPSSetDeflationSpace(eps, 1, &deflated));
+  PetscCall(EPSSetOptionsPrefix(eps, "spectrum_"));
+  PetscCall(EPSSetFromOptions(eps));
+  PetscCall(EPSSolve(eps));
+  PetscCall(EPSGetConverged(eps, &count));
+  *found = (PetscBool)(count > 0);
+  *value = NAN;
+  if (*found) {
+    PetscCall(EPSGetEigenvalue(eps, 0, &real, &imaginary));
+    *value = PetscRealPart(real);
+  }
+  PetscCall(EPSDestroy(&eps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SpectrumRun(Spectrum s, const SpectrumStep *step)
+{
+  Cloud cloud = s->cloud;
+
+  PetscFunctionBegin;
+  s->form = step->form;
+  PetscCall(SlepcInitialize(NULL, NULL, NULL, NULL));
+  PetscCall(PetscMalloc1(DIM * cloud->n_owned, &s->place));
+  PetscCall(PetscArraycpy(s->place, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  PetscCall(PetscPrintf(cloud->comm, "Spectrum\n"));
+  PetscCall(PressureSetUp(s->pressure, step->dt));
+  PetscCall(SpectrumPoisson(s, step->iterations));
+  PetscCall(SpectrumLimits(s, step->dt));
+  PetscCall(SpectrumModes(s));
+  PetscCall(PetscFree(s->place));
+  PetscCall(PressureForget(s->pressure));
+  PetscCall(SlepcFinalize());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SpectrumDestroy(Spectrum *spectrum)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*spectrum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,81 @@
+/* Tension of sheets too thin for normals: the sides of a sheet of one or two particles cancel in grad phi, and its edge
+   looks like a flat surface. There the surface S that a particle has follows from phi itself: a sheet of thickness t
+   fills phi = t w1(0) at its middle and has 2 V/t a particle, so S' = dS/dphi = -2 V w1(0)/phi^2. From the energy
+   sum_b sigma S(phi_b)
+
+     V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
+
+   which is pairwise and central: momentum and angular momentum are kept, and energy with that of the surface. A sheet
+   of one particle pulls its edge back with 2 sigma per unit of length (cases/retracting_sheet). Where curvature.c sees
+   the sides nothing may be added: phi is then that of the flat surface which |grad phi| tells of, and S' is faded out
+   with what phi lacks to that. It stays as at THICKNESS_SPRAY below it, where particles are nearly alone: pairs and
+   threads attract each other weakly. No reference; forces from a function of the density are those of many-body
+   dissipative particle dynamics (Pagonabarraga and Frenkel 2001). */
+#include "types.h"
+
+#define THICKNESS_SPRAY 0.41 /* over the spacing; below, S would be more than that of a sphere: a constant slope */
+#define LACK_NONE       0.2  /* of phi to the flat surface that grad phi tells of; below: none of S' */
+#define LACK_ALL        0.65 /* above: all of it */
+
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient)
+{
+  const PetscReal place = PetscMin(gradient / tension->plane, 1) * WALL_TABLE, unit = tension->plane * tension->spacing,
+                  low  = PetscMax(phi, THICKNESS_SPRAY * unit);
+  const PetscInt  k    = PetscMin((PetscInt)place, WALL_TABLE - 1);
+  const PetscReal flat = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
+                  t    = PetscMin(1, PetscMax(0, (flat - phi - LACK_NONE) / (LACK_ALL - LACK_NONE)));
+
+  return -2 * volume * tension->plane / (low * low) * t * t * (3 - 2 * t);
+}
+
+/* The pull of thin particle b at place p on all n collected candidates, and theirs on it. */
+static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope)
+{
+  const Liquid   *liquid = &tension->liquid;
+  const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
+                            liquid->sorted[2 * liquid->count + p]};
+  const PetscInt  b      = LiquidParticle(liquid, p);
+  PetscReal      *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0};
+
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt  a      = (PetscInt)liquid->near[DIM * liquid->stride + k];
+    const PetscReal d[DIM] = {liquid->near[k] - x[0], liquid->near[liquid->stride + k] - x[1],
+                              liquid->near[2 * liquid->stride + k] - x[2]},
+                    r2     = Dot(d, d);
+    PetscReal F;
+
+    if (r2 >= PetscSqr(liquid->support)) continue;
+    KernelGradient(tension->kernel, 1, &r2, &F);
+    for (PetscInt e = 0; e < DIM; e++) {
+      sum[e] += slope * F * d[e];
+      if (a < cloud->n_owned) out[DIM * a + e] -= slope * F * d[e] / cloud->rest_density[a];
+    }
+  }
+  if (b < cloud->n_owned)
+    for (PetscInt e = 0; e < DIM; e++) out[DIM * b + e] += sum[e] / cloud->rest_density[b];
+}
+
+PetscErrorCode SheetPull(Tension tension, Cloud cloud)
+{
+  Liquid          *liquid = &tension->liquid;
+  const CellGrid  *grid   = &liquid->grid;
+  const PetscReal *slope  = cloud->field[FIELD_CAPILLARY];
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
+  for (PetscInt k = 0; k < liquid->count; k++)
+    liquid->sorted[DIM * liquid->count + k] = (PetscReal)LiquidParticle(liquid, k);
+  for (PetscInt c = 0; c < grid->count; c++) {
+    PetscInt n = -1;
+
+    for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
+      const PetscReal pull = slope[LiquidParticle(liquid, p)];
+
+      if (pull == 0) continue;
+      if (n < 0) PetscCall(LiquidCollect(liquid, c, DIM + 1, 1, &n));
+      Pull(tension, cloud, p, n, pull);
+    }
+  }
+  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_total));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

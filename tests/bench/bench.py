@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""Speed of the step: sizes x ranks x states x preconditioners.
+
+  bench.py [--size quick|full] [--out FOLDER]   runs; FOLDER/bench.csv, bench.png, bench.md
+  bench.py --readme                             the table of README.md from the last bench.csv
+
+quick: 16 k and 128 k particles; full: 1 M too (the states take some twenty minutes, the runs forty, once on a machine).
+Times are wall clock of the processes times their number, so run nothing else meanwhile; -log_view measures them."""
+import argparse
+import csv
+import os
+import re
+import subprocess
+
+import report
+import states
+
+ROOT = states.ROOT
+SIZES = {"16k": 1.0e-3, "128k": 0.5e-3, "1M": 0.25e-3}
+QUICK = ("16k", "128k")
+RANKS = (1, 2)
+SOLVERS = ("twolevel", "jacobi", "icc", "gamg", "hypre", "ml")
+# What each preconditioner needs to be at its best on rows of 80 entries; icc exists on one rank, within blocks on more.
+OPTIONS = {
+    "icc": (["-pc_type", "icc"], ["-pc_type", "bjacobi", "-sub_pc_type", "icc"]),
+    "hypre": (["-pc_type", "hypre", "-pc_hypre_boomeramg_strong_threshold", "0.5", "-pc_hypre_boomeramg_coarsen_type",
+               "PMIS", "-pc_hypre_boomeramg_interp_type", "ext+i", "-pc_hypre_boomeramg_agg_nl", "1"],) * 2,
+    "ml": (["-pc_type", "ml", "-pc_ml_Threshold", "0.02"],) * 2,
+}
+TOLERANCE = 1e-4
+TIGHT = 1e-5  # of the runs that compare iterations over sizes
+STEPS = {"16k": 20, "128k": 10, "1M": 5}
+KEPT = {"twolevel": 10, "jacobi": 10}  # steps a preconditioner is kept; all others:
+KEPT_DEAR = 50
+EVENTS = ("Neighbors", "Moments", "Surface", "Viscosity", "Tension", "Source", "Assemble", "Solve", "Gradient", "Shift",
+          "Halo", "Migrate", "Guard")
+# Bytes a step must move: a neighbour is a number and a factor, read by the five loops over pairs and by each product,
+# written with a second factor by the search; a vector of the solver is eight bytes a particle, some twelve pass in each
+# iteration.
+NEIGHBOURS = 80
+PAIR_LOOPS, PAIR_BYTES, SEARCH_BYTES = 5, 8, 12
+VECTOR_BYTES = 12 * 8
+
+
+def environment():
+    """Of runs under Open MPI, also as root."""
+    return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
+
+
+def triad(folder, processes):
+    """Bytes a second of so many processes at once."""
+    program = os.path.join(folder, "triad")
+    if not os.path.exists(program):
+        source = os.path.join(ROOT, "tests/bench/triad.c")
+        subprocess.run(["gcc", "-O3", "-march=native", "-o", program, source], check=True)
+    running = [subprocess.Popen([program], stdout=subprocess.PIPE, text=True) for _ in range(processes)]
+    return sum(float(p.communicate()[0]) for p in running)
+
+
+def seconds(text, name):
+    """Time and count of an event in the stage of the steps."""
+    stage = [part for part in text.split("--- Event Stage") if "SphSolve" in part and "SphShift" in part][-1]
+    match = re.search(rf"^{name}\s+(\d+) [\d.]+ ([\d.e+-]+)", stage, re.M)
+    return (float(match.group(2)), int(match.group(1))) if match else (0.0, 0)
+
+
+def execute(command, log):
+    """Runs; returns standard output and the memory of the largest process in bytes."""
+    with open(log + ".out", "w+", encoding="utf-8") as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env=environment(), cwd=ROOT)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        return process.returncode, out.read(), 1024 * usage.ru_maxrss
+
+
+def measure(folder, size, ranks, state, solver, tolerance):
+    """One run: a row of the table."""
+    start = states.make(os.path.join(ROOT, "isph"), os.path.join(folder, "states"), SIZES[size], state, environment())
+    log = os.path.join(folder, "log.txt")
+    choice = OPTIONS.get(solver, (["-pc_type", solver],) * 2)[ranks > 1]
+    command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [
+        os.path.join(ROOT, "isph"), *states.scene(state), "-spacing", str(SIZES[size]), *choice, "-ksp_rtol",
+        str(tolerance), "-restart", start, "-time_end", "1", "-steps_max", str(STEPS[size]), "-output_dir",
+        os.path.join(folder, "run"), "-output_overwrite", "-series_interval", "1", "-snapshot_interval", "1",
+        "-checkpoint_interval", "1", "-log_view", ":" + log]
+    bandwidth = triad(folder, ranks)
+    code, out, memory = execute(command, log)
+    found = re.search(r"(\d+) steps of (\d+) particles in .* and ([\d.]+) iterations a step", out)
+    if code or not found:
+        print(f"{size} {state} {solver}, {ranks} ranks: failed: {out.strip()[-300:]}", flush=True)
+        return None
+    text = open(log, encoding="utf-8").read()
+    steps, particles, iterations = int(found.group(1)), int(found.group(2)), float(found.group(3))
+    scale = 1e6 * ranks / particles
+    total = float(re.search(r"^ \d+:\s+Steps: ([\d.e+-]+)", text, re.M).group(1))
+    setup, setups = seconds(text, "PCSetUp")
+    once = setup / max(setups, 1)
+    amortised = once / KEPT.get(solver, KEPT_DEAR)
+    limit = NEIGHBOURS * (SEARCH_BYTES + PAIR_BYTES * (PAIR_LOOPS + iterations + 1)) + VECTOR_BYTES * iterations
+    row = {"size": size, "particles": particles, "ranks": ranks, "state": state, "solver": solver,
+           "tolerance": tolerance, "iterations": iterations,
+           "step": scale * ((total - setup) / steps + amortised), "setup": scale * once,
+           "memory": memory * ranks / 1e6, "triad": bandwidth / 1e9,
+           "share": 1e6 * limit / bandwidth * ranks / (scale * ((total - setup) / steps + amortised))}
+    for event in EVENTS:
+        row[event] = scale * seconds(text, "Sph" + event)[0] / steps
+    row["Solve"] += scale * (amortised - setup / steps)
+    print(f"{size:>4} {ranks} {state:>6} {solver:>8} {tolerance:g}: {iterations:.1f} iterations, {row['step']:.2f} us, "
+          f"set-up {row['setup']:.2f} us, {row['memory']:.0f} MB, triad {row['triad']:.1f} GB/s", flush=True)
+    return row
+
+
+def plan(size):
+    """What to run: the preconditioners in all states; tight and default tolerance of the own one."""
+    for name in SIZES if size == "full" else QUICK:
+        for ranks in RANKS:
+            for state in states.STATES:
+                for solver in SOLVERS:
+                    yield name, ranks, state, solver, TOLERANCE
+                yield name, ranks, state, "twolevel", TIGHT
+                yield name, ranks, state, "twolevel", 1e-3
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--size", default="quick", choices=("quick", "full"))
+    parser.add_argument("--out", default=os.path.join(ROOT, "output/bench"))
+    parser.add_argument("--only", default="", help="a text that the names of runs, as '128k 1 splash gamg', contain")
+    parser.add_argument("--readme", action="store_true")
+    arguments = parser.parse_args()
+    table = os.path.join(arguments.out, "bench.csv")
+    if arguments.readme:
+        report.readme(table, os.path.join(ROOT, "README.md"))
+        return
+    os.makedirs(os.path.join(arguments.out, "states"), exist_ok=True)
+    rows = []
+    for run in plan(arguments.size):
+        if arguments.only not in " ".join(str(part) for part in run):
+            continue
+        row = measure(arguments.out, *run)
+        if row:
+            rows.append(row)
+            with open(table, "w", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, list(rows[0]))
+                writer.writeheader()
+                writer.writerows(rows)
+    report.chart(table, os.path.join(arguments.out, "bench.png"), EVENTS)
+    report.markdown(table, os.path.join(arguments.out, "bench.md"))
+
+
+if __name__ == "__main__":
+    main()

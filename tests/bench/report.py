@@ -1,0 +1,110 @@
+"""Tables and chart of bench.csv."""
+import csv
+import re
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+BEGIN, END = "<!-- bench -->", "<!-- /bench -->"
+OWN, TOLERANCE = "twolevel", 1e-4
+
+
+def load(path):
+    """Rows with numbers as numbers."""
+    rows = list(csv.DictReader(open(path, encoding="utf-8")))
+    for row in rows:
+        for key in row:
+            if key not in ("size", "state", "solver"):
+                row[key] = float(row[key])
+    return rows
+
+
+def pick(rows, **wanted):
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def speed_table(rows):
+    """Own preconditioner: sizes, states, ranks."""
+    lines = ["| particles | state | ranks | us a particle and step | iterations | memory | triad | share of the bandwidth |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+    for row in pick(rows, solver=OWN, tolerance=TOLERANCE):
+        lines.append(f"| {row['particles']:.0f} | {row['state']} | {row['ranks']:.0f} | {row['step']:.2f} | "
+                     f"{row['iterations']:.1f} | {row['memory']:.0f} MB | {row['triad']:.1f} GB/s | "
+                     f"{100 * row['share']:.0f} % |")
+    return lines
+
+
+def solver_table(rows):
+    """Preconditioners on the largest size, one rank: step and iterations in each state."""
+    size = pick(rows, solver=OWN)[-1]["size"]
+    rows = pick(rows, size=size, ranks=1, tolerance=TOLERANCE)
+    kinds = list(dict.fromkeys(row["state"] for row in rows))
+    lines = [f"| {size}, 1 rank | " + " | ".join(f"{state}: us, iterations" for state in kinds) + " | set-up, us |",
+             "| --- " * (len(kinds) + 2) + "|"]
+    for solver in dict.fromkeys(row["solver"] for row in rows):
+        cells = [f"{row['step']:.2f}, {row['iterations']:.1f}" for state in kinds
+                 for row in pick(rows, solver=solver, state=state)]
+        last = pick(rows, solver=solver)[-1]["setup"]
+        lines.append(f"| {solver} | " + " | ".join(cells) + f" | {last:.2f} |")
+    return lines
+
+
+def event_table(rows):
+    """Where the time of the own preconditioner goes, largest size, one rank, last state."""
+    row = pick(rows, solver=OWN, tolerance=TOLERANCE, ranks=1)[-1]
+    names = list(row)[list(row).index("share") + 1:]
+    names.sort(key=lambda name: -row[name])
+    return [f"| {row['size']}, {row['state']}, 1 rank | us a particle and step |", "| --- | --- |",
+            *(f"| {name} | {row[name]:.3f} |" for name in names if row[name] >= 0.001),
+            f"| step | {row['step']:.3f} |"]
+
+
+def text(path):
+    rows = load(path)
+    return "\n\n".join("\n".join(table) for table in (speed_table(rows), solver_table(rows), event_table(rows))) + "\n"
+
+
+def markdown(path, target):
+    with open(target, "w", encoding="utf-8") as file:
+        file.write(text(path))
+
+
+def readme(path, target):
+    """Puts the tables between the markers."""
+    content = open(target, encoding="utf-8").read()
+    assert BEGIN in content and END in content, f"{target} lacks {BEGIN} ... {END}"
+    content = re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{text(path)}\n{END}", content, flags=re.S)
+    open(target, "w", encoding="utf-8").write(content)
+
+
+def chart(path, target, events):
+    """Left: where the step's time goes, by size and ranks; right: the preconditioners."""
+    rows = load(path)
+    own = pick(rows, solver=OWN, tolerance=TOLERANCE)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5))
+    labels = [f"{row['size']}\n{row['state']}\n{row['ranks']:.0f}" for row in own]
+    below = [0.0] * len(own)
+    for event in events:
+        heights = [row[event] for row in own]
+        left.bar(range(len(own)), heights, bottom=below, label=event)
+        below = [a + b for a, b in zip(below, heights)]
+    left.set_xticks(range(len(own)), labels, fontsize=7)
+    left.set_ylabel("us a particle and step")
+    left.legend(fontsize=7, ncol=2)
+    size = own[-1]["size"]
+    compared = pick(rows, size=size, ranks=1, tolerance=TOLERANCE)
+    kinds = list(dict.fromkeys(row["state"] for row in compared))
+    solvers = list(dict.fromkeys(row["solver"] for row in compared))
+    for k, state in enumerate(kinds):
+        chosen = pick(compared, state=state)
+        places = [solvers.index(row["solver"]) + 0.27 * (k - 1) for row in chosen]
+        right.bar(places, [row["step"] for row in chosen], width=0.25, label=state)
+        for place, row in zip(places, chosen):
+            right.text(place, row["step"], f"{row['iterations']:.0f}", ha="center", va="bottom", fontsize=7)
+    right.set_xticks(range(len(solvers)), solvers)
+    right.set_ylabel(f"us a particle and step, {size}, 1 rank; above: iterations")
+    right.legend()
+    figure.tight_layout()
+    figure.savefig(target, dpi=110)
