@@ -75,7 +75,7 @@ run: packages
 test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
 
-# As make test, and the same unit tests and an impact with the compiler's sanitizers: what .ci/run does.
+# As make test, and the same unit tests and an impact with the compiler's sanitizers.
 test-ci: isph $(UNIT) $(COMPARE) sanitized
 	@PYTHON=$(PYTHON) tests/run.sh --sanitizers
 

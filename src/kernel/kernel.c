@@ -21,10 +21,18 @@ KERNEL_TABLE(CubicSpline)
 KERNEL_TABLE(WendlandC2)
 KERNEL_TABLE(QuinticSpline)
 
+static PetscErrorCode KernelFinalizePackage(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListDestroy(&KernelList));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode KernelRegisterAll(void)
 {
   PetscFunctionBegin;
   if (KernelList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRegisterFinalize(KernelFinalizePackage));
   PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_CUBIC_SPLINE, TableCubicSpline));
   PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_WENDLAND_C2, TableWendlandC2));
   PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_QUINTIC_SPLINE, TableQuinticSpline));

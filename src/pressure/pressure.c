@@ -2,10 +2,20 @@
 
 static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
 
+static PetscErrorCode PressureFinalizePackage(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListDestroy(&SourceList));
+  PetscCall(PetscFunctionListDestroy(&ClosureList));
+  PetscCall(PetscFunctionListDestroy(&GradientList));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PressureRegisterAll(void)
 {
   PetscFunctionBegin;
   if (SourceList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRegisterFinalize(PressureFinalizePackage));
   PetscCall(PCTwoLevelRegister());
   PetscCall(PetscFunctionListAdd(&SourceList, SOURCE_DENSITY, SourceDensity));
   PetscCall(PetscFunctionListAdd(&SourceList, SOURCE_DIVERGENCE, SourceDivergence));

@@ -5,10 +5,18 @@
 
 static PetscFunctionList SchemeList = NULL;
 
+static PetscErrorCode StepperFinalizePackage(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListDestroy(&SchemeList));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode StepperRegisterAll(void)
 {
   PetscFunctionBegin;
   if (SchemeList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRegisterFinalize(StepperFinalizePackage));
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_CONSISTENT, SchemeConsistent));
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_DENSITY_INVARIANT, SchemeDensityInvariant));
   PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_WEAKLY_COMPRESSIBLE, SchemeWeaklyCompressible));

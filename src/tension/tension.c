@@ -2,10 +2,18 @@
 
 static PetscFunctionList TensionList = NULL;
 
+static PetscErrorCode TensionFinalizePackage(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListDestroy(&TensionList));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TensionRegisterAll(void)
 {
   PetscFunctionBegin;
   if (TensionList) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRegisterFinalize(TensionFinalizePackage));
   PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CAHN_HILLIARD, TensionApply_CahnHilliard));
   PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CURVATURE, TensionApply_Curvature));
   PetscCall(PetscFunctionListAdd(&TensionList, TENSION_NONE, TensionApply_None));

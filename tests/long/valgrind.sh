@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# valgrind over ten steps of a small impact: no invalid access, no value used before it is set, in a line of this program.
+# valgrind over ten steps of a small impact: no invalid access, no value used before it is set, by this program.
 cd "$(dirname "$0")/../.." || exit 1
 command -v valgrind >/dev/null || { echo "ok valgrind (not installed, not run)"; exit 0; }
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
