@@ -3,24 +3,30 @@
    impact at 0.5 mm that costs about 5 % of the kinetic energy at 5 ms. */
 #include "types.h"
 
-#define LAMBDA_SHIFTED 0.2 /* at most: a spray particle, not shifted */
+#define LAMBDA_THIN   0.2  /* at most: spray, or a sheet or thread of one particle */
+#define DENSITY_SHEET 0.25 /* of the rest density; at most and thin: spray, not shifted */
+#define EDGE          0.5  /* |sum V grad W| h of the edge of a sheet: below, its crowding is not the edge */
 
 #define SHIFT FIELD_WORK3 /* dr */
 #define SHARE FIELD_WORK1 /* see OperatorsShares */
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
-   'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
+   'cap' spacings; particles on or near the surface lose the component along sum V grad W. In a sheet of one particle
+   that sum lies in the sheet and is small but for its edge; there the component is kept, or the sheet, under tension,
+   gathers into a net. */
 static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, PetscReal dr[DIM])
 {
   Cloud            cloud  = stepper->cloud;
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
-  const PetscReal  cap    = stepper->shifting_cap * cloud->domain->spacing,
-                  factor  = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt * speed;
+  const PetscReal  cap   = stepper->shifting_cap * cloud->domain->spacing,
+                  factor = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt * speed;
   PetscReal length;
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
   if (cloud->integer[INT_SURFACE][a]) {
-    const PetscReal n2 = Dot(normal, normal), share = n2 > 0 ? Dot(dr, normal) / n2 : 0;
+    const PetscReal n2 = Dot(normal, normal), h = KernelSmoothingLength(cloud->kernel),
+                    lost  = cloud->field[FIELD_LAMBDA][a] > LAMBDA_THIN ? 1 : PetscMin(1, PetscSqrtReal(n2) * h / EDGE),
+                    share = n2 > 0 ? lost * Dot(dr, normal) / n2 : 0;
 
     for (PetscInt d = 0; d < DIM; d++) dr[d] -= share * normal[d];
   }
@@ -84,9 +90,8 @@ static void Taylor(Stepper stepper, PetscInt a, Row *restrict row, const PetscRe
       if (cloud->integer[INT_LAYER][row->index[k]]) row->f[k] = 0;
   SIMD_LOOP(reduction(+ : gx, gy, gz))
   for (PetscInt k = 0; k < m; k++) {
-    const PetscReal c =
-      row->f[k] * (along[0] * (px - row->x[4 * k]) + along[1] * (py - row->x[4 * k + 1]) +
-                   along[2] * (pz - row->x[4 * k + 2]));
+    const PetscReal c = row->f[k] * (along[0] * (px - row->x[4 * k]) + along[1] * (py - row->x[4 * k + 1]) +
+                                     along[2] * (pz - row->x[4 * k + 2]));
 
     gx += c * (row->v[4 * k] - ux);
     gy += c * (row->v[4 * k + 1] - uy);
@@ -148,7 +153,9 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
     PetscReal dr[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
-    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
+    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_THIN &&
+        cloud->field[FIELD_DENSITY][a] <= DENSITY_SHEET * cloud->rest_density[a])
+      continue;
     RowLoad(cloud, a, &row);
     RowGather(&row, a, u, row.v);
     Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
