@@ -14,8 +14,8 @@ static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, Pet
 {
   Cloud            cloud  = stepper->cloud;
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
-  const PetscReal  cap    = stepper->shifting_cap * cloud->domain->spacing,
-                  factor  = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt * speed;
+  const PetscReal  cap   = stepper->shifting_cap * cloud->domain->spacing,
+                  factor = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt * speed;
   PetscReal length;
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
@@ -84,9 +84,8 @@ static void Taylor(Stepper stepper, PetscInt a, Row *restrict row, const PetscRe
       if (cloud->integer[INT_LAYER][row->index[k]]) row->f[k] = 0;
   SIMD_LOOP(reduction(+ : gx, gy, gz))
   for (PetscInt k = 0; k < m; k++) {
-    const PetscReal c =
-      row->f[k] * (along[0] * (px - row->x[4 * k]) + along[1] * (py - row->x[4 * k + 1]) +
-                   along[2] * (pz - row->x[4 * k + 2]));
+    const PetscReal c = row->f[k] * (along[0] * (px - row->x[4 * k]) + along[1] * (py - row->x[4 * k + 1]) +
+                                     along[2] * (pz - row->x[4 * k + 2]));
 
     gx += c * (row->v[4 * k] - ux);
     gy += c * (row->v[4 * k + 1] - uy);
