@@ -3,6 +3,8 @@
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
+#   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
+#   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; make bench-readme: README's table
 #   make tradeoff CASE=central_force        error and CPU time of each choice: table, CSV, chart in output/tradeoff/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
@@ -60,13 +62,29 @@ $(COMPARE): tests/solvers/compare.c $(OBJECTS) $(BUILD)/flags
 packages:
 	@tests/packages.sh build pictures
 
-# The main case at quick resolution, a quarter of the box: about five minutes on two cores, then its figures.
+# The main case at quick resolution, a quarter of the box: a minute on two cores, then its figures.
 run: packages
 	$(MAKE) isph
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
 	  -options_file options/quick.opts -output_dir $(RUN) -output_overwrite
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
+
+# The main case at the paper's spacing, a quarter of the box, 60 ms: half an hour on two cores, then its figures.
+paper: packages
+	$(MAKE) isph
+	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
+	  -output_dir $(RUN)_paper -output_overwrite
+	$(PYTHON) cases/drop_impact/figures.py $(RUN)_paper
+	$(PYTHON) cases/drop_impact/compare.py $(RUN)_paper
+
+# Speed of the step over sizes, ranks, states and preconditioners: table and chart in output/bench/.
+SIZE = quick
+bench: isph
+	@$(PYTHON) tests/bench/bench.py --size $(SIZE)
+
+bench-readme:
+	@$(PYTHON) tests/bench/bench.py --readme
 
 test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
@@ -117,5 +135,5 @@ lint:
 clean:
 	rm -rf $(BUILD) isph
 
-.PHONY: all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
+.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
 .PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force

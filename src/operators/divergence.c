@@ -35,8 +35,7 @@ static void RemoveSliding(Cloud cloud, PetscInt a, const Row *row, const PetscRe
     for (PetscInt i = 0; i < DIM; i++) u[i] = velocity[DIM * b + i] - velocity[DIM * a + i];
     WallPart(cloud, b, u, part);
     for (PetscInt i = 0; i < DIM; i++)
-      for (PetscInt j = 0; j < DIM; j++)
-        G[i][j] -= (u[i] - part[i]) * row->f[k] * (x[DIM * a + j] - x[DIM * b + j]);
+      for (PetscInt j = 0; j < DIM; j++) G[i][j] -= (u[i] - part[i]) * row->f[k] * (x[DIM * a + j] - x[DIM * b + j]);
   }
 }
 

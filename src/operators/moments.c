@@ -136,7 +136,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
     RowKernel(cloud->kernel, &row, px, py, pz, inverse_h2, w);
     SumRow(&row, w, px, py, pz, scale_w / at_spacing, &sums);
     for (PetscInt k = 0; k < 6; k++) M[k] = V * scale_f * sums.rr[k];
-    lambda                          = SymmetricSmallestEigenvalue(dim, M);
+    lambda                         = SymmetricSmallestEigenvalue(dim, M);
     cloud->field[FIELD_LAMBDA][a]  = lambda;
     cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (self + scale_w * sums.w);
     for (PetscInt d = 0; d < DIM; d++) {

@@ -75,8 +75,7 @@ static void PairViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscRea
     const PetscInt  b    = row->index[k];
     const PetscReal mu_b = mu[b] < 0 ? mu_a : mu[b];
 
-    c[k] =
-      V * rest[b] * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b / (mu_a + mu_b) * row->f[k];
+    c[k] = V * rest[b] * (inverse_a + 1 / (density[b] * density[b])) * 2 * mu_a * mu_b / (mu_a + mu_b) * row->f[k];
   }
   for (PetscInt k = row->n; k < m; k++) c[k] = 0;
 }
@@ -92,9 +91,9 @@ static void ViscosityCleary(const Row *restrict row, const PetscReal *restrict c
   SIMD_LOOP(reduction(+ : ax, ay, az))
   for (PetscInt k = 0; k < m; k++) {
     const PetscReal dx = px - row->x[4 * k], dy = py - row->x[4 * k + 1], dz = pz - row->x[4 * k + 2];
-    const PetscReal g =
-      c[k] * ((vx - row->v[4 * k]) * dx + (vy - row->v[4 * k + 1]) * dy + (vz - row->v[4 * k + 2]) * dz) /
-      (dx * dx + dy * dy + dz * dz + eta2);
+    const PetscReal g = c[k] *
+                        ((vx - row->v[4 * k]) * dx + (vy - row->v[4 * k + 1]) * dy + (vz - row->v[4 * k + 2]) * dz) /
+                        (dx * dx + dy * dy + dz * dz + eta2);
 
     ax += g * dx;
     ay += g * dy;
@@ -130,8 +129,8 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   const PetscReal  eta2 = EtaSquared(cloud->kernel),
                   zeta  = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
   const PetscBool one   = OneLiquid(cloud, density);
-  PetscReal      *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION], c[ROW_CAPACITY],
-            scale_w, scale_f, inverse_h2;
+  PetscReal *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION], c[ROW_CAPACITY], scale_w,
+            scale_f, inverse_h2;
   Row row;
 
   PetscFunctionBegin;

@@ -38,10 +38,10 @@ PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal 
    norm gives for nothing: only then is the residual looked at. */
 static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context)
 {
-  Context   *c        = (Context *)context;
-  Pressure   pressure = c->pressure;
+  Context    *c        = (Context *)context;
+  Pressure    pressure = c->pressure;
   KSPNormType type;
-  PetscReal  largest, rms;
+  PetscReal   largest, rms;
 
   PetscFunctionBegin;
   PetscCall(KSPConvergedDefault(ksp, iteration, norm, reason, c->standard));
@@ -49,7 +49,7 @@ static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSP
   *reason = KSP_CONVERGED_ITERATING;
   PetscCall(KSPGetNormType(ksp, &type));
   if (type == KSP_NORM_UNPRECONDITIONED) {
-    const Cloud cloud = pressure->cloud;
+    const Cloud cloud    = pressure->cloud;
     PetscReal   heaviest = 0; /* row scale */
 
     for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)

@@ -27,7 +27,7 @@ def pick(rows, **wanted):
 
 def speed_table(rows):
     """Own preconditioner: sizes, states, ranks."""
-    lines = ["| particles | state | ranks | us a particle and step | iterations | memory | triad | share of the bandwidth |",
+    lines = ["| particles | state | ranks | us a particle and step | iterations | memory | triad | share of its limit |",
              "| --- | --- | --- | --- | --- | --- | --- | --- |"]
     for row in pick(rows, solver=OWN, tolerance=TOLERANCE):
         lines.append(f"| {row['particles']:.0f} | {row['state']} | {row['ranks']:.0f} | {row['step']:.2f} | "
