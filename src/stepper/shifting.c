@@ -5,7 +5,7 @@
 
 #define LAMBDA_THIN   0.2  /* at most: spray, or a sheet or thread of one particle */
 #define DENSITY_SHEET 0.25 /* of the rest density; at most and thin: spray, not shifted */
-#define EDGE          0.5  /* |sum V grad W| h of the edge of a sheet: below, its crowding is not the edge */
+#define EDGE          0.3  /* |sum V grad W| h of the edge of a sheet: below, its crowding is not the edge */
 
 #define SHIFT FIELD_WORK3 /* dr */
 #define SHARE FIELD_WORK1 /* see OperatorsShares */
@@ -150,16 +150,15 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal dr[DIM];
+    const PetscBool thin = (PetscBool)(cloud->field[FIELD_LAMBDA][a] <= LAMBDA_THIN);
+    PetscReal       dr[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
-    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_THIN &&
-        cloud->field[FIELD_DENSITY][a] <= DENSITY_SHEET * cloud->rest_density[a])
-      continue;
+    if (thin && cloud->field[FIELD_DENSITY][a] <= DENSITY_SHEET * cloud->rest_density[a]) continue;
     RowLoad(cloud, a, &row);
     RowGather(&row, a, u, row.v);
     Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
-    Taylor(stepper, a, &row, dr, change + DIM * a);
+    if (!thin) Taylor(stepper, a, &row, dr, change + DIM * a); /* no gradient without a full B: it would feed energy */
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
