@@ -82,14 +82,15 @@ static PetscBool RowsAgree(Kernel kernel)
   return same;
 }
 
-/* Largest difference of KernelSingle, with its scales, from KernelEvaluate, over the largest value of each; W alone and F
-   alone give the same as both. */
+/* Largest difference of KernelSingle, with its scales, from KernelEvaluate, over the largest value of each; W alone and
+   F alone give the same as both. */
 static PetscReal SingleError(Kernel kernel)
 {
   PetscReal scale_w, scale_f, inverse_h2, error = 0, largest_f = 0;
 
   KernelScales(kernel, &scale_w, &scale_f, &inverse_h2);
-  for (PetscInt k = 1; k < SAMPLES; k++) largest_f = PetscMax(largest_f, PetscAbsReal(F(kernel, k * 1e-2 / PetscSqrtReal(inverse_h2))));
+  for (PetscInt k = 1; k < SAMPLES; k++)
+    largest_f = PetscMax(largest_f, PetscAbsReal(F(kernel, k * 1e-2 / PetscSqrtReal(inverse_h2))));
   for (PetscInt k = 1; k < SAMPLES; k++) {
     const PetscReal r = 1.1 * KernelSupport(kernel) * k / SAMPLES;
     const float     s = (float)(r * r * inverse_h2);
