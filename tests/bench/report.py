@@ -27,8 +27,9 @@ def pick(rows, **wanted):
 
 def speed_table(rows):
     """Own preconditioner: sizes, states, ranks."""
-    lines = ["| particles | state | ranks | us a particle and step | iterations | memory | triad | share of its limit |",
-             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+    titles = ("particles", "state", "ranks", "us a particle and step", "iterations", "memory", "triad",
+              "share of its limit")
+    lines = ["| " + " | ".join(titles) + " |", "| --- " * len(titles) + "|"]
     for row in pick(rows, solver=OWN, tolerance=TOLERANCE):
         lines.append(f"| {row['particles']:.0f} | {row['state']} | {row['ranks']:.0f} | {row['step']:.2f} | "
                      f"{row['iterations']:.1f} | {row['memory']:.0f} MB | {row['triad']:.1f} GB/s | "

@@ -98,7 +98,8 @@ def make(program, folder, spacing, state, env):
     if before:
         make(program, folder, spacing, before, env)
         start = ["-restart", os.path.join(folder, f"{1e3 * spacing:g}mm_{before}_quarter.h5")]
-    command = [program, *scene(folder, state), *QUARTER, "-spacing", str(spacing), *options, *start, "-snapshot_interval", "1",
+    command = [program, *scene(folder, state), *QUARTER, "-spacing", str(spacing), *options, *start,
+               "-snapshot_interval", "1",
                "-output_dir", run, "-output_overwrite"]
     print(f"state {state} at {1e3 * spacing:g} mm", flush=True)
     subprocess.run(command, env=env, check=True, stdout=subprocess.DEVNULL)
