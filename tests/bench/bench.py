@@ -83,7 +83,8 @@ def measure(folder, size, ranks, state, solver, tolerance):
     choice = OPTIONS.get(solver, (["-pc_type", solver],) * 2)[ranks > 1]
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [
         os.path.join(ROOT, "isph"), *states.scene(os.path.join(folder, "states"), state), "-spacing",
-        str(SIZES[size]), *choice, "-ksp_rtol", str(tolerance), "-restart", start, "-time_end", "1", "-steps_max", str(STEPS[size]), "-output_dir",
+        str(SIZES[size]), *choice, "-ksp_rtol", str(tolerance), "-restart", start, "-time_end",
+        "1", "-steps_max", str(STEPS[size]), "-output_dir",
         os.path.join(folder, "run"), "-output_overwrite", "-series_interval", "1", "-snapshot_interval", "1",
         "-checkpoint_interval", "1", "-log_view", ":" + log]
     bandwidth = triad(folder, ranks)
