@@ -59,7 +59,7 @@ struct _p_Pressure {
   PetscBool   constant_null;
   PetscBool   assembled;      /* the solver needs entries: a matrix, not the operator */
   PetscInt    age, rebuild_interval, kept_steps,
-    first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
+    first_iterations;          /* kept_steps: rebuild_interval, or what suits the preconditioner */
   PetscReal dt;                /* s, of the system assembled last */
   PetscReal density_tolerance; /* 1; 0: PETSc's own test */
   Vec       scratch[2];
@@ -84,9 +84,9 @@ PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A);
 
 /* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
 PetscErrorCode SetDensityConvergence(Pressure pressure);
-/* ResidualDensity - relative density error (1) that the present residual leaves after the step: largest and root mean
-   square over the rows. Collective. */
-PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal *rms);
+/* ResidualDensity - relative density error (1) that the residual leaves after the step, of a finished solve or of the
+   iterate within one: largest and root mean square over the rows. Collective. */
+PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal *largest, PetscReal *rms);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);
