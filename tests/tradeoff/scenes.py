@@ -71,7 +71,7 @@ def axes(scene, spacing, step, tension, viscosity):
         runs += [("time step", f"{f:g} dt, fixed", f"-time_step {f * step:.3g}") for f in (1.5, 2)]
     runs += [("kernel", f"{k}, h/d0 {h}", f"-kernel_type {k} -kernel_ratio {h}") for k, h in KERNELS[few]]
     runs += [("scheme", *choice) for choice in SCHEME]
-    runs += [("WCSPH", label, WCSPH + options) for label, options in (SOUND[0], SOUND[4]) if scene.dear] or \
+    runs += [("WCSPH", label, WCSPH + options) for label, options in SOUND[:1] if scene.dear] or \
             [("WCSPH", label, WCSPH + options) for label, options in SOUND]
     if tension:
         runs += [("tension", *choice) for choice in TENSION[few]]
