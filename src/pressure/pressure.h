@@ -61,8 +61,8 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
 /* PressureSolver - the KSP and the right-hand side of the last PressureSetUp or PressureSolve, borrowed until the next
    call. Not collective. */
 PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
-/* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last PressureSetUp;
-   values [n_rows]. Not collective. */
+/* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last
+   PressureSetUp; values [n_rows]. Not collective. */
 PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */

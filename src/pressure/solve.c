@@ -212,7 +212,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
     pressure->rebuild = PETSC_TRUE;
   pressure->age++;
-  PetscCall(ResidualDensity(pressure, &largest, &result->density));
+  PetscCall(ResidualDensity(pressure, PETSC_TRUE, &largest, &result->density));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (result->reason < 0) {
     pressure->rebuild = PETSC_TRUE;

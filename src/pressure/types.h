@@ -84,9 +84,9 @@ PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A);
 
 /* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
 PetscErrorCode SetDensityConvergence(Pressure pressure);
-/* ResidualDensity - relative density error (1) that the present residual leaves after the step: largest and root mean
-   square over the rows. Collective. */
-PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal *rms);
+/* ResidualDensity - relative density error (1) that the residual leaves after the step, of a finished solve or of the
+   iterate within one: largest and root mean square over the rows. Collective. */
+PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal *largest, PetscReal *rms);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);

@@ -33,7 +33,7 @@ PetscErrorCode StepperPrepare(Stepper stepper);
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length);
 /* StepperPredict - stage one of a step from the swarm's state, so that PressureAssemble gives the system of that step;
-   *dt: its size (s). Collective. */
+ *dt: its size (s). Collective. */
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
 /* StepperViscosityForm - of -viscosity_form. Not collective. */
 ViscosityForm StepperViscosityForm(Stepper stepper);

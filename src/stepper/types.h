@@ -10,18 +10,18 @@
  * committed. */
 typedef struct {
   PressureResult pressure;
-  PetscReal      displacement; /* largest, m, this rank */
-  PetscReal      density;      /* largest rho/rho_0, this rank */
-  PetscReal      error2;       /* sum of squares of rho/rho_0 - 1 inside, this rank */
-  PetscReal      divergence2;  /* sum of squares of div v inside, this rank, 1/s2 */
-  PetscReal      error;        /* sum of rho/rho_0 inside, this rank */
-  PetscReal      surface;      /* sigma times area, J, this rank */
+  PetscReal      displacement;               /* largest, m, this rank */
+  PetscReal      density;                    /* largest rho/rho_0, this rank */
+  PetscReal      error2;                     /* sum of squares of rho/rho_0 - 1 inside, this rank */
+  PetscReal      divergence2;                /* sum of squares of div v inside, this rank, 1/s2 */
+  PetscReal      error;                      /* sum of rho/rho_0 inside, this rank */
+  PetscReal      surface;                    /* sigma times area, J, this rank */
   PetscReal      viscous_work, tension_work; /* of the step, J, this rank */
   /* of the free surface under tension, this rank: liquid that flows in through it in the step, m3; area, m2; integral
      of sigma kappa over it, N */
   PetscReal inward, area, capillary_area;
-  PetscInt       inside;       /* particles in those sums */
-  PetscBool      broken;       /* not a number, this rank */
+  PetscInt  inside; /* particles in those sums */
+  PetscBool broken; /* not a number, this rank */
 } Attempted;
 
 typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, Attempted *);

@@ -7,8 +7,8 @@
    summed density of the moment instead, and no suction: the free surface, whose sum lacks neighbours, would have
    nothing else.
 
-   Density diffusion keeps the pressure smooth: Molteni & Colagrossi 2009, without the hydrostatic part (Fourtakas et al.
-   2019), which would pull the liquid of a film at rest apart. */
+   Density diffusion keeps the pressure smooth: Molteni & Colagrossi 2009, without the hydrostatic part (Fourtakas et
+   al. 2019), which would pull the liquid of a film at rest apart. */
 #include "types.h"
 
 #define TAIT_EXPONENT 7   /* water; Monaghan 1994 */
