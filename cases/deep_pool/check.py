@@ -19,8 +19,8 @@ def crater(times, steps=4000):
     Bisighini et al. 2010 with their penetration phase, alpha = 0.77 + 0.17 tau, zeta = -0.77 + 0.27 tau, before."""
     def slope(y):
         a, z, u, w = y
-        return np.array([u, w, -1.5 * u * u / a - 2 / (WE * a * a) - z / (FR * a) + 1.75 * w * w / a - 4 * u / (RE * a * a),
-                         -3 * u * w / a - 4.5 * w * w / a - 2 / FR - 12 * w / (RE * a * a)])
+        growth = -1.5 * u * u / a - 2 / (WE * a * a) - z / (FR * a) + 1.75 * w * w / a - 4 * u / (RE * a * a)
+        return np.array([u, w, growth, -3 * u * w / a - 4.5 * w * w / a - 2 / FR - 12 * w / (RE * a * a)])
 
     y, tau, out = np.array([0.77 + 0.17 * START, -0.77 + 0.27 * START, 0.17, 0.27]), START, []
     for time in times:

@@ -20,8 +20,8 @@ def check(folder):
     settled = d[(d["time"] > 0.02) & (QUARTER * d["volume_m3"] > 0.5 * wave) & (QUARTER * d["volume_m3"] < 1.5 * wave)]
     size = np.bincount(physics.components(last, 1.25 * d0))
     attached = last[physics.components(last, 1.25 * d0) == np.argmax(size)]
-    return [physics.relative("volume of a drop, median", 1e9 * QUARTER * np.median(settled["volume_m3"]), 1e9 * wave, 0.1,
-                             "ul"),
+    volume = QUARTER * np.median(settled["volume_m3"])
+    return [physics.relative("volume of a drop, median", 1e9 * volume, 1e9 * wave, 0.1, "ul"),
             physics.relative("speed of a drop, mean", -settled["velocity_z_ms"].mean(), U, 0.05, "m/s"),
             physics.shown("length of what hangs together at the end", 1e3 * (Z0 - attached[:, 2].min()), unit="mm"),
             physics.shown("liquid in smaller pieces at the end", (size < 8).sum() / len(last))]

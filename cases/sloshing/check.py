@@ -14,8 +14,8 @@ MODES = range(1, 40, 2)  # even ones are not excited
 
 
 def elevation(x, t, amplitude, omega):
-    """Height above rest (m) at x: eta_n'' + w_n^2 eta_n = k tanh(kH) c_n a sin(wt), c_n = -4/(L k^2) the modes of x - L/2,
-    from rest (from the linear free-surface conditions with gravity a sin(wt) along x)."""
+    """Height above rest (m) at x: eta_n'' + w_n^2 eta_n = k tanh(kH) c_n a sin(wt), c_n = -4/(L k^2) the modes of
+    x - L/2, from rest (from the linear free-surface conditions with gravity a sin(wt) along x)."""
     eta = 0
     for n in MODES:
         k = n * np.pi / L

@@ -3,8 +3,8 @@
 
     film.py RUN_FOLDER [--rate N] [--color body|speed|pressure] [--section] [--azimuth DEG] [--elevation DEG]
 
-Writes RUN_FOLDER/figures/film.mp4: the surface in perspective, or with --section and in two dimensions the section. Needs
-what pictures.py needs and ffmpeg.
+Writes RUN_FOLDER/figures/film.mp4: the surface in perspective, or with --section and in two dimensions the section.
+Needs what pictures.py needs and ffmpeg.
 """
 import argparse
 import os

@@ -3,8 +3,8 @@
 
     mesh.py RUN_FOLDER [--format vtp|ply] [--times S ...] [--least N] [--particles]
 
-Three dimensions. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply), a mesh a snapshot, without pieces of less than N
-particles (8), with speed, pressure and body at the corners (vtp); surface.pvd makes a series of them in ParaView.
+Three dimensions. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply), a mesh a snapshot, without pieces of less than
+N particles (8), with speed, pressure and body at the corners (vtp); surface.pvd makes a series of them in ParaView.
 --particles: also particles_<number>.vtp and particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
 """
 import argparse
@@ -89,7 +89,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
     parser.add_argument("--format", choices=("vtp", "ply"), default="vtp")
-    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="the snapshots nearest to these times, s (all)")
+    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="snapshots nearest to these times, s (all)")
     parser.add_argument("--least", type=float, default=LEAST, help="particles of the smallest piece (8)")
     parser.add_argument("--particles", action="store_true", help="points too")
     arguments = parser.parse_args()

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Pictures of any run, for a paper or a look.
 
-    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG] [--dpi N]
+    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG]
+                [--dpi N]
 
 Writes into RUN_FOLDER/figures:
     section.png   moments of a section through the middle (in two dimensions of all), with axes and units
@@ -91,7 +92,8 @@ def window(run, states):
     pair = [0, run.up]
     points = np.concatenate([state.points for state in states] + [run.solid])[:, pair]
     room = 0.04 * (points.max(axis=0) - points.min(axis=0)).max() + run.spacing
-    return (np.maximum(run.lower[pair], points.min(axis=0) - room), np.minimum(run.upper[pair], points.max(axis=0) + room))
+    return (np.maximum(run.lower[pair], points.min(axis=0) - room),
+            np.minimum(run.upper[pair], points.max(axis=0) + room))
 
 
 def surfaces(run, states, arguments, ends, folder):

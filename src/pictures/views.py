@@ -111,7 +111,7 @@ class Fluid:
 
 
 def images(run, points, values, margin):
-    """Points within a margin beyond the faces too: copies through periodic faces, mirror images in walls and mirrors."""
+    """Points within a margin beyond the faces too: copies through periodic faces, images in walls and mirrors."""
     for d in range(3):
         length = run.upper[d] - run.lower[d]
         new = [points]
@@ -123,7 +123,10 @@ def images(run, points, values, margin):
             opposite = run.upper[d] if side == 0 else run.lower[d]
             near = np.abs(points[:, d] - (opposite if kind == "periodic" else face)) < margin
             copy = points[near].copy()
-            copy[:, d] = copy[:, d] + (-length if side == 0 else length) if kind == "periodic" else 2 * face - copy[:, d]
+            if kind == "periodic":
+                copy[:, d] += length if side else -length
+            else:
+                copy[:, d] = 2 * face - copy[:, d]
             new.append(copy)
             more.append(values[near])
         points, values = np.concatenate(new), np.concatenate(more)

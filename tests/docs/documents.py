@@ -18,7 +18,7 @@ PROGRAMS = ("make", "mpiexec", "chrt", "git", "apt-get", "xvfb-run", "sbatch", "
 
 def texts():
     """(path, text) of the documents."""
-    for path in [os.path.join(runs.ROOT, "README.md")] + sorted(glob.glob(os.path.join(runs.ROOT, "cases/*/README.md"))):
+    for path in [os.path.join(runs.ROOT, "README.md"), *sorted(glob.glob(runs.ROOT + "/cases/*/README.md"))]:
         with open(path, encoding="utf-8") as file:
             yield os.path.relpath(path, runs.ROOT), file.read()
 
@@ -89,8 +89,8 @@ with open(scene, "w", encoding="utf-8") as file:
     file.write(next(b for b in blocks if "-bodies" in b))
 folder = runs.scratch("my")
 process = runs.start(f"-options_file {scene} -dry_run -output_dir {folder}")
-runs.check(process.returncode == 0 and "time:" in process.stdout and os.path.exists(folder + ".svg"), "tutorial_dry_run",
-           process.stderr[:300])
+estimated = process.returncode == 0 and "time:" in process.stdout and os.path.exists(folder + ".svg")
+runs.check(estimated, "tutorial_dry_run", process.stderr[:300])
 process = runs.start(f"-options_file {scene} -output_dir {folder} -time_end 0.6e-3 -snapshot_interval 0.2e-3")
 runs.check(process.returncode == 0, "tutorial_run", process.stderr[:300])
 process = runs.start(f"-options_file {scene} -output_dir {folder} -time_end 0.8e-3 -restart "

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What other programs read: the XDMF file names data sets that exist with the shapes it says; VTK reads the meshes back; the
-mesh of a sphere has its volume, and stray particles are not in it."""
+"""What other programs read: the XDMF file names data sets that exist with the shapes it says; VTK reads the meshes
+back; the mesh of a sphere has its volume, and stray particles are not in it."""
 import os
 import subprocess
 import sys
@@ -16,8 +16,9 @@ from vtkmodules.vtkIOPLY import vtkPLYReader  # noqa: E402
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: E402
 
 RADIUS = 1.0
-SCENE = f"""-spacing 0.125 -box_lower -2,-2,-2 -box_upper 2,2,2 -bodies ball,stray -ball_shape sphere -ball_radius {RADIUS}
- -stray_lower 1.5,1.5,1.5 -stray_upper 1.625,1.625,1.625 -ball_velocity 0.1,0,0 -gravity 0,0,-1 -steps_max 2 -time_step 1e-3
+SCENE = f"""-spacing 0.125 -box_lower -2,-2,-2 -box_upper 2,2,2 -bodies ball,stray -ball_shape sphere
+ -ball_radius {RADIUS} -stray_lower 1.5,1.5,1.5 -stray_upper 1.625,1.625,1.625 -ball_velocity 0.1,0,0 -gravity 0,0,-1
+ -steps_max 2 -time_step 1e-3
  -checkpoint_interval 0"""
 
 
@@ -61,6 +62,6 @@ runs.check(points.GetNumberOfPoints() == len(fields["id"]), "particles_vtp", poi
 velocity = vtk_to_numpy(points.GetPointData().GetArray("velocity"))
 runs.check_within(velocity[:, 0].max(), 0.0999, 0.1001, "particles_velocity")
 series = ElementTree.parse(os.path.join(folder, "mesh", "surface.pvd")).getroot().findall(".//DataSet")
-runs.check(all(os.path.exists(os.path.join(folder, "mesh", s.get("file"))) for s in series) and len(series) == len(grids),
-           "pvd_series", [s.get("file") for s in series])
+present = all(os.path.exists(os.path.join(folder, "mesh", s.get("file"))) for s in series)
+runs.check(present and len(series) == len(grids), "pvd_series", [s.get("file") for s in series])
 runs.done()
