@@ -86,6 +86,35 @@ bench: isph
 bench-readme:
 	@$(PYTHON) tests/bench/bench.py --readme
 
+# make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures
+# make film RUN=output/my                             figures/film.mp4, a frame a snapshot
+# make mesh RUN=output/my                             mesh/surface_*.vtp and surface.pvd; FLAGS="--format ply --particles"
+FLAGS =
+pictures:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/pictures.py $(FLAGS) $(RUN)
+
+film:
+	@tests/packages.sh pictures film
+	@$(PYTHON) src/pictures/film.py $(FLAGS) $(RUN)
+
+mesh:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/mesh.py $(FLAGS) $(RUN)
+
+# make install PREFIX=$HOME/isph   program, options, cases and pictures; PORTABLE=1 for a cluster of mixed machines
+PREFIX = /usr/local
+SHARE  = $(DESTDIR)$(PREFIX)/share/isph
+install: isph
+	install -D -m 755 isph $(DESTDIR)$(PREFIX)/bin/isph
+	install -d $(SHARE)/pictures $(SHARE)/options/cluster
+	install -m 644 options/*.opts $(SHARE)/options
+	install -m 644 options/cluster/* $(SHARE)/options/cluster
+	install -m 644 src/pictures/*.py $(SHARE)/pictures
+	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
+	for tool in pictures film mesh; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
+	  > $(DESTDIR)$(PREFIX)/bin/isph-$$tool && chmod 755 $(DESTDIR)$(PREFIX)/bin/isph-$$tool; done
+
 test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
 
@@ -136,4 +165,6 @@ clean:
 	rm -rf $(BUILD) isph
 
 .PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
+
+.PHONY: pictures film mesh install
 .PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force
