@@ -2,6 +2,9 @@
 #   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
+#   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/
+#   make long-run                   a million steps of a small scene: nothing drifts
+#   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
 #   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
 #   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; make bench-readme: README's table
@@ -13,6 +16,7 @@
 CC        = mpicc
 PYTHON    = /usr/bin/python3
 BUILD     = output/build
+PROGRAM   = isph
 PKG_PATH  = $(if $(PETSC_DIR),$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)$(if $(SLEPC_DIR),$(SLEPC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)
 PKG       = PKG_CONFIG_PATH=$(PKG_PATH)$$PKG_CONFIG_PATH pkg-config
 PACKAGES  = SLEPc PETSc hdf5-openmpi
@@ -25,9 +29,9 @@ LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 SOURCES   = $(filter-out src/main.c,$(wildcard src/*/*.c))
 OBJECTS   = $(SOURCES:src/%.c=$(BUILD)/%.o)
 
-all: isph
+all: $(PROGRAM)
 
-isph: $(BUILD)/main.o $(OBJECTS)
+$(PROGRAM): $(BUILD)/main.o $(OBJECTS)
 	@echo LD $@; $(CC) $(CFLAGS) -o $@ $^ $(LIBS)
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
@@ -118,6 +122,17 @@ install: isph
 test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
 
+# As make test, and the same unit tests and an impact with the compiler's sanitizers: what .ci/run does.
+test-ci: isph $(UNIT) $(COMPARE) sanitized
+	@PYTHON=$(PYTHON) tests/run.sh --sanitizers
+
+SANITIZED = output/sanitized
+sanitized:
+	@$(MAKE) BUILD=$(SANITIZED) PROGRAM=$(SANITIZED)/isph LDFLAGS="$(LDFLAGS)" \
+	  CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined" sanitized-programs
+
+sanitized-programs: $(PROGRAM) $(UNIT)
+
 test-long: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
 
@@ -143,6 +158,12 @@ verify-readme:
 faults: isph
 	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
 
+extremes: isph
+	@$(PYTHON) tests/extremes/extremes.py --all
+
+long-run: isph
+	@$(PYTHON) tests/long/long_run.py 1000000
+
 fuzz: isph
 	@$(PYTHON) tests/faults/fuzz.py --number 2000
 # make compare-solvers STATE=output/my/snapshot_0010.h5   every solver on the user's own state, and which to take
@@ -162,9 +183,10 @@ lint:
 	@tests/run.sh tests/lint
 
 clean:
-	rm -rf $(BUILD) isph
+	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
 .PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
 
 .PHONY: pictures film mesh install
+.PHONY: faults fuzz extremes long-run test-ci sanitized sanitized-programs
 .PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force

@@ -30,10 +30,14 @@ int main(int argc, char **argv)
 {
   int code;
 
-  if (UserErrorHandlerPush())
+  if (MPI_Init(&argc, &argv) || UserErrorHandlerPush())
     return 2; /* before the options are read: a missing options file is the user's error too */
-  if (PetscInitialize(&argc, &argv, NULL, help)) return 2;
-  code = (int)Run();
-  (void)PetscFinalize();
+  code = (int)OptionsFilesCheck(MPI_COMM_WORLD, argc, argv);
+  if (!code) code = (int)PetscInitialize(&argc, &argv, NULL, help);
+  if (!code) {
+    code = (int)Run();
+    (void)PetscFinalize();
+  }
+  (void)MPI_Finalize();
   return code ? 1 : 0;
 }

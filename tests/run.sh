@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# Runs the tests:  tests/run.sh [--long] [NAME ...]
+# Runs the tests:  tests/run.sh [--long] [--sanitizers] [NAME ...]
 #   programs  output/build/tests/unit/*, built by the makefile
-#   scripts   tests/input, tests/parallel, tests/restart, tests/faults, tests/solvers, tests/verify,
-#             tests/lint (*.sh, *.py), and tests/long with
-#             --long
+#   scripts   tests/input, tests/parallel, tests/restart, tests/faults, tests/extremes, tests/solvers,
+#             tests/verify, tests/lint (*.sh, *.py), tests/long with --long, tests/sanitizers with --sanitizers
 # With names, only the tests whose path contains one of them. Each test prints 'ok name' or 'FAIL name: why' a line, and
 # whatever else it likes. One that exits non-zero without a FAIL line, is killed, runs out of time or prints neither
 # counts as one failure.
@@ -14,10 +13,14 @@ cd "$(dirname "$0")/.." || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
 timeout=${TEST_TIMEOUT:-600}
 python=${PYTHON:-/usr/bin/python3}
-folders="docs input parallel restart faults solvers verify lint"
+folders="docs input parallel restart faults extremes solvers verify lint"
 names=()
 for argument in "$@"; do
-  if [ "$argument" = --long ]; then folders="$folders long"; else names+=("$argument"); fi
+  case $argument in
+    --long)       folders="$folders long" ;;
+    --sanitizers) folders="$folders sanitizers" ;;
+    *)            names+=("$argument") ;;
+  esac
 done
 log=$(mktemp) || exit 1
 trap 'rm -f "$log"' EXIT

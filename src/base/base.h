@@ -81,6 +81,10 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
    call once, before PetscInitialize if a missing options file shall be refused as politely. */
 PetscErrorCode UserErrorHandlerPush(void);
 
+/* OptionsFilesCheck - refuses (UserError) options files on the command line that include themselves. Collective; after
+   MPI_Init and before PetscInitialize. */
+PetscErrorCode OptionsFilesCheck(MPI_Comm comm, int argc, char *argv[]);
+
 /* RandomUnit - a uniform number in [0,1) from a seed and a counter (SplitMix64): the same on any number of ranks. */
 static inline PetscReal RandomUnit(unsigned long long seed, unsigned long long counter)
 {

@@ -1,5 +1,6 @@
 /* Log events and stages of -log_view, and the refusal of bad input. */
 #include "base.h"
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -43,6 +44,18 @@ PetscLogStage LogStage(StageId stage)
   return Stages[stage];
 }
 
+/* One line on standard error; what a user typed may hold characters that a terminal would obey. */
+static void Say(const char message[], int length, const char option[])
+{
+  char line[2 * MESSAGE_LENGTH];
+
+  (void)snprintf(line, sizeof(line), "isph: error: %.*s%s", length, message, option);
+  for (char *c = line; *c; c++)
+    if (iscntrl((unsigned char)*c)) *c = '?';
+  fprintf(stderr, "%s\n", line);
+  fflush(stderr);
+}
+
 PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
 {
   char        message[MESSAGE_LENGTH];
@@ -53,10 +66,7 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
   (void)vsnprintf(message, sizeof(message), format, arguments);
   va_end(arguments);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (!rank) {
-    fprintf(stderr, "isph: error: %s\n", message);
-    fflush(stderr);
-  }
+  if (!rank) Say(message, (int)strlen(message), "");
   UserErrorRaised = PETSC_TRUE;
   return ISPH_USER_ERROR; /* bare: PetscError() would print a trace */
 }
@@ -105,10 +115,7 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
     return PETSC_FALSE;
   FindOption(message, option, sizeof(option));
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (!rank) {
-    fprintf(stderr, "isph: error: %.*s%s\n", (int)strcspn(message, "\n"), message, option);
-    fflush(stderr);
-  }
+  if (!rank) Say(message, (int)strcspn(message, "\n"), option);
   return PETSC_TRUE;
 }
 

@@ -66,6 +66,17 @@ typedef enum {
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
    have the viscosity of their neighbour. Overwrites FIELD_WORK1 and FIELD_WORK3. Collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
+/* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
+   each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair
+   v_ab. Overwrites FIELD_WORK1. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity field (owned
+   particles, m/s), whose ghosts it updates; overwrites FIELD_WORK3; collective. OperatorsViscosityDiagonal - the
+   operator's diagonal
+   ([n_fluid][3], 1/s, not positive), the mirrors of morris left out. */
+PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[]);
+PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], FieldId velocity,
+                                       PetscReal out[]);
+PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const PetscReal pair[],
+                                          PetscReal diagonal[]);
 /* OperatorsShares - FIELD_WORK1 s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0 for walls and spray;
    ghosts too. Collective. */
 PetscErrorCode OperatorsShares(Cloud cloud);

@@ -14,10 +14,9 @@ static PetscErrorCode CollectViscosity(Cloud cloud, PetscReal mu[])
 
 /* Velocity u of wall particles for a no-slip wall between them and the fluid: 2 v_wall - the fluid's mean there (Adami
  * et al. 2012); of the fluid its own. */
-static PetscErrorCode MirrorVelocity(Cloud cloud, PetscReal u[])
+static PetscErrorCode MirrorVelocity(Cloud cloud, const PetscReal v[], PetscReal u[])
 {
-  const PetscReal *v = cloud->field[FIELD_VELOCITY];
-  PairRow          row;
+  PairRow row;
 
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(u, v, DIM * cloud->n_total));
@@ -138,7 +137,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CollectViscosity(cloud, mu));
   if (form == VISCOSITY_MORRIS) {
-    PetscCall(MirrorVelocity(cloud, cloud->field[FIELD_WORK3]));
+    PetscCall(MirrorVelocity(cloud, v, cloud->field[FIELD_WORK3]));
     v = cloud->field[FIELD_WORK3];
   }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -155,5 +154,99 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
     for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += zeta * scale_f * sum[d];
   }
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[])
+{
+  const PetscReal *volume = cloud->volume, *rest = cloud->rest_density;
+  const PetscReal  eta2 = EtaSquared(cloud->kernel),
+                  zeta  = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
+  PetscReal *mu         = cloud->field[FIELD_WORK1];
+  PairRow    row;
+
+  PetscFunctionBegin;
+  PetscCall(CollectViscosity(cloud, mu));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal *c = pair + cloud->first[a];
+
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt  b    = row.index[k];
+      const PetscReal mu_b = mu[b] < 0 ? mu[a] : mu[b], sum = mu[a] + mu_b;
+
+      c[k] = sum > 0 ? volume[b] * rest[b] * zeta * (1 / PetscSqr(density[a]) + 1 / PetscSqr(density[b])) * 2 * mu[a] *
+                         mu_b / sum * row.F[k]
+                     : 0;
+      if (form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], FieldId velocity,
+                                       PetscReal out[])
+{
+  const PetscReal *v = cloud->field[velocity];
+  PairRow          row;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, velocity));
+  if (form == VISCOSITY_MORRIS) {
+    PetscCall(MirrorVelocity(cloud, v, cloud->field[FIELD_WORK3]));
+    v = cloud->field[FIELD_WORK3];
+  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *restrict c = pair + cloud->first[a];
+    const PetscReal vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
+    PetscReal       ax = 0, ay = 0, az = 0;
+
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    if (form == VISCOSITY_CLEARY) {
+      SIMD_LOOP(reduction(+ : ax, ay, az))
+      for (PetscInt k = 0; k < row.n; k++) {
+        const PetscInt  b = row.index[k];
+        const PetscReal f =
+          c[k] * ((vx - v[3 * b]) * row.dx[k] + (vy - v[3 * b + 1]) * row.dy[k] + (vz - v[3 * b + 2]) * row.dz[k]);
+
+        ax += f * row.dx[k];
+        ay += f * row.dy[k];
+        az += f * row.dz[k];
+      }
+    } else {
+      SIMD_LOOP(reduction(+ : ax, ay, az))
+      for (PetscInt k = 0; k < row.n; k++) {
+        const PetscInt b = row.index[k];
+
+        ax += c[k] * (vx - v[3 * b]);
+        ay += c[k] * (vy - v[3 * b + 1]);
+        az += c[k] * (vz - v[3 * b + 2]);
+      }
+    }
+    out[3 * a]     = ax;
+    out[3 * a + 1] = ay;
+    out[3 * a + 2] = az;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const PetscReal pair[], PetscReal diagonal[])
+{
+  PairRow row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *c = pair + cloud->first[a];
+    PetscReal       *d = diagonal + DIM * a;
+
+    d[0] = d[1] = d[2] = 0;
+    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      d[0] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k]) : 1);
+      d[1] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
+      d[2] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dz[k]) : 1);
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,6 +2,7 @@
  * line. */
 #include "output_impl.h"
 #include <errno.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define SERIES_FILE "series.csv"
@@ -102,10 +103,12 @@ static int Cut(const char path[], const char temporary[], const char head[], Pet
 /* Opens the file to append, with the head when it is new. Rank 0; returns an errno. */
 static int Open(const char path[], const char head[], FILE **file)
 {
+  struct stat info;
+
   *file = fopen(path, "a");
   if (!*file) return errno;
-  (void)fseek(*file, 0, SEEK_END);
-  if (ftell(*file) == 0 && (fputs(head, *file) < 0 || fflush(*file))) return errno;
+  if (fstat(fileno(*file), &info)) return errno;
+  if (info.st_size == 0 && (fputs(head, *file) < 0 || fflush(*file))) return errno;
   return 0;
 }
 

@@ -208,7 +208,7 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(3 * rows->n + 1, &real));
-  single  = (float *)real; /* packed in place of the doubles */
+  single  = (float *)(void *)real; /* packed in place of the doubles */
   integer = (PetscInt *)real;
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     const PetscInt width = rows->width = Fields[f].width;

@@ -81,7 +81,7 @@ static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const Pets
       PetscReal u = d < g->dim ? (x[g->dim * a + d] - g->lower[d]) / g->h[d] : 0;
       PetscInt  i;
 
-      if (g->periodic[d] && d < g->dim) u -= g->cells[d] * PetscFloorReal(u / g->cells[d]);
+      if (d < g->dim && g->periodic[d]) u -= g->cells[d] * PetscFloorReal(u / g->cells[d]);
       i                  = PetscMin(PetscMax((PetscInt)u, 0), g->cells[d] - 1);
       g->t[DIM * a + d]  = PetscMin(PetscMax(u - i, 0.0), 1.0);
       place[DIM * a + d] = i;

@@ -1,13 +1,11 @@
 #include "types.h"
 
-/* Options that PETSc itself reads late or only reads at its end. */
-static const char *const late[] = {"log_",          "malloc",      "options_",   "on_error",     "start_in_",
-                                   "stop_for",      "fp_trap",     "info",       "memory_view",  "objects_dump",
-                                   "nox",           "display",     "python",     "skip_petscrc", "help",
-                                   "version",       "checkstack",  "mpi_linger", "debugger",     "petsc_",
-                                   "vec_",          "sf_",         "viewer_",    "citations",    "ksp_view",
-                                   "ksp_converged", "ksp_monitor", "ksp_error",  "mat_view",     "spectrum_",
-                                   "draw_"};
+/* Options that PETSc reads during the run or at its end. */
+static const char *const late[] = {
+  "options_left", "options_view",         "malloc_view_threshold",        "nox", "checkstack", "citations",
+  "mpi_linger",   "ksp_converged_reason", "viscous_ksp_converged_reason",
+};
+#define LATE_PREFIX "spectrum_" /* SLEPc's options of the spectrum at the end */
 
 #define FAR 1000
 
@@ -16,7 +14,7 @@ static PetscInt EditDistance(const char a[], const char b[])
 {
   PetscInt row[128], n = 0;
 
-  while (b[n] && n < 126) n++;
+  while (n < 126 && b[n]) n++;
   for (PetscInt j = 0; j <= n; j++) row[j] = j;
   for (PetscInt i = 0; a[i]; i++) {
     PetscInt diagonal = row[0];
@@ -50,12 +48,9 @@ PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
     PetscInt    distance = FAR;
     PetscBool   skip     = PETSC_FALSE;
 
-    for (size_t l = 0; l < sizeof(late) / sizeof(*late) && !skip; l++) {
-      size_t length;
-
-      PetscCall(PetscStrlen(late[l], &length));
-      PetscCall(PetscStrncmp(names[k], late[l], length, &skip));
-    }
+    for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(late) && !skip; l++)
+      PetscCall(PetscStrcmp(names[k], late[l], &skip));
+    if (!skip) PetscCall(PetscStrncmp(names[k], LATE_PREFIX, sizeof(LATE_PREFIX) - 1, &skip));
     if (skip) continue;
     for (size_t l = 0; l < sizeof(known) / sizeof(*known); l++) {
       const PetscInt d = EditDistance(names[k], known[l]);

@@ -46,6 +46,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
   PetscCall(Diagnose(stepper, diagnose, attempted));
   if (PressureDensity(stepper->pressure) == cloud->field[FIELD_DENSITY]) PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(StageOne(stepper, dt, cloud->rest_density, attempted));
+  if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
 
   /* Stage 2: pressure, at the same positions */
   PetscCall(pressure(stepper, dt, &attempted->pressure));

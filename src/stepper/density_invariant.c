@@ -14,6 +14,7 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], attempted));
+  if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
   r         = cloud->field[FIELD_POSITION];
   start     = cloud->field[FIELD_START];
   predicted = cloud->field[FIELD_PREDICTED];

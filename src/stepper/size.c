@@ -9,6 +9,17 @@
 #define GROWTH          1.2  /* from one step to the next, at most */
 #define SAMPLES         5    /* points a direction at which the initial velocity of a body is read */
 
+/* Decides whether the viscosity is implicit in a step that all else would allow; returns the step viscosity allows. */
+static PetscReal Viscosity(Stepper stepper, PetscReal step, PetscReal limit)
+{
+  Viscous *viscous = &stepper->viscous;
+
+  viscous->implicit = (PetscBool)(limit < PETSC_MAX_REAL && (viscous->solver == VISCOUS_IMPLICIT ||
+                                                             (viscous->solver == VISCOUS_AUTO && step > limit)));
+  if (!viscous->implicit) return PetscMin(step, limit);
+  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * limit) : step;
+}
+
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt)
 {
   Cloud           cloud = stepper->cloud;
@@ -52,15 +63,19 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
         PetscMin(stepper->bounds.tension,
                  CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
-  step = PetscMin(step, PetscMin(stepper->bounds.viscosity, stepper->bounds.tension));
+  step = PetscMin(step, stepper->bounds.tension);
   /* the first step takes the scene's own velocity for the one the particles will soon have, and so
      does a relaxation, which must use the steps of the run: pressure noise depends on them */
   if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0)
     step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
   if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
   if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
+  step = Viscosity(stepper, step, stepper->bounds.viscosity);
   step = PetscMax(step, stepper->step_min);
-  if (stepper->step_fixed > 0) step = stepper->step_fixed;
+  if (stepper->step_fixed > 0) {
+    step = stepper->step_fixed;
+    (void)Viscosity(stepper, step, stepper->bounds.viscosity);
+  }
   /* no tiny last step: the last two share what is left */
   if (left <= step * (1 + 1e-9))
     step = left;
@@ -75,12 +90,18 @@ StepBounds StepperBounds(Stepper stepper)
   return stepper->bounds;
 }
 
-PetscReal StepperReferenceVelocity(Stepper stepper)
+/* Largest speed (bodies and walls, m/s), acceleration of each direction (m/s2) and fall through the body (m2/s2), and
+   surface tension over density and smoothing length (m2/s2) of the scene. */
+typedef struct {
+  PetscReal speed, acceleration[DIM], fall, capillary;
+} Scales;
+
+static void FindScales(Stepper stepper, Scales *scales)
 {
   Cloud           cloud = stepper->cloud;
   const PetscReal h     = KernelSmoothingLength(cloud->kernel);
-  PetscReal       speed = 0, fall = 0, capillary = 0;
 
+  *scales = (Scales){0};
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     Body            body = SceneBody(cloud->scene, b);
     const Material *m    = BodyMaterial(body);
@@ -93,10 +114,39 @@ PetscReal StepperReferenceVelocity(Stepper stepper)
       for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (SAMPLES - 1);
       BodyVelocity(body, x, v);
       SceneAcceleration(cloud->scene, x, g);
-      speed = PetscMax(speed, Norm(v));
-      for (PetscInt d = 0; d < DIM; d++) fall = PetscMax(fall, PetscAbsReal(g[d]) * (upper[d] - lower[d]));
+      scales->speed = PetscMax(scales->speed, Norm(v));
+      for (PetscInt d = 0; d < DIM; d++) {
+        scales->acceleration[d] = PetscMax(scales->acceleration[d], PetscAbsReal(g[d]));
+        scales->fall            = PetscMax(scales->fall, PetscAbsReal(g[d]) * (upper[d] - lower[d]));
+      }
     }
-    if (TensionReach(stepper->tension) > 0) capillary = PetscMax(capillary, m->tension / (m->density * h));
+    if (TensionReach(stepper->tension) > 0)
+      scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
   }
-  return PetscSqrtReal(speed * speed + fall + capillary);
+  for (PetscInt f = 0; f < DIM * 2; f++)
+    scales->speed = PetscMax(scales->speed, Norm(cloud->domain->wall_velocity[f / 2][f % 2]));
+}
+
+PetscReal StepperReferenceVelocity(Stepper stepper)
+{
+  Scales scales;
+
+  FindScales(stepper, &scales);
+  return PetscSqrtReal(scales.speed * scales.speed + scales.fall + scales.capillary);
+}
+
+PetscReal StepperEnergyAtHand(Stepper stepper)
+{
+  const Domain domain = stepper->cloud->domain;
+  Scales       scales;
+  PetscReal    energy;
+
+  FindScales(stepper, &scales);
+  if (SceneEmits(stepper->cloud->scene)) return 0;
+  energy = 0.5 * scales.speed * scales.speed + scales.capillary;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (scales.acceleration[d] > 0 && domain->face[d][0] == FACE_PERIODIC) return 0;
+    energy += scales.acceleration[d] * (domain->upper[d] - domain->lower[d]);
+  }
+  return energy;
 }

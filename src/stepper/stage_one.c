@@ -12,6 +12,17 @@ static PetscReal Power(Cloud cloud)
   return sum;
 }
 
+/* Sum of m v.u of the fluid, u FIELD_PREDICTED, J, this rank: its change is the work of an implicit force. */
+static PetscReal Overlap(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[FIELD_PREDICTED];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, u + DIM * k);
+  return sum;
+}
+
 /* Area of the free surface of one particle's share, m2. The integral of |sum V grad W| over the liquid below a flat
    surface is half its area, for any kernel: sum V W rises from 1/2 at the surface to 1 inside. */
 static PetscReal Area(Cloud cloud, PetscInt a)
@@ -50,7 +61,7 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
   if (stepper->damping == 1)
     for (PetscInt a = 0; a < cloud->n_fluid; a++)
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
-  if (SceneHasViscosity(cloud->scene)) {
+  if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit) {
     before = Power(cloud);
     PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
     attempted->viscous_work = dt * (Power(cloud) - before);
@@ -63,7 +74,12 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
   }
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  if (stepper->viscous.implicit) {
+    before = Overlap(cloud);
+    PetscCall(ViscousSolve(stepper, dt, density, &attempted->viscous));
+    attempted->viscous_work = Overlap(cloud) - before;
+  } else
+    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

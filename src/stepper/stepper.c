@@ -29,6 +29,8 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->displacement_max  = 0.5;
   s->density_max       = 3;
   s->guard             = 0.25;
+  s->energy_max        = 2;
+  s->density_ratio_max = 2;
   s->shifting_strength = 2;
   s->shifting_cap      = 0.1;
   s->relaxation_ratio  = 5;
@@ -56,6 +58,24 @@ static PetscErrorCode SetSchemeTypes(Stepper s)
     PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   if (s->scheme == SchemeWeaklyCompressible) s->relaxation_ratio = COMPRESSIBLE_RELAXATION;
   s->shifting = s->centered = (PetscBool)!paper;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses liquids whose densities are too far apart. */
+static PetscErrorCode CheckDensities(Stepper s)
+{
+  Scene scene = s->cloud->scene;
+  Body  light = SceneBody(scene, 0), dense = light;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 1; b < SceneCount(scene); b++) {
+    if (BodyMaterial(SceneBody(scene, b))->density < BodyMaterial(light)->density) light = SceneBody(scene, b);
+    if (BodyMaterial(SceneBody(scene, b))->density > BodyMaterial(dense)->density) dense = SceneBody(scene, b);
+  }
+  PetscCheckUser(BodyMaterial(dense)->density <= s->density_ratio_max * BodyMaterial(light)->density, s->cloud->comm,
+                 "-%s_density is %g times -%s_density; at most -density_ratio_max %g is stable where the two touch",
+                 BodyName(dense), (double)(BodyMaterial(dense)->density / BodyMaterial(light)->density),
+                 BodyName(light), (double)s->density_ratio_max);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,6 +111,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                                "StepperSetFromOptions", s->centered, &s->centered, NULL));
+  PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "StepperSetFromOptions",
                              s->shifting_strength, &s->shifting_strength, NULL));
   PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "StepperSetFromOptions",
@@ -110,11 +131,24 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                              "StepperSetFromOptions", s->displacement_max, &s->displacement_max, NULL));
   PetscCall(PetscOptionsReal("-density_max", "summed density over rest density that rolls a step back (1)",
                              "StepperSetFromOptions", s->density_max, &s->density_max, NULL));
+  PetscCall(PetscOptionsReal("-energy_max",
+                             "kinetic energy over all that the scene has at hand that stops the run (1); 0: not "
+                             "watched",
+                             "StepperSetFromOptions", s->energy_max, &s->energy_max, NULL));
+  PetscCall(PetscOptionsReal("-density_ratio_max",
+                             "largest ratio of the densities of two bodies; a denser drop than 4 times its film is "
+                             "unstable (1)",
+                             "StepperSetFromOptions", s->density_ratio_max, &s->density_ratio_max, NULL));
   PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
   if (s->scheme == SchemeWeaklyCompressible) PetscCall(CompressibleSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
   s->viscosity_form = (ViscosityForm)form;
+  PetscCheckUser(s->viscous.ratio >= 0, comm, "-viscosity_step_ratio is %g; it must not be negative",
+                 (double)s->viscous.ratio);
+  PetscCheckUser(s->energy_max >= 0, comm, "-energy_max is %g; it must not be negative", (double)s->energy_max);
+  PetscCall(CheckDensities(s));
+  s->energy_at_hand = StepperEnergyAtHand(s);
   PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
   PetscCheckUser(s->step_min >= 0 && s->step_max >= 0 && s->step_fixed >= 0, comm,
                  "-time_step, -time_step_min and -time_step_max must not be negative");
@@ -175,8 +209,22 @@ PetscErrorCode StepperForget(Stepper stepper)
 PetscErrorCode StepperDestroy(Stepper *stepper)
 {
   PetscFunctionBegin;
+  PetscCall(ViscousDestroy(*stepper));
   PetscCall(PetscFree(*stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Kinetic energy (J) and mass (kg) of this rank's fluid. */
+static void KineticEnergy(Cloud cloud, PetscReal *energy, PetscReal *mass)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY];
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal m = cloud->rest_density[a] * cloud->volume[a];
+
+    *mass += m;
+    *energy += 0.5 * m * Dot(v + DIM * a, v + DIM * a);
+  }
 }
 
 /* What Judge sums over the ranks. */
@@ -191,6 +239,8 @@ enum {
   SUM_INWARD,
   SUM_AREA,
   SUM_CAPILLARY,
+  SUM_KINETIC,
+  SUM_MASS,
   SUM_COUNT
 };
 
@@ -201,23 +251,30 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
   Cloud           cloud    = stepper->cloud;
   const PetscReal spacing  = cloud->domain->spacing;
   PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken},
-            largest[3];
-  const PetscReal parts[SUM_COUNT] = {[SUM_ERROR2]      = attempted->error2,
-                                      [SUM_DIVERGENCE2] = attempted->divergence2,
-                                      [SUM_INSIDE]      = (PetscReal)attempted->inside,
-                                      [SUM_ERROR]       = attempted->error,
-                                      [SUM_SURFACE]     = attempted->surface,
-                                      [SUM_VISCOUS]     = attempted->viscous_work,
-                                      [SUM_TENSION]     = attempted->tension_work,
-                                      [SUM_INWARD]      = attempted->inward,
-                                      [SUM_AREA]        = attempted->area,
-                                      [SUM_CAPILLARY]   = attempted->capillary_area};
+            largest[3], all;
+  PetscReal parts[SUM_COUNT] = {[SUM_ERROR2]      = attempted->error2,
+                                [SUM_DIVERGENCE2] = attempted->divergence2,
+                                [SUM_INSIDE]      = (PetscReal)attempted->inside,
+                                [SUM_ERROR]       = attempted->error,
+                                [SUM_SURFACE]     = attempted->surface,
+                                [SUM_VISCOUS]     = attempted->viscous_work,
+                                [SUM_TENSION]     = attempted->tension_work,
+                                [SUM_INWARD]      = attempted->inward,
+                                [SUM_AREA]        = attempted->area,
+                                [SUM_CAPILLARY]   = attempted->capillary_area};
 
   PetscFunctionBegin;
   why[0] = 0;
+  KineticEnergy(cloud, &parts[SUM_KINETIC], &parts[SUM_MASS]);
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(parts, sums, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
-  if (attempted->pressure.reason < 0)
+  all = stepper->energy_at_hand * sums[SUM_MASS];
+  if (attempted->viscous < 0)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
+                            "larger -viscous_ksp_max_it or -viscous_ksp_rtol",
+                            KSPConvergedReasons[attempted->viscous], (double)dt));
+  else if (attempted->pressure.reason < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the pressure solver stopped with %s after %" PetscInt_FMT
                             " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol",
@@ -237,6 +294,12 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
                             "the density reaches %.3g times the rest density, more than -density_max %g: particles "
                             "have clumped; try a smaller -time_cfl, -shifting or a smaller spacing",
                             (double)largest[1], (double)stepper->density_max));
+  else if (all > 0 && stepper->energy_max > 0 && sums[SUM_KINETIC] > stepper->energy_max * all)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the kinetic energy is %.3g times all that speeds, falls and surfaces of the scene can "
+                            "give, more than -energy_max %g: the run has become unstable; try a smaller -time_cfl or "
+                            "spacing",
+                            (double)(sums[SUM_KINETIC] / all), (double)stepper->energy_max));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -345,6 +408,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   PetscCall(PressureSetUp(stepper->pressure, dt));
+  PetscCall(ViscousPrepare(stepper));
   PetscCall(PressureForget(stepper->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

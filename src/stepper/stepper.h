@@ -52,8 +52,8 @@ typedef struct {
 
 /* StepperBounds - of the last step that was chosen. Not collective. */
 StepBounds StepperBounds(Stepper stepper);
-/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, sqrt(g L), sqrt(sigma/(rho h)). Not
- * collective. */
+/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, those of walls, sqrt(g L),
+ * sqrt(sigma/(rho h)). Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);
 PetscErrorCode StepperDestroy(Stepper *stepper);
 

@@ -119,15 +119,17 @@ def differing(whole, pieces):
     return found
 
 
-def kill_in_writing(process, folder, limit):
-    """Kills when a checkpoint is half written (its .tmp is there), at the latest after 'limit' seconds."""
-    until = time.time() + limit
-    caught = False
-    while time.time() < until and process.poll() is None and not caught:
+def kill_in_writing(process, folder, later):
+    """Kills when a checkpoint is half written (its .tmp is there), after 'later' others. Whether it came to that."""
+    seen, caught = set(), False
+    while process.poll() is None and not caught:
         try:
-            caught = any(name.startswith("checkpoint_") and name.endswith(".tmp") for name in os.listdir(folder))
+            present = [name for name in os.listdir(folder) if name.startswith("checkpoint_")]
         except FileNotFoundError:
-            pass
+            present = []
+        seen.update(name for name in present if not name.endswith(".tmp"))
+        caught = len(seen) > later + 1 and any(name.endswith(".tmp") for name in present)
+        time.sleep(0 if caught else 5e-4)
     kill(process)
     return caught
 
@@ -135,16 +137,16 @@ def kill_in_writing(process, folder, limit):
 def kills(number, ranks, rng):
     """One run, killed 'number' times and continued each time from its newest checkpoint, against one that was not."""
     what = f"kill -9 on {ranks}"
+    began = time.time()
     whole = runs.run(OFTEN, f"whole_{ranks}", ranks)
-    seconds = runs.series(whole)["wall_time"][-1] + 1
+    seconds = time.time() - began
     pieces, resumed, writing, done = runs.scratch(f"pieces_{ranks}"), 0, 0, 0
     while done < number:
         start = newest(pieces)
         process = launch(OFTEN + f"-output_dir {pieces} " + (f"-restart {start}" if start else "-output_overwrite"),
                          ranks)
         if done % 2:
-            time.sleep(rng.uniform(0.2, 0.6))
-            writing += kill_in_writing(process, pieces, seconds)
+            writing += kill_in_writing(process, pieces, rng.randint(1, 5))
         else:
             time.sleep(rng.uniform(0, seconds))
             kill(process)
@@ -315,7 +317,8 @@ def names():
     those of the user's mask."""
     home = runs.scratch("home")
     os.mkdir(home)
-    for k, name in enumerate(("$(touch owned)", "`touch owned`", ";touch owned", "a|touch owned", "%s%n%s%n", "-restart_",
+    for k, name in enumerate(("$(touch owned)", "`touch owned`", ";touch owned", "a|touch owned", "%s%n%s%n",
+                              "-restart_",
                               "a b", "\u00e4\u00f6", "a'b", 'a"b', "*", "~", "a//b/./c", "x" * 200)):
         folder = os.path.join(home, f"{k}", name)
         process = runs.start(runs.shlex.split(SCENE) + ["-steps_max", "1", "-output_dir", folder])

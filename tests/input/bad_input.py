@@ -49,6 +49,14 @@ refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean
 refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
 refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_something_else"])
 refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
+own = runs.scratch("own.opts")
+with open(own, "w", encoding="utf-8") as file:
+    file.write(f"-spacing 1\n-options_file {own}\n")
+refused("options_file_of_itself", GOOD + f"-options_file {own}", [own])
+refused("densities_too_far_apart", BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -b_density 3000",
+        ["-b_density", "-density_ratio_max"])
+for late in ("-log_vieww", "-infoo x", "-options_lefft"):
+    refused(f"unknown_option_of_petsc_{late}", GOOD + late, [late.split()[0]])
 refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
 refused("zero_spacing", GOOD + "-spacing 0", ["-spacing"])
 refused("text_for_number", GOOD + "-spacing abc", ["abc", "-spacing"])

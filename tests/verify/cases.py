@@ -73,6 +73,9 @@ ENTRIES += both("free_fall", "2000 particles", CONSERVED, TEST)
 SHEAR = (1e-4, 5e-5, 2.5e-5)
 ENTRIES += both("couette", "", "", TEST, LATTICE, spacings=SHEAR)
 ENTRIES += both("poiseuille", "", "", TEST, LATTICE, spacings=SHEAR)
+IMPLICIT = "-viscosity_solver implicit -time_step_max 3e-3"
+ENTRIES += [Entry("couette", "steps of 9 explicit limits", IMPLICIT, TEST),
+            Entry("poiseuille", "steps of 9 explicit limits", IMPLICIT, TEST)]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)

@@ -1,0 +1,198 @@
+/* Implicit viscosity: (1 - dt V) u = v + dt a, V the viscous operator, a all other accelerations of stage one; backward
+   Euler. Rows are scaled with the mass, which makes the operator of cleary symmetric and positive; it is applied by
+   pairs, not assembled. */
+#include "types.h"
+
+#define VISCOUS_RATIO  30   /* Couette flow at 20 spacings: largest error 0.8 % of the wall's speed */
+#define VISCOUS_RTOL   1e-8 /* momentum is kept to about this */
+#define VISCOUS_MAXITS 2000
+#define FIELD_ITERATE  FIELD_PREDICTED /* where the operator finds its argument */
+
+PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
+{
+  const char *const solvers[] = {"explicit", "implicit", "auto"};
+  Viscous          *viscous   = &stepper->viscous;
+  PetscInt          solver    = VISCOUS_AUTO;
+
+  PetscFunctionBegin;
+  viscous->ratio = VISCOUS_RATIO;
+  PetscCall(PetscOptionsEList("-viscosity_solver",
+                              "explicit, implicit (solver -viscous_ksp_type ...), or auto: implicit in steps that the "
+                              "explicit limit would shorten",
+                              "StepperSetFromOptions", solvers, 3, solvers[solver], &solver, NULL));
+  PetscCall(PetscOptionsReal("-viscosity_step_ratio",
+                             "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no "
+                             "bound",
+                             "StepperSetFromOptions", viscous->ratio, &viscous->ratio, NULL));
+  viscous->solver = (ViscousSolver)solver;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fluid velocities of x into FIELD_ITERATE; of walls their own if 'walls', else zero. */
+static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls)
+{
+  Cloud              cloud = stepper->cloud;
+  PetscReal         *u     = cloud->field[FIELD_ITERATE];
+  const PetscScalar *values;
+
+  PetscFunctionBegin;
+  if (x) {
+    PetscCall(VecGetArrayRead(x, &values));
+    PetscCall(PetscArraycpy(u, values, DIM * cloud->n_fluid));
+    PetscCall(VecRestoreArrayRead(x, &values));
+  } else
+    PetscCall(PetscArrayzero(u, DIM * cloud->n_fluid));
+  for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++)
+    u[k] = walls ? cloud->field[FIELD_VELOCITY][k] : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Mass of a particle over that of the first body's, which keeps the rows of the order of a velocity. */
+static inline PetscReal Mass(Cloud cloud, PetscInt a)
+{
+  return cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
+}
+
+/* y = m (x - dt V x), walls at rest. */
+static PetscErrorCode Multiply(Mat A, Vec x, Vec y)
+{
+  Stepper            stepper;
+  Cloud              cloud;
+  const PetscScalar *u;
+  PetscScalar       *out;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &stepper));
+  cloud = stepper->cloud;
+  PetscCall(Load(stepper, x, PETSC_FALSE));
+  PetscCall(VecGetArrayRead(x, &u));
+  PetscCall(VecGetArrayWrite(y, &out));
+  PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, stepper->viscous.pair, FIELD_ITERATE, out));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) out[k] = Mass(cloud, a) * (u[k] - stepper->viscous.dt * out[k]);
+  PetscCall(VecRestoreArrayWrite(y, &out));
+  PetscCall(VecRestoreArrayRead(x, &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Diagonal(Mat A, Vec diagonal)
+{
+  Stepper      stepper;
+  Cloud        cloud;
+  PetscScalar *d;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &stepper));
+  cloud = stepper->cloud;
+  PetscCall(VecGetArrayWrite(diagonal, &d));
+  PetscCall(OperatorsViscosityDiagonal(cloud, stepper->viscosity_form, stepper->viscous.pair, d));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) d[k] = Mass(cloud, a) * (1 - stepper->viscous.dt * d[k]);
+  PetscCall(VecRestoreArrayWrite(diagonal, &d));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Reset(Viscous *viscous)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPDestroy(&viscous->ksp));
+  PetscCall(MatDestroy(&viscous->A));
+  PetscCall(VecDestroy(&viscous->x));
+  PetscCall(VecDestroy(&viscous->b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ViscousDestroy(Stepper stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(Reset(&stepper->viscous));
+  PetscCall(PetscFree(stepper->viscous.pair));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The solver of this local order: CG, or BiCGStab where the mirrored walls of morris spoil the symmetry; Jacobi. */
+static PetscErrorCode CreateSolver(Stepper stepper)
+{
+  Cloud          cloud   = stepper->cloud;
+  Viscous       *viscous = &stepper->viscous;
+  const PetscInt n       = DIM * cloud->n_fluid;
+  PC             pc;
+  PetscBool      known;
+
+  PetscFunctionBegin;
+  PetscCall(Reset(viscous));
+  viscous->layout = cloud->layout;
+  PetscCall(MatCreateShell(cloud->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, stepper, &viscous->A));
+  PetscCall(MatShellSetOperation(viscous->A, MATOP_MULT, (void (*)(void))Multiply));
+  PetscCall(MatShellSetOperation(viscous->A, MATOP_GET_DIAGONAL, (void (*)(void))Diagonal));
+  PetscCall(MatCreateVecs(viscous->A, &viscous->x, &viscous->b));
+  PetscCall(KSPCreate(cloud->comm, &viscous->ksp));
+  PetscCall(KSPSetOptionsPrefix(viscous->ksp, "viscous_"));
+  PetscCall(KSPSetType(viscous->ksp, stepper->viscosity_form == VISCOSITY_CLEARY ? KSPCG : KSPBCGS));
+  PetscCall(KSPSetTolerances(viscous->ksp, VISCOUS_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, VISCOUS_MAXITS));
+  PetscCall(KSPSetInitialGuessNonzero(viscous->ksp, PETSC_TRUE));
+  PetscCall(KSPGetPC(viscous->ksp, &pc));
+  PetscCall(PCSetType(pc, PCJACOBI));
+  PetscCall(KSPSetFromOptions(viscous->ksp));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &known, PCJACOBI, PCNONE, ""));
+  PetscCheckUser(known, cloud->comm,
+                 "-viscous_pc_type must be " PCJACOBI " or " PCNONE ": the operator of the viscosity is not assembled");
+  PetscCall(KSPSetOperators(viscous->ksp, viscous->A, viscous->A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ViscousPrepare(Stepper stepper)
+{
+  PetscFunctionBegin;
+  if (stepper->viscous.solver != VISCOUS_EXPLICIT && SceneHasViscosity(stepper->cloud->scene))
+    PetscCall(CreateSolver(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* b = m (predicted + dt V(0; velocity of walls)), x = v; 'predicted' is FIELD_PREDICTED, which is overwritten. */
+static PetscErrorCode RightHandSide(Stepper stepper)
+{
+  Cloud        cloud   = stepper->cloud;
+  Viscous     *viscous = &stepper->viscous;
+  PetscScalar *b, *x;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayWrite(viscous->x, &x));
+  PetscCall(VecGetArrayWrite(viscous->b, &b));
+  PetscCall(PetscArraycpy(x, cloud->field[FIELD_PREDICTED], DIM * cloud->n_fluid));
+  PetscCall(Load(stepper, NULL, PETSC_TRUE));
+  PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, viscous->pair, FIELD_ITERATE, b));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) b[k] = Mass(cloud, a) * (x[k] + viscous->dt * b[k]);
+  PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY], DIM * cloud->n_fluid));
+  PetscCall(VecRestoreArrayWrite(viscous->b, &b));
+  PetscCall(VecRestoreArrayWrite(viscous->x, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], KSPConvergedReason *reason)
+{
+  Cloud          cloud   = stepper->cloud;
+  Viscous       *viscous = &stepper->viscous;
+  const PetscInt pairs   = cloud->n_fluid ? cloud->first[cloud->n_fluid] : 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
+  if (!viscous->ksp || viscous->layout != cloud->layout) PetscCall(CreateSolver(stepper));
+  if (pairs > viscous->capacity) {
+    viscous->capacity = pairs + pairs / 4;
+    PetscCall(PetscFree(viscous->pair));
+    PetscCall(PetscMalloc1(viscous->capacity, &viscous->pair));
+  }
+  viscous->dt = dt;
+  PetscCall(OperatorsViscosityPairs(cloud, stepper->viscosity_form, density, viscous->pair));
+  PetscCall(RightHandSide(stepper));
+  PetscCall(MatAssemblyBegin(viscous->A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
+  PetscCall(MatAssemblyEnd(viscous->A, MAT_FINAL_ASSEMBLY));
+  PetscCall(KSPSolve(viscous->ksp, viscous->b, viscous->x));
+  PetscCall(KSPGetConvergedReason(viscous->ksp, reason));
+  PetscCall(Load(stepper, viscous->x, PETSC_TRUE));
+  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

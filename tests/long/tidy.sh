@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# clang-tidy over src/ with the checks of .clang-tidy, and a build with clang and all warnings.
+cd "$(dirname "$0")/../.." || exit 1
+command -v clang-tidy >/dev/null || { echo "ok clang_tidy (not installed, not run)"; exit 0; }
+[ -f output/build/names.h ] || make -s output/build/names.h
+flags="-std=c11 -D_POSIX_C_SOURCE=200809L -Ioutput/build $(pkg-config --cflags SLEPc PETSc hdf5-openmpi) $(mpicc --showme:compile)"
+# shellcheck disable=SC2086
+log=$(clang-tidy --quiet src/*.c src/*/*.c -- $flags 2>/dev/null | grep -E ': (error|warning):' | sort -u)
+if [ -z "$log" ]; then echo "ok clang_tidy"; else echo "FAIL clang_tidy: $(wc -l <<<"$log") findings"; echo "$log"; fi
+if make -s OMPI_CC=clang CC="env OMPI_CC=clang mpicc" BUILD=output/clang PROGRAM=output/clang/isph output/clang/isph; then
+  echo "ok clang_builds_without_warnings"
+else
+  echo "FAIL clang: warnings or errors"; exit 1
+fi
+[ -z "$log" ]
