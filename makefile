@@ -6,6 +6,8 @@
 #   make long-run                   a million steps of a small scene: nothing drifts
 #   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
+#   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
+#   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; make bench-readme: README's table
 #   make tradeoff CASE=central_force        error and CPU time of each choice: table, CSV, chart in output/tradeoff/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
@@ -64,13 +66,58 @@ $(COMPARE): tests/solvers/compare.c $(OBJECTS) $(BUILD)/flags
 packages:
 	@tests/packages.sh build pictures
 
-# The main case at quick resolution, a quarter of the box: about five minutes on two cores, then its figures.
+# The main case at quick resolution, a quarter of the box: a minute on two cores, then its figures.
 run: packages
 	$(MAKE) isph
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
 	  -options_file options/quick.opts -output_dir $(RUN) -output_overwrite
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
+
+# The main case at the paper's spacing, a quarter of the box, 60 ms: half an hour on two cores, then its figures.
+paper: packages
+	$(MAKE) isph
+	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
+	  -output_dir $(RUN)_paper -output_overwrite
+	$(PYTHON) cases/drop_impact/figures.py $(RUN)_paper
+	$(PYTHON) cases/drop_impact/compare.py $(RUN)_paper
+
+# Speed of the step over sizes, ranks, states and preconditioners: table and chart in output/bench/.
+SIZE = quick
+bench: isph
+	@$(PYTHON) tests/bench/bench.py --size $(SIZE)
+
+bench-readme:
+	@$(PYTHON) tests/bench/bench.py --readme
+
+# make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures
+# make film RUN=output/my                             figures/film.mp4, a frame a snapshot
+# make mesh RUN=output/my                             mesh/surface_*.vtp and surface.pvd; FLAGS="--format ply --particles"
+FLAGS =
+pictures:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/pictures.py $(FLAGS) $(RUN)
+
+film:
+	@tests/packages.sh pictures film
+	@$(PYTHON) src/pictures/film.py $(FLAGS) $(RUN)
+
+mesh:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/mesh.py $(FLAGS) $(RUN)
+
+# make install PREFIX=$HOME/isph   program, options, cases and pictures; PORTABLE=1 for a cluster of mixed machines
+PREFIX = /usr/local
+SHARE  = $(DESTDIR)$(PREFIX)/share/isph
+install: isph
+	install -D -m 755 isph $(DESTDIR)$(PREFIX)/bin/isph
+	install -d $(SHARE)/pictures $(SHARE)/options/cluster
+	install -m 644 options/*.opts $(SHARE)/options
+	install -m 644 options/cluster/* $(SHARE)/options/cluster
+	install -m 644 src/pictures/*.py $(SHARE)/pictures
+	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
+	for tool in pictures film mesh; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
+	  > $(DESTDIR)$(PREFIX)/bin/isph-$$tool && chmod 755 $(DESTDIR)$(PREFIX)/bin/isph-$$tool; done
 
 test: isph $(UNIT) $(COMPARE)
 	@PYTHON=$(PYTHON) tests/run.sh
@@ -138,5 +185,8 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
+.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
+
+.PHONY: pictures film mesh install
 .PHONY: faults fuzz extremes long-run test-ci sanitized sanitized-programs
 .PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force

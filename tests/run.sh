@@ -13,7 +13,7 @@ cd "$(dirname "$0")/.." || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
 timeout=${TEST_TIMEOUT:-600}
 python=${PYTHON:-/usr/bin/python3}
-folders="input parallel restart faults extremes solvers verify lint"
+folders="docs input parallel restart faults extremes solvers verify lint"
 names=()
 for argument in "$@"; do
   case $argument in

@@ -14,7 +14,7 @@ TIMES = (1.0, 4.5)  # D/U: from the crown's birth to before the mirrors feel it
 
 
 def crown(folder):
-    """Times over D/U and radii of the crown's wall over D: the median distance from the axis of the liquid in a layer."""
+    """Times over D/U and radii of the crown's wall over D: the median distance from the axis of a layer's liquid."""
     tau, radius = [], []
     for time, head, f in physics.snapshots(folder):
         x, d0 = f["position"], float(head["spacing"])

@@ -42,8 +42,5 @@ static void Single(PetscInt n, const float *restrict s, float *restrict w, float
   }
 }
 
-const KernelOps KernelCubicSpline = {.support  = 2.0,
-                                     .norm2    = 10.0 / (7.0 * PETSC_PI),
-                                     .norm3    = 1.0 / PETSC_PI,
-                                     .evaluate = Evaluate,
-                                     .single   = Single};
+const KernelOps KernelCubicSpline = {
+  .support = 2.0, .norm2 = 10.0 / (7.0 * PETSC_PI), .norm3 = 1.0 / PETSC_PI, .evaluate = Evaluate, .single = Single};

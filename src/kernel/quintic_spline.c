@@ -40,14 +40,13 @@ static void Single(PetscInt n, const float *restrict s, float *restrict w, float
       w[k] = c2 * c2 * c - 6.0f * b2 * b2 * b + 15.0f * a2 * a2 * a;
     }
   }
-  if (f) {
+  if (f) { /* below 1 the sum multiplied out: its terms cancel to 24 q - 24 q^3 + 10 q^4 */
     SIMD_LOOP()
     for (PetscInt k = 0; k < n; k++) {
-      const float q = sqrtf(PetscMax(s[k], (float)KERNEL_TINY)), c = PetscMax(3.0f - q, 0.0f),
-                  b = PetscMax(2.0f - q, 0.0f), a = PetscMax(1.0f - q, 0.0f);
-      const float c2 = c * c, b2 = b * b, a2 = a * a;
+      const float q = sqrtf(s[k]), c = PetscMax(3.0f - q, 0.0f), b = PetscMax(2.0f - q, 0.0f);
+      const float c2 = c * c, b2 = b * b;
 
-      f[k] = -5.0f * (c2 * c2 - 6.0f * b2 * b2 + 15.0f * a2 * a2) / q;
+      f[k] = q < 1.0f ? -5.0f * (24.0f + s[k] * (10.0f * q - 24.0f)) : -5.0f * (c2 * c2 - 6.0f * b2 * b2) / q;
     }
   }
 }

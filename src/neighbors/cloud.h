@@ -38,7 +38,7 @@ typedef struct _p_Cloud {
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, of its dummy particles (zero elsewhere); NULL without solids */
   /* Neighbours of a < n_owned: list[first[a] .. first[a+1]), local indices, the particle itself excluded. */
-  PetscInt  *first, *list, list_capacity;
+  PetscInt *first, *list, list_capacity;
   /* Factors of the pairs, in the order of the list, at the positions of the last search, in single precision, the same
      for both particles of a pair (see KernelGradient): F = W'/r over KernelScales' scale_f, and -F r2/(r2 + eta2) over
      the same, the pair's weight in a Laplacian. */
@@ -114,5 +114,7 @@ static inline void PairRowLoad(Cloud cloud, const PetscReal *restrict x, PetscIn
     row->r2[k] = dx * dx + dy * dy + dz * dz;
   }
 }
+
+#include "rows.h"
 
 #endif

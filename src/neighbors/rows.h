@@ -4,7 +4,7 @@
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
-#include "cloud.h"
+#include "cloud.h" /* which includes this file at its end */
 
 #define ROW_LANES 8
 

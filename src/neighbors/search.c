@@ -81,8 +81,8 @@ static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, 
                                 PetscReal limit, PetscInt a, PetscInt *restrict list, float *restrict s)
 {
   const __m512d px = _mm512_set1_pd(p[0]), py = _mm512_set1_pd(p[1]), pz = _mm512_set1_pd(p[2]),
-                end  = _mm512_set1_pd(limit);
-  const __m256i self = _mm256_set1_epi32(a);
+                end   = _mm512_set1_pd(limit);
+  const __m256i self  = _mm256_set1_epi32(a);
   PetscInt      found = 0;
 
   for (PetscInt k = 0; k < count; k += LANES) {

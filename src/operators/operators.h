@@ -4,7 +4,7 @@
 #ifndef ISPH_OPERATORS_H
 #define ISPH_OPERATORS_H
 
-#include "../neighbors/rows.h"
+#include "../neighbors/cloud.h"
 
 static inline PetscReal EtaSquared(Kernel kernel)
 {
@@ -47,8 +47,8 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
 PetscErrorCode OperatorsDensity(Cloud cloud);
 /* OperatorsMoments - one pass over the pairs: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab; FIELD_LAMBDA its
    smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM; FIELD_NORMAL = sum V grad W
-   (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where particles crowd (Lind et al. 2012).
-   Marrone et al. 2010, Randles & Libersky 1996. */
+   (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where particles crowd (Lind et al.
+   2012). Marrone et al. 2010, Randles & Libersky 1996. */
 PetscErrorCode OperatorsMoments(Cloud cloud);
 /* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan
    of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle

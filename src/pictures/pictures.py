@@ -2,6 +2,7 @@
 """Pictures of any run, for a paper or a look.
 
     pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG]
+                [--dpi N]
 
 Writes into RUN_FOLDER/figures:
     section.png   moments of a section through the middle (in two dimensions of all), with axes and units
@@ -16,6 +17,21 @@ import sys
 
 import tables
 from display import PACKAGES, with_display
+
+try:
+    import matplotlib
+    import numpy as np
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    if __name__ == "__main__":
+        with_display()
+    import run as data
+    import views
+except ImportError as error:
+    sys.exit(f"pictures.py: {sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, then use "
+             "/usr/bin/python3.")
+except tables.RunError as error:
+    sys.exit(f"pictures.py: {error}")
 
 UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
          "kinetic_energy": "J", "potential_energy": "J", "jet_height": "m", "highest": "m", "volume": "m3"}
@@ -49,7 +65,7 @@ def key(figure, axes, run, color, ends):
 
 def save(figure, folder, name):
     path = os.path.join(folder, name)
-    figure.savefig(path, dpi=150)
+    figure.savefig(path)
     plt.close(figure)
     print(path)
 
@@ -76,7 +92,8 @@ def window(run, states):
     pair = [0, run.up]
     points = np.concatenate([state.points for state in states] + [run.solid])[:, pair]
     room = 0.04 * (points.max(axis=0) - points.min(axis=0)).max() + run.spacing
-    return (np.maximum(run.lower[pair], points.min(axis=0) - room), np.minimum(run.upper[pair], points.max(axis=0) + room))
+    return (np.maximum(run.lower[pair], points.min(axis=0) - room),
+            np.minimum(run.upper[pair], points.max(axis=0) + room))
 
 
 def surfaces(run, states, arguments, ends, folder):
@@ -148,7 +165,9 @@ def main():
     parser.add_argument("--color", choices=("body", "speed", "pressure"), default="body")
     parser.add_argument("--azimuth", type=float, default=25, help="of the eye, degrees from -y towards x (25)")
     parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
+    parser.add_argument("--dpi", type=int, default=150, help="dots an inch (150)")
     arguments = parser.parse_args()
+    plt.rcParams["savefig.dpi"] = arguments.dpi
     run = data.Run(arguments.folder)
     states = [run.read(path) for _, path in run.moments(arguments.times, max(1, arguments.count))]
     folder = os.path.join(arguments.folder, "figures")
@@ -162,18 +181,6 @@ def main():
 
 if __name__ == "__main__":
     try:
-        try:
-            import h5py  # noqa: F401
-            import matplotlib
-            import numpy as np
-            matplotlib.use("Agg")
-            import matplotlib.pyplot as plt
-            with_display()
-            import run as data
-            import views
-        except ImportError as error:
-            raise tables.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, "
-                                  "then use /usr/bin/python3.") from error
         main()
     except tables.RunError as error:
         sys.exit(f"pictures.py: {error}")

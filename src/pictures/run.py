@@ -27,7 +27,7 @@ class State:
 
 
 class Run:
-    """A folder of a run. lower, upper: corners of the box with its mirror images; faces[d]: kinds of its two faces then."""
+    """A folder of a run. lower, upper: corners of the box with its mirror images; faces[d]: its two faces' kinds."""
 
     def __init__(self, folder):
         if not os.path.isdir(folder):

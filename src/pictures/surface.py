@@ -246,8 +246,8 @@ def line_actor(lines):
 
 
 def render(points, cells, rgb, camera, size, lines=()):
-    """Draws triangles with a colour a corner: an array [height][width][3] of bytes. camera as for picture(); lines: ends
-    (m) of thin grey lines."""
+    """Draws triangles with a colour a corner: an array [height][width][3] of bytes. camera as for picture(); lines:
+    ends (m) of thin grey lines."""
     mesh = vtkPolyData()
     corners = vtkPoints()
     corners.SetData(numpy_to_vtk(points.astype(np.float32), deep=True))

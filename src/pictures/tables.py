@@ -1,4 +1,4 @@
-"""Tables and options of a run, with nothing but Python. All values in SI units; a missing or unreadable number is NaN."""
+"""Tables and options of a run, with nothing but Python. SI units; a missing or unreadable number is NaN."""
 import csv
 import math
 import os

@@ -12,7 +12,7 @@ MAPS = {"speed": "viridis", "pressure": "cividis"}
 UNITS = {"speed": "speed (m/s)", "pressure": "pressure (Pa)"}
 PERCENTILE = 99  # of the values: the end of a colour scale, so that one particle of spray does not set it
 ANGLE = 22.0  # degrees, of the perspective
-FILL = 0.8  # of the picture by the sphere around the liquid, which it never fills
+ROOM = 1.05  # of the picture over what it must hold
 PANEL = (1000, 760)  # pixels
 
 
@@ -111,7 +111,7 @@ class Fluid:
 
 
 def images(run, points, values, margin):
-    """Points within a margin beyond the faces too: copies through periodic faces, mirror images in walls and mirrors."""
+    """Points within a margin beyond the faces too: copies through periodic faces, images in walls and mirrors."""
     for d in range(3):
         length = run.upper[d] - run.lower[d]
         new = [points]
@@ -123,7 +123,10 @@ def images(run, points, values, margin):
             opposite = run.upper[d] if side == 0 else run.lower[d]
             near = np.abs(points[:, d] - (opposite if kind == "periodic" else face)) < margin
             copy = points[near].copy()
-            copy[:, d] = copy[:, d] + (-length if side == 0 else length) if kind == "periodic" else 2 * face - copy[:, d]
+            if kind == "periodic":
+                copy[:, d] += length if side else -length
+            else:
+                copy[:, d] = 2 * face - copy[:, d]
             new.append(copy)
             more.append(values[near])
         points, values = np.concatenate(new), np.concatenate(more)
@@ -164,15 +167,22 @@ def floor_mesh(run, focus, half):
 
 
 def camera(run, states, azimuth, elevation):
-    """A perspective that holds the liquid of all states; and the half width of what it sees."""
+    """A perspective that holds the box around the liquid of all states; and half of that box' diagonal."""
     points = np.concatenate([state.points for state in states] + [run.solid])
-    lower = np.maximum(run.lower, np.percentile(points, 0.5, axis=0))
-    upper = np.minimum(run.upper, np.percentile(points, 99.5, axis=0))
-    focus, radius = 0.5 * (lower + upper), 0.5 * np.linalg.norm(upper - lower)
+    lower = np.maximum(run.lower, np.percentile(points, 0.5, axis=0) - run.spacing)
+    upper = np.minimum(run.upper, np.percentile(points, 99.5, axis=0) + run.spacing)
+    focus = 0.5 * (lower + upper)
     a, e = np.radians(azimuth), np.radians(elevation)
     way = np.array([np.cos(e) * np.sin(a), -np.cos(e) * np.cos(a), np.sin(e)])
-    distance = FILL * radius / np.sin(np.radians(ANGLE / 2))
-    return dict(position=focus + distance * way, focus=focus, up=(0, 0, 1), angle=ANGLE), radius
+    right = np.array([np.cos(a), np.sin(a), 0])
+    corners = np.array([[x, y, z] for x in (lower[0], upper[0]) for y in (lower[1], upper[1])
+                        for z in (lower[2], upper[2])]) - focus
+    slope = np.tan(np.radians(ANGLE / 2))
+    wide = np.abs(corners @ right) * PANEL[1] / PANEL[0]
+    high = np.abs(corners @ np.cross(way, right))
+    distance = (corners @ way + ROOM * np.maximum(wide, high) / slope).max()
+    return (dict(position=focus + distance * way, focus=focus, up=(0, 0, 1), angle=ANGLE),
+            0.5 * np.linalg.norm(upper - lower))
 
 
 def above(run, states):

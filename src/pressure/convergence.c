@@ -7,7 +7,28 @@ typedef struct {
   void    *standard; /* of KSPConvergedDefault */
 } Context;
 
-PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal *rms)
+/* b - A x of the finished solve, or of the iterate within it. CG keeps it; the others compute it. */
+static PetscErrorCode Residual(Pressure pressure, PetscBool finished, Vec *residual)
+{
+  PetscBool cg;
+  Mat       A;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++)
+    if (!pressure->scratch[k]) PetscCall(VecDuplicate(pressure->b, &pressure->scratch[k]));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pressure->ksp, KSPCG, &cg));
+  if (cg || !finished)
+    PetscCall(KSPBuildResidual(pressure->ksp, pressure->scratch[0], pressure->scratch[1], residual));
+  else {
+    PetscCall(KSPGetOperators(pressure->ksp, &A, NULL));
+    PetscCall(MatMult(A, pressure->x, pressure->scratch[1]));
+    PetscCall(VecAYPX(pressure->scratch[1], -1, pressure->b));
+    *residual = pressure->scratch[1];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal *largest, PetscReal *rms)
 {
   Cloud              cloud = pressure->cloud;
   const PetscReal    dt2   = PetscSqr(pressure->dt);
@@ -16,9 +37,7 @@ PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal 
   Vec                residual;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < 2; k++)
-    if (!pressure->scratch[k]) PetscCall(VecDuplicate(pressure->b, &pressure->scratch[k]));
-  PetscCall(KSPBuildResidual(pressure->ksp, pressure->scratch[0], pressure->scratch[1], &residual));
+  PetscCall(Residual(pressure, finished, &residual));
   PetscCall(VecGetArrayRead(residual, &r));
   for (PetscInt a = 0; a < cloud->n_rows; a++) {
     const PetscReal error =
@@ -38,10 +57,10 @@ PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal 
    norm gives for nothing: only then is the residual looked at. */
 static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context)
 {
-  Context   *c        = (Context *)context;
-  Pressure   pressure = c->pressure;
+  Context    *c        = (Context *)context;
+  Pressure    pressure = c->pressure;
   KSPNormType type;
-  PetscReal  largest, rms;
+  PetscReal   largest, rms;
 
   PetscFunctionBegin;
   PetscCall(KSPConvergedDefault(ksp, iteration, norm, reason, c->standard));
@@ -49,7 +68,7 @@ static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSP
   *reason = KSP_CONVERGED_ITERATING;
   PetscCall(KSPGetNormType(ksp, &type));
   if (type == KSP_NORM_UNPRECONDITIONED) {
-    const Cloud cloud = pressure->cloud;
+    const Cloud cloud    = pressure->cloud;
     PetscReal   heaviest = 0; /* row scale */
 
     for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
@@ -59,7 +78,7 @@ static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSP
         pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)cloud->rows_global))
       PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ResidualDensity(pressure, &largest, &rms));
+  PetscCall(ResidualDensity(pressure, PETSC_FALSE, &largest, &rms));
   if (largest <= pressure->density_tolerance) *reason = KSP_CONVERGED_ATOL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,8 +17,8 @@ static PetscBool OneDensity(Pressure pressure)
   return PETSC_TRUE;
 }
 
-/* Eq. (8): K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2); times m_a/m_ref it is the same for both
-   particles also between liquids. The weights are those of the first body's density but for a factor. */
+/* Eq. (8): K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2); times m_a/m_ref it is the same for
+   both particles also between liquids. The weights are those of the first body's density but for a factor. */
 static PetscErrorCode SetWeights(Pressure pressure)
 {
   Cloud            cloud   = pressure->cloud;

@@ -132,8 +132,8 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row,
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
-  const PetscReal  own     = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
-  const PetscReal *slope   = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
+  const PetscReal  own   = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
+  const PetscReal *slope = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
   PetscReal        c[ROW_CAPACITY];
 
   SIMD_LOOP()
@@ -227,8 +227,8 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 /* As GradientCorrected, but the neighbours pay for its difference to Eq. (9), which alone has a sum and a torque. */
 PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
 {
-  Cloud      cloud     = pressure->cloud;
-  PetscReal *corrected = cloud->field[FIELD_ACCELERATION], *change = cloud->field[FIELD_START];
+  Cloud           cloud     = pressure->cloud;
+  PetscReal      *corrected = cloud->field[FIELD_ACCELERATION], *change = cloud->field[FIELD_START];
   const PetscReal scale = RowScale(cloud);
   Row             row;
 

@@ -120,8 +120,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(PetscOptionsFList("-mat_type",
                               "PETSc type of the pressure matrix; none given: shell, the sum of pairs without a "
                               "matrix, if the preconditioner does without entries, else aij",
-                              "MatSetType", MatList, pressure->mat_type, pressure->mat_type,
-                              sizeof(pressure->mat_type), NULL));
+                              "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type),
+                              NULL));
   PetscOptionsEnd();
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm,

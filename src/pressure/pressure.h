@@ -39,7 +39,8 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
    -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
-   -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the KSP's options act at its creation. Collective.
+   -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the KSP's options act
+   at its creation. Collective.
  */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
@@ -60,8 +61,8 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
 /* PressureSolver - the KSP and the right-hand side of the last PressureSetUp or PressureSolve, borrowed until the next
    call. Not collective. */
 PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
-/* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last PressureSetUp;
-   values [n_rows]. Not collective. */
+/* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last
+   PressureSetUp; values [n_rows]. Not collective. */
 PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */

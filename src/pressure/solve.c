@@ -46,7 +46,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
   PetscCheckUser(cheap || !shell, cloud->comm,
                  "-mat_type shell has no entries for this -pc_type; " PCTWOLEVEL ", jacobi and none do without");
-  pressure->assembled  = (PetscBool)!(shell || (cheap && !pressure->mat_type[0]));
+  pressure->assembled  = (PetscBool) !(shell || (cheap && !pressure->mat_type[0]));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   if (gamg) {
@@ -59,8 +59,8 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The system at the positions of the cloud, its matrix, if entries are wanted, in the store that the preconditioner does
- * not need; makes the solver if the layout changed. */
+/* The system at the positions of the cloud, its matrix, if entries are wanted, in the store that the preconditioner
+ * does not need; makes the solver if the layout changed. */
 static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries)
 {
   PetscFunctionBegin;
@@ -171,8 +171,8 @@ static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
   PetscScalar *x;
 
   PetscFunctionBegin;
-  PetscCall(SetOperators(
-    pressure, (PetscBool)(pressure->rebuild || pressure->kept < 0 || pressure->age >= pressure->kept_steps)));
+  PetscCall(SetOperators(pressure, (PetscBool)(pressure->rebuild || pressure->kept < 0 ||
+                                               pressure->age >= pressure->kept_steps)));
   result->rebuilt = (PetscBool)(pressure->age == 0);
   PetscCall(VecGetArrayWrite(pressure->x, &x));
   PetscCall(PetscArraycpy(x, cloud->field[FIELD_PRESSURE], cloud->n_rows));
@@ -212,7 +212,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
     pressure->rebuild = PETSC_TRUE;
   pressure->age++;
-  PetscCall(ResidualDensity(pressure, &largest, &result->density));
+  PetscCall(ResidualDensity(pressure, PETSC_TRUE, &largest, &result->density));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (result->reason < 0) {
     pressure->rebuild = PETSC_TRUE;

@@ -30,36 +30,36 @@ struct _p_Pressure {
   GradientFunction gradient;
   PetscBool        summed;
   /* Eq. (8) as the sum of pairs: K_ab = weight_scale weight[k] of pair k of the cloud's list, 1/kg m3/m2 */
-  const float     *weight;       /* the cloud's laplacian, or own_weight where liquids differ */
-  float           *own_weight;
-  PetscReal        weight_scale;
-  PetscReal       *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
-  PetscInt         rows_capacity, weight_capacity;
-  PetscReal        relaxation_time, relaxation_option;
-  PetscReal        lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
-  PetscReal        lattice_sum;                                        /* sum V W on a full lattice, 1 */
-  PetscReal        surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
-  PetscReal       *div;                                                /* [owned capacity] 1/s */
-  PetscInt         div_capacity;
+  const float *weight; /* the cloud's laplacian, or own_weight where liquids differ */
+  float       *own_weight;
+  PetscReal    weight_scale;
+  PetscReal   *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
+  PetscInt     rows_capacity, weight_capacity;
+  PetscReal    relaxation_time, relaxation_option;
+  PetscReal    lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
+  PetscReal    lattice_sum;                                        /* sum V W on a full lattice, 1 */
+  PetscReal    surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
+  PetscReal   *div;                                                /* [owned capacity] 1/s */
+  PetscInt     div_capacity;
   /* columns: column[b] < n_rows local, otherwise n_rows + place of the global row in off_row */
   PetscInt    layout, halo_builds, column_capacity, *column, off_count, *off_row;
   PetscInt   *child_first, *child, child_layout; /* deeper wall particles of each row; the layout they are of */
-  PetscInt   *mark, *slot;         /* [n_rows + off_count] */
-  PetscReal   row_scale;           /* 1/m_ref */
+  PetscInt   *mark, *slot;                       /* [n_rows + off_count] */
+  PetscReal   row_scale;                         /* 1/m_ref */
   MatrixStore store[2];
   PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none, or
                                 KEPT_OPERATOR */
-  Mat         operator, A; /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from it or from a store */
-  KSP         ksp;
-  Vec         b, x;
-  PetscInt    solver_layout;  /* the local order the solver was made for */
-  PetscReal   closure_factor; /* of the filling of full_diagonal */
-  PetscReal   regularization; /* background pressure of the corrected gradient over h |grad p| */
-  PetscBool   free_surface;   /* any particle is on one */
-  PetscBool   constant_null;
-  PetscBool   assembled;      /* the solver needs entries: a matrix, not the operator */
-  PetscInt    age, rebuild_interval, kept_steps,
-    first_iterations; /* kept_steps: rebuild_interval, or what suits the preconditioner */
+  Mat       operator, A;     /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from it or from a store */
+  KSP       ksp;
+  Vec       b, x;
+  PetscInt  solver_layout;  /* the local order the solver was made for */
+  PetscReal closure_factor; /* of the filling of full_diagonal */
+  PetscReal regularization; /* background pressure of the corrected gradient over h |grad p| */
+  PetscBool free_surface;   /* any particle is on one */
+  PetscBool constant_null;
+  PetscBool assembled; /* the solver needs entries: a matrix, not the operator */
+  PetscInt  age, rebuild_interval, kept_steps,
+    first_iterations;          /* kept_steps: rebuild_interval, or what suits the preconditioner */
   PetscReal dt;                /* s, of the system assembled last */
   PetscReal density_tolerance; /* 1; 0: PETSc's own test */
   Vec       scratch[2];
@@ -84,9 +84,9 @@ PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A);
 
 /* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
 PetscErrorCode SetDensityConvergence(Pressure pressure);
-/* ResidualDensity - relative density error (1) that the present residual leaves after the step: largest and root mean
-   square over the rows. Collective. */
-PetscErrorCode ResidualDensity(Pressure pressure, PetscReal *largest, PetscReal *rms);
+/* ResidualDensity - relative density error (1) that the residual leaves after the step, of a finished solve or of the
+   iterate within one: largest and root mean square over the rows. Collective. */
+PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal *largest, PetscReal *rms);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);

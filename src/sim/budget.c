@@ -1,11 +1,11 @@
 /* The error budget at the end of a run: what the numbers cannot hide, and which knob to turn first. */
 #include "types.h"
 
-#define SOLVER_SHARE 0.3  /* of the divergence that steps leave: the solver's tolerance shows */
-#define ENERGY_SHARE 0.01 /* of the energy exchanged that may be missing or appear */
-#define SOLVER_FINE  1e-5 /* rms density error that a solver may leave in a step in any case */
-#define DENSITY_FINE 1e-3 /* rms density error that needs no remedy */
-#define TENSION_SHARE 0.4 /* by which the measured work of surface tension may be wrong at R/d0 = 8 */
+#define SOLVER_SHARE  0.3  /* of the divergence that steps leave: the solver's tolerance shows */
+#define ENERGY_SHARE  0.01 /* of the energy exchanged that may be missing or appear */
+#define SOLVER_FINE   1e-5 /* rms density error that a solver may leave in a step in any case */
+#define DENSITY_FINE  1e-3 /* rms density error that needs no remedy */
+#define TENSION_SHARE 0.4  /* by which the measured work of surface tension may be wrong at R/d0 = 8 */
 
 static PetscReal Energy(const GaugeValues *gauges)
 {
@@ -51,14 +51,14 @@ PetscErrorCode BudgetReport(Sim sim)
   gain      = Energy(&gauges) - state->start_energy;
   residual  = gain - viscous - tension;
   exchanged = gauges.kinetic_energy + PetscAbsReal(viscous) + PetscAbsReal(tension) + PetscAbsReal(gain);
-  PetscCall(PetscPrintf(sim->comm,
-                        "Error budget\n"
-                        "  density     rms error %.2g inside; volume changed by %+.2g %% since the start, %" PetscInt_FMT
-                        " particles lost\n"
-                        "  divergence  rms %.2g a step (times the time step), of which the solver left %.2g\n",
-                        (double)state->density_error,
-                        100 * (double)(state->start_density / state->density_mean - 1), state->lost,
-                        (double)state->divergence, (double)state->solver_error));
+  PetscCall(
+    PetscPrintf(sim->comm,
+                "Error budget\n"
+                "  density     rms error %.2g inside; volume changed by %+.2g %% since the start, %" PetscInt_FMT
+                " particles lost\n"
+                "  divergence  rms %.2g a step (times the time step), of which the solver left %.2g\n",
+                (double)state->density_error, 100 * (double)(state->start_density / state->density_mean - 1),
+                state->lost, (double)state->divergence, (double)state->solver_error));
   PetscCall(PetscPrintf(sim->comm,
                         "  energy      kinetic %.4g, potential %.4g, together %+.4g %s since the start; viscosity gave "
                         "%.4g, tension %.4g\n"

@@ -46,7 +46,7 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
 {
   const FieldId fields[] = {FIELD_ACCELERATION, FIELD_CAPILLARY_SLOPE, FIELD_CAPILLARY}; /* the last is a scalar */
   Cloud         cloud    = s->cloud;
-  PetscReal     largest = 0, scale, *before[3];
+  PetscReal     largest  = 0, scale, *before[3];
   PetscScalar  *rhs;
   KSP           ksp;
   Vec           b, p;

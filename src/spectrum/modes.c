@@ -62,7 +62,8 @@ static PetscBool IsFreeDrop(Spectrum s)
 }
 
 /* The displacements, basis[k] ([n_fluid][3]), of degrees 1 to 'most'. */
-static PetscErrorCode Basis(Spectrum s, const PetscReal centre[DIM], PetscReal radius, PetscInt most, PetscReal *basis[])
+static PetscErrorCode Basis(Spectrum s, const PetscReal centre[DIM], PetscReal radius, PetscInt most,
+                            PetscReal *basis[])
 {
   Cloud    cloud = s->cloud;
   PetscInt k     = 0;
@@ -128,8 +129,8 @@ static PetscErrorCode Project(Spectrum s, PetscInt count, PetscReal *basis[], Ma
 /* The degree whose part of an eigenvector has the largest norm. */
 static PetscInt DegreeOf(PetscInt most, const PetscScalar x[], Mat M)
 {
-  PetscReal      best = -1;
-  PetscInt       degree = 0, k = 0, count;
+  PetscReal          best   = -1;
+  PetscInt           degree = 0, k = 0, count;
   const PetscScalar *m;
 
   (void)MatGetSize(M, &count, NULL);
@@ -137,7 +138,8 @@ static PetscInt DegreeOf(PetscInt most, const PetscScalar x[], Mat M)
   for (PetscInt n = 1; n <= most; n++) {
     PetscReal sum = 0;
 
-    for (PetscInt j = 0; j < 2 * n + 1; j++, k++) sum += PetscSqr(PetscAbsScalar(x[k])) * PetscRealPart(m[k * count + k]);
+    for (PetscInt j = 0; j < 2 * n + 1; j++, k++)
+      sum += PetscSqr(PetscAbsScalar(x[k])) * PetscRealPart(m[k * count + k]);
     if (sum > best) {
       best   = sum;
       degree = n;
@@ -210,8 +212,8 @@ PetscErrorCode SpectrumModes(Spectrum s)
                         (double)radius, (double)(radius / s->cloud->domain->spacing), (double)unit));
   for (PetscInt n = 1; n <= s->degrees; n++)
     PetscCall(PetscPrintf(s->cloud->comm,
-                          "    degree %" PetscInt_FMT "  mean %7.3f (theory %3" PetscInt_FMT "), from %7.3f to %7.3f, %"
-                          PetscInt_FMT " modes (theory %" PetscInt_FMT ")\n",
+                          "    degree %" PetscInt_FMT "  mean %7.3f (theory %3" PetscInt_FMT
+                          "), from %7.3f to %7.3f, %" PetscInt_FMT " modes (theory %" PetscInt_FMT ")\n",
                           n, (double)(sum[n] / PetscMax(1, number[n]) / unit), n * (n - 1) * (n + 2),
                           (double)(low[n] / unit), (double)(high[n] / unit), number[n], 2 * n + 1));
   for (PetscInt k = 0; k < count; k++) PetscCall(PetscFree(basis[k]));

@@ -39,11 +39,12 @@ static PetscErrorCode ApplyPreconditioned(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest eigenvalue of a full lattice times density, 1/m2: the maximum over the wave number k of sum_b c_b (1 - cos
-   k.r_b), c_b as in Eq. (8) of Kuri et al. with V = d0^dim; 3.53/d0^2 for the cubic spline with h = 1.3 d0. */
+/* The largest eigenvalue of a full lattice times density, 1/m2: the maximum over the wave number k of sum_b c_b (1 -
+   cos k.r_b), c_b as in Eq. (8) of Kuri et al. with V = d0^dim; 3.53/d0^2 for the cubic spline with h = 1.3 d0. */
 static PetscReal LatticeLargest(Cloud cloud)
 {
-  const PetscInt dim = cloud->domain->dim, reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1,
+  const PetscInt dim   = cloud->domain->dim,
+                 reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1,
                  top = dim == 3 ? reach : 0, waves = dim == 3 ? WAVES : 0;
   const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel), V = cloud->domain->volume;
   PetscReal       largest = 0;
@@ -80,8 +81,7 @@ static PetscErrorCode SmallestInTheory(Cloud cloud, PetscBool free, PetscReal *v
   PetscFunctionBegin;
   *value = 0;
   for (PetscInt d = 0; d < domain->dim; d++) {
-    if (d != up)
-      closed = (PetscBool)(closed && domain->face[d][0] != FACE_OPEN && domain->face[d][1] != FACE_OPEN);
+    if (d != up) closed = (PetscBool)(closed && domain->face[d][0] != FACE_OPEN && domain->face[d][1] != FACE_OPEN);
     periodic = (PetscBool)(periodic && domain->face[d][0] == FACE_PERIODIC);
     longest  = PetscMax(longest, domain->upper[d] - domain->lower[d]);
   }
@@ -201,7 +201,8 @@ PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
                         "  with -pc_type %s\n"
                         "    largest    %.5g, smallest %.5g, condition %.5g\n"
                         "    CG saw     %.5g, %.5g, %.5g (KSPSetComputeSingularValues)\n"
-                        "    iterations %" PetscInt_FMT " from zero to %.0e; at most %.0f by that condition; %" PetscInt_FMT
+                        "    iterations %" PetscInt_FMT
+                        " from zero to %.0e; at most %.0f by that condition; %" PetscInt_FMT
                         " in the last step, from the former pressure\n",
                         name, (double)most, (double)least, (double)(most / least), (double)seen_most,
                         (double)seen_least, (double)(seen_most / seen_least), solve, (double)rtol,

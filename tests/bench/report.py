@@ -27,8 +27,9 @@ def pick(rows, **wanted):
 
 def speed_table(rows):
     """Own preconditioner: sizes, states, ranks."""
-    lines = ["| particles | state | ranks | us a particle and step | iterations | memory | triad | share of the bandwidth |",
-             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+    titles = ("particles", "state", "ranks", "us a particle and step", "iterations", "memory", "triad",
+              "share of its limit")
+    lines = ["| " + " | ".join(titles) + " |", "| --- " * len(titles) + "|"]
     for row in pick(rows, solver=OWN, tolerance=TOLERANCE):
         lines.append(f"| {row['particles']:.0f} | {row['state']} | {row['ranks']:.0f} | {row['step']:.2f} | "
                      f"{row['iterations']:.1f} | {row['memory']:.0f} MB | {row['triad']:.1f} GB/s | "
@@ -36,16 +37,22 @@ def speed_table(rows):
     return lines
 
 
+def compared_size(rows):
+    """The largest of the sizes with the most preconditioners."""
+    sizes = dict.fromkeys(row["size"] for row in rows)
+    return max(reversed(sizes), key=lambda size: len({row["solver"] for row in pick(rows, size=size)}))
+
+
 def solver_table(rows):
-    """Preconditioners on the largest size, one rank: step and iterations in each state."""
-    size = pick(rows, solver=OWN)[-1]["size"]
+    """Preconditioners on one rank: step and iterations in each state."""
+    size = compared_size(rows)
     rows = pick(rows, size=size, ranks=1, tolerance=TOLERANCE)
     kinds = list(dict.fromkeys(row["state"] for row in rows))
     lines = [f"| {size}, 1 rank | " + " | ".join(f"{state}: us, iterations" for state in kinds) + " | set-up, us |",
              "| --- " * (len(kinds) + 2) + "|"]
     for solver in dict.fromkeys(row["solver"] for row in rows):
-        cells = [f"{row['step']:.2f}, {row['iterations']:.1f}" for state in kinds
-                 for row in pick(rows, solver=solver, state=state)]
+        cells = [", ".join(f"{row['step']:.2f}, {row['iterations']:.1f}" for row in
+                           pick(rows, solver=solver, state=state)) for state in kinds]
         last = pick(rows, solver=solver)[-1]["setup"]
         lines.append(f"| {solver} | " + " | ".join(cells) + f" | {last:.2f} |")
     return lines
@@ -61,9 +68,23 @@ def event_table(rows):
             f"| step | {row['step']:.3f} |"]
 
 
+def tolerance_table(rows):
+    """Iterations of the own preconditioner over sizes."""
+    own = pick(rows, solver=OWN, ranks=1)
+    tolerances = sorted({row["tolerance"] for row in own}, reverse=True)
+    lines = ["| 1 rank | " + " | ".join(f"{t:g}: us, iterations" for t in tolerances) + " |",
+             "| --- " * (len(tolerances) + 1) + "|"]
+    for size, state in dict.fromkeys((row["size"], row["state"]) for row in own):
+        cells = [", ".join(f"{row['step']:.2f}, {row['iterations']:.1f}" for row in
+                           pick(own, size=size, state=state, tolerance=t)) for t in tolerances]
+        lines.append(f"| {size}, {state} | " + " | ".join(cells) + " |")
+    return lines
+
+
 def text(path):
     rows = load(path)
-    return "\n\n".join("\n".join(table) for table in (speed_table(rows), solver_table(rows), event_table(rows))) + "\n"
+    return "\n\n".join("\n".join(table) for table in
+                       (speed_table(rows), tolerance_table(rows), solver_table(rows), event_table(rows))) + "\n"
 
 
 def markdown(path, target):
@@ -93,7 +114,7 @@ def chart(path, target, events):
     left.set_xticks(range(len(own)), labels, fontsize=7)
     left.set_ylabel("us a particle and step")
     left.legend(fontsize=7, ncol=2)
-    size = own[-1]["size"]
+    size = compared_size(rows)
     compared = pick(rows, size=size, ranks=1, tolerance=TOLERANCE)
     kinds = list(dict.fromkeys(row["state"] for row in compared))
     solvers = list(dict.fromkeys(row["solver"] for row in compared))

@@ -10,11 +10,11 @@ import h5py
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-CASE = ["-options_file", os.path.join(ROOT, "cases/drop_impact/case.opts")]
-QUARTER = CASE + ["-options_file", os.path.join(ROOT, "options/quarter.opts")]
+CASE = os.path.join(ROOT, "cases/drop_impact/case.opts")
+QUARTER = ["-options_file", os.path.join(ROOT, "options/quarter.opts")]
 # The states: options of the quarter's run, and which state it continues.
 STATES = {
-    "rest": (["-bodies", "film", "-time_start", "0", "-time_end", "1", "-steps_max", "10"], None),
+    "rest": (["-time_start", "0", "-time_end", "1", "-steps_max", "10"], None),
     "splash": (["-time_end", "5e-3"], None),
     "crater": (["-time_end", "15e-3"], "splash"),
 }
@@ -75,9 +75,15 @@ def mirror(source, target):
     os.replace(partial, target)
 
 
-def scene(state):
-    """Options that a run needs to continue a state of the whole box."""
-    return CASE + (["-bodies", "film"] if state == "rest" else [])
+def scene(folder, state):
+    """Options of the whole box in a state: the case, at rest without its drop."""
+    if state != "rest":
+        return ["-options_file", CASE]
+    path = os.path.join(folder, "film.opts")
+    with open(CASE, encoding="utf-8") as case, open(path, "w", encoding="utf-8") as film:
+        film.writelines(line for line in case if not line.startswith(("-drop_", "-bodies", "-time_")))
+        film.write("-bodies film\n")
+    return ["-options_file", path]
 
 
 def make(program, folder, spacing, state, env):
@@ -92,7 +98,8 @@ def make(program, folder, spacing, state, env):
     if before:
         make(program, folder, spacing, before, env)
         start = ["-restart", os.path.join(folder, f"{1e3 * spacing:g}mm_{before}_quarter.h5")]
-    command = [program, *QUARTER, "-spacing", str(spacing), *options, *start, "-snapshot_interval", "1",
+    command = [program, *scene(folder, state), *QUARTER, "-spacing", str(spacing), *options, *start,
+               "-snapshot_interval", "1",
                "-output_dir", run, "-output_overwrite"]
     print(f"state {state} at {1e3 * spacing:g} mm", flush=True)
     subprocess.run(command, env=env, check=True, stdout=subprocess.DEVNULL)

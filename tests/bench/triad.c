@@ -1,5 +1,5 @@
-/* STREAM's triad a = b + 3 c: bytes a second of one process, the best of some passes. Several at a time measure what the
-   cores share. */
+/* STREAM's triad a = b + 3 c: bytes a second of one process, the best of some passes. Several at a time measure what
+   the cores share. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

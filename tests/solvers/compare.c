@@ -39,8 +39,8 @@ static const Candidate candidates[] = {
   {"minres, jacobi", "-ksp_type minres -ksp_norm_type preconditioned -pc_type jacobi", KEEP_CHEAP, PETSC_FALSE},
   {"gmres, own two-level", "-ksp_type gmres -ksp_pc_side right -pc_type twolevel", KEEP_CHEAP, PETSC_FALSE},
   {"bcgs, own two-level", "-ksp_type bcgs -ksp_pc_side right -pc_type twolevel", KEEP_CHEAP, PETSC_FALSE},
-  {"mumps cholesky",
-   "-ksp_type cg -pc_type cholesky -pc_factor_mat_solver_type mumps -mat_mumps_icntl_24 1", 1, PETSC_TRUE}};
+  {"mumps cholesky", "-ksp_type cg -pc_type cholesky -pc_factor_mat_solver_type mumps -mat_mumps_icntl_24 1", 1,
+   PETSC_TRUE}};
 
 #define CANDIDATES ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(candidates))
 

@@ -82,6 +82,31 @@ static PetscBool RowsAgree(Kernel kernel)
   return same;
 }
 
+/* Largest difference of KernelSingle, with its scales, from KernelEvaluate, over the largest value of each; W alone and
+   F alone give the same as both. */
+static PetscReal SingleError(Kernel kernel)
+{
+  PetscReal scale_w, scale_f, inverse_h2, error = 0, largest_f = 0;
+
+  KernelScales(kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt k = 1; k < SAMPLES; k++)
+    largest_f = PetscMax(largest_f, PetscAbsReal(F(kernel, k * 1e-2 / PetscSqrtReal(inverse_h2))));
+  for (PetscInt k = 1; k < SAMPLES; k++) {
+    const PetscReal r = 1.1 * KernelSupport(kernel) * k / SAMPLES;
+    const float     s = (float)(r * r * inverse_h2);
+    float           w, f, alone;
+
+    KernelSingle(kernel, 1, &s, &w, &f);
+    error = PetscMax(error, PetscAbsReal(scale_w * w - W(kernel, r)) / KernelSelf(kernel));
+    error = PetscMax(error, PetscAbsReal(scale_f * f - F(kernel, r)) / largest_f);
+    KernelSingle(kernel, 1, &s, &alone, NULL);
+    if (alone != w) error = PETSC_MAX_REAL;
+    KernelSingle(kernel, 1, &s, NULL, &alone);
+    if (alone != f) error = PETSC_MAX_REAL;
+  }
+  return error;
+}
+
 /* Half-spaces: F(0) = 1/2, F(support) = 1, F(-s) = 1 - F(s), dF/ds = w1, w1 the integral of W over a plane. */
 static PetscErrorCode CheckHalfSpace(Kernel kernel, const char label[])
 {
@@ -144,6 +169,8 @@ static PetscErrorCode TestType(const char type[], PetscInt dim)
     CHECK(KernelSelf(kernel) == W(kernel, 0) && PetscAbsReal(F(kernel, 0)) < PETSC_MAX_REAL, name);
     PetscCall(PetscSNPrintf(name, sizeof(name), "%s_rows", label));
     CHECK(RowsAgree(kernel), name);
+    PetscCall(PetscSNPrintf(name, sizeof(name), "%s_single", label));
+    CHECK_CLOSE(SingleError(kernel), 0, 2e-6, name);
     if (k == 0) PetscCall(CheckHalfSpace(kernel, label));
     PetscCall(KernelDestroy(&kernel));
   }

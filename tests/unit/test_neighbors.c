@@ -181,6 +181,26 @@ static PetscErrorCode CompareLists(Cloud cloud, PetscInt wrong[2], PetscInt *pai
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Largest relative error of the factors that stand beside the lists: F from KernelGradient, and its Laplacian form. */
+static PetscReal FactorError(Cloud cloud)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], eta2 = PetscSqr(ETA_OVER_H * KernelSmoothingLength(cloud->kernel));
+  PetscReal        scale_w, scale_f, inverse_h2, error = 0, largest = 0;
+
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+      PetscReal r2 = 0, F;
+
+      for (PetscInt d = 0; d < DIM; d++) r2 += PetscSqr(x[DIM * a + d] - x[DIM * cloud->list[k] + d]);
+      KernelGradient(cloud->kernel, 1, &r2, &F);
+      largest = PetscMax(largest, PetscAbsReal(F));
+      error   = PetscMax(error, PetscAbsReal(scale_f * cloud->slope[k] - F));
+      error   = PetscMax(error, PetscAbsReal(scale_f * cloud->laplacian[k] + F * r2 / (r2 + eta2)));
+    }
+  return SetupMax(error) / SetupMax(largest);
+}
+
 /* A number that belongs to particle and component. */
 static PetscReal Mark(PetscInt id, PetscInt component)
 {
@@ -293,6 +313,8 @@ static PetscErrorCode TestBox(const char label[], PetscInt dim, const char faces
   PetscCall(CompareLists(s.cloud, wrong, &pairs));
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_lists", label));
   CHECK(wrong[0] == 0 && pairs > 10 * PARTICLES, name);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_factors", label));
+  CHECK_CLOSE(FactorError(s.cloud), 0, 2e-6, name);
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_reach", label));
   CHECK(wrong[1] == 0, name);
   PetscCall(ParticlesGlobalSize(s.particles, &n));

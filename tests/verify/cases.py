@@ -154,6 +154,16 @@ ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {an
 ENTRIES += tensions("retracting_sheet", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 0.25e-3))
 ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", TEST)]
 
+# the gallery: scenes for a look and to start from, each with one number that is judged; not run as printed
+COLLIDE = "-options_file cases/drop_collision/"
+ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
+            Entry("drop_collision", "off centre", COLLIDE + "off_center.opts", TEST),
+            Entry("drop_collision", "two sizes, two liquids", COLLIDE + "unequal.opts"),
+            Entry("sessile_drop"), Entry("thin_film"), Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"),
+            Entry("obstacle"), Entry("sloshing"), Entry("jet")]
+GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
+           "sloshing", "jet"}
+
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
 ENTRIES += [Entry("drop_impact", "0.5 mm", QUARTER + "0.5e-3", LONG, ranks=2, spacings=IMPACTS),

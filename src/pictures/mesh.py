@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+"""The liquid's surface as meshes for other programs, and the particles as points.
+
+    mesh.py RUN_FOLDER [--format vtp|ply] [--times S ...] [--least N] [--particles]
+
+Three dimensions. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply), a mesh a snapshot, without pieces of less than
+N particles (8), with speed, pressure and body at the corners (vtp); surface.pvd makes a series of them in ParaView.
+--particles: also particles_<number>.vtp and particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
+"""
+import argparse
+import os
+import sys
+
+import tables
+
+LEAST = 8
+
+
+def pieces(points, cells, spacing):
+    """Volume of each piece over a particle's, and the piece of each triangle. Pieces are joined by corners."""
+    mesh = polydata(points, cells)
+    connect = vtkPolyDataConnectivityFilter()
+    connect.SetInputData(mesh)
+    connect.SetExtractionModeToAllRegions()
+    connect.ColorRegionsOn()
+    connect.Update()
+    region = vtk_to_numpy(connect.GetOutput().GetPointData().GetArray("RegionId"))[cells[:, 0]]
+    a, b, c = (points[cells[:, k]] for k in range(3))
+    volume = np.bincount(region, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
+    return np.abs(volume) / spacing**3, region
+
+
+def polydata(points, cells=None):
+    """vtkPolyData of triangles, or of points."""
+    mesh, corners = vtkPolyData(), vtkPoints()
+    corners.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float32), deep=True))
+    mesh.SetPoints(corners)
+    array = vtkCellArray()
+    width = 1 if cells is None else 3
+    index = np.arange(len(points)) if cells is None else cells.ravel()
+    array.SetData(width, numpy_to_vtkIdTypeArray(np.ascontiguousarray(index, np.int64), deep=True))
+    (mesh.SetVerts if cells is None else mesh.SetPolys)(array)
+    return mesh
+
+
+def attach(mesh, **values):
+    for name, value in values.items():
+        array = numpy_to_vtk(np.ascontiguousarray(value), deep=True)
+        array.SetName(name)
+        mesh.GetPointData().AddArray(array)
+
+
+def write(mesh, path):
+    writer = vtkPLYWriter() if path.endswith(".ply") else vtkXMLPolyDataWriter()
+    writer.SetFileName(path)
+    writer.SetInputData(mesh)
+    if not writer.Write():
+        raise tables.RunError(f"{path} cannot be written.")
+
+
+def series(folder, name, files):
+    """A .pvd file: the meshes as a series of times."""
+    path = os.path.join(folder, f"{name}.pvd")
+    with open(path, "w", encoding="utf-8") as out:
+        out.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n')
+        for time, file in files:
+            out.write(f'<DataSet timestep="{time:.12g}" file="{os.path.basename(file)}"/>\n')
+        out.write("</Collection>\n</VTKFile>\n")
+    print(path)
+
+
+def surface_of(run, state, least):
+    """The mesh of a state, without small pieces."""
+    table = np.column_stack([state.speed, state.pressure, state.body])
+    fluid = views.Fluid(run, state.points, table)
+    points, normals, cells, _ = fluid.mesh()
+    if len(cells):
+        size, region = pieces(points, cells, run.spacing)
+        cells = cells[size[region] >= least]
+    used, index = np.unique(cells, return_inverse=True)
+    points, cells = points[used], index.reshape(-1, 3)
+    mesh = polydata(points, cells)
+    values = fluid.values(points - 0.5 * run.spacing * normals[used]) if len(points) else np.zeros((0, 3))
+    attach(mesh, speed=values[:, 0], pressure=values[:, 1], body=values[:, 2])
+    return mesh
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folder", metavar="RUN_FOLDER")
+    parser.add_argument("--format", choices=("vtp", "ply"), default="vtp")
+    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="snapshots nearest to these times, s (all)")
+    parser.add_argument("--least", type=float, default=LEAST, help="particles of the smallest piece (8)")
+    parser.add_argument("--particles", action="store_true", help="points too")
+    arguments = parser.parse_args()
+    run = data.Run(arguments.folder)
+    if run.dim != 3:
+        raise tables.RunError(f"{arguments.folder} is of a run in two dimensions, which has no surface mesh.")
+    folder = os.path.join(arguments.folder, "mesh")
+    os.makedirs(folder, exist_ok=True)
+    meshes, clouds = [], []
+    for time, path in run.files if arguments.times is None else run.moments(arguments.times):
+        number = os.path.basename(path)[len("snapshot_"):-len(".h5")]
+        state = run.read(path)
+        meshes.append((time, os.path.join(folder, f"surface_{number}.{arguments.format}")))
+        write(surface_of(run, state, arguments.least), meshes[-1][1])
+        if arguments.particles:
+            clouds.append((time, os.path.join(folder, f"particles_{number}.vtp")))
+            points = polydata(state.points)
+            attach(points, velocity=state.velocity, pressure=state.pressure, body=state.body)
+            write(points, clouds[-1][1])
+    if arguments.format == "vtp":
+        series(folder, "surface", meshes)
+    if clouds:
+        series(folder, "particles", clouds)
+
+
+if __name__ == "__main__":
+    try:
+        try:
+            import numpy as np
+            import run as data
+            import views
+            from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+            from vtkmodules.vtkCommonCore import vtkPoints
+            from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+            from vtkmodules.vtkFiltersCore import vtkPolyDataConnectivityFilter
+            from vtkmodules.vtkIOPLY import vtkPLYWriter
+            from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+        except ImportError as error:
+            raise tables.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install python3-h5py "
+                                  "python3-matplotlib python3-vtk9, then use /usr/bin/python3.") from error
+        main()
+    except tables.RunError as error:
+        sys.exit(f"mesh.py: {error}")

@@ -1,0 +1,109 @@
+/* Stage one of a step, and what is measured where it was evaluated: density, surface, divergence, work. */
+#include "types.h"
+
+/* Power of FIELD_ACCELERATION on the fluid, W, this rank. */
+static PetscReal Power(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *a = cloud->field[FIELD_ACCELERATION];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, a + DIM * k);
+  return sum;
+}
+
+/* Sum of m v.u of the fluid, u FIELD_PREDICTED, J, this rank: its change is the work of an implicit force. */
+static PetscReal Overlap(Cloud cloud)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[FIELD_PREDICTED];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, u + DIM * k);
+  return sum;
+}
+
+/* Area of the free surface of one particle's share, m2. The integral of |sum V grad W| over the liquid below a flat
+   surface is half its area, for any kernel: sum V W rises from 1/2 at the surface to 1 inside. */
+static PetscReal Area(Cloud cloud, PetscInt a)
+{
+  return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
+}
+
+/* What the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA, is made of. The flux of the
+   liquid through its surface should vanish; what it does not is taken out in Judge as if it were spread evenly, because
+   the pressure that all of a drop has in common would do work on it. */
+static void CapillaryWork(Cloud cloud, PetscReal dt, Attempted *attempted)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
+                  *capillary = cloud->field[FIELD_CAPILLARY];
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal area = Area(cloud, a), inward = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
+
+    if (area == 0) continue;
+    attempted->tension_work += capillary[a] * inward;
+    attempted->inward += inward;
+    attempted->area += area;
+    attempted->capillary_area += capillary[a] * area;
+  }
+}
+
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted)
+{
+  Cloud      cloud        = stepper->cloud;
+  PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
+            *predicted = cloud->field[FIELD_PREDICTED];
+  PetscReal before     = 0; /* power of what acts so far, W */
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
+  if (stepper->damping == 1)
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
+  if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit) {
+    before = Power(cloud);
+    PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+    attempted->viscous_work = dt * (Power(cloud) - before);
+  }
+  if (TensionReach(stepper->tension) > 0) before = Power(cloud);
+  PetscCall(TensionApply(stepper->tension, cloud));
+  if (TensionReach(stepper->tension) > 0) {
+    attempted->tension_work = dt * (Power(cloud) - before);
+    CapillaryWork(cloud, dt, attempted);
+  }
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
+  for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
+  if (stepper->viscous.implicit) {
+    before = Overlap(cloud);
+    PetscCall(ViscousSolve(stepper, dt, density, &attempted->viscous));
+    attempted->viscous_work = Overlap(cloud) - before;
+  } else
+    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted)
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *div;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal ratio = cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a];
+
+    attempted->density = PetscMax(attempted->density, ratio);
+    attempted->surface += BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension * Area(cloud, a);
+    if (cloud->integer[INT_SURFACE][a]) continue;
+    attempted->error += ratio;
+    attempted->error2 += PetscSqr(ratio - 1);
+    attempted->inside++;
+  }
+  if (!divergence) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(cloud->n_owned, &div));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, div));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (!cloud->integer[INT_SURFACE][a]) attempted->divergence2 += PetscSqr(div[a]);
+  PetscCall(PetscFree(div));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

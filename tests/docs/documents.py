@@ -1,0 +1,104 @@
+#!/usr/bin/python3
+"""What README and the cases' READMEs say is so: options, make targets and files they name exist, their commands are
+understood, the scene of the tutorial runs word for word (for fewer milliseconds), and its pictures are made."""
+import glob
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+PETSC = ("ksp_", "pc_", "mat_", "log_", "options_", "vec_", "help", "info", "malloc", "draw_", "eps_", "st_", "tao_",
+         "memory_", "on_error", "fp_trap", "dm_", "sf_", "viscous_", "spectrum_", "packing_tao", "mg_", "packing_")
+PROGRAMS = ("make", "mpiexec", "chrt", "git", "apt-get", "xvfb-run", "sbatch", "podman", "docker", "apptainer")
+
+
+def texts():
+    """(path, text) of the documents."""
+    for path in [os.path.join(runs.ROOT, "README.md"), *sorted(glob.glob(runs.ROOT + "/cases/*/README.md"))]:
+        with open(path, encoding="utf-8") as file:
+            yield os.path.relpath(path, runs.ROOT), file.read()
+
+
+def known_options():
+    """Names the sources read, those of bodies without the body's name."""
+    names = set()
+    for path in glob.glob(os.path.join(runs.ROOT, "src/*/*.c")):
+        with open(path, encoding="utf-8") as file:
+            names |= set(re.findall(r'"-([a-z][a-z0-9_]*)"', file.read()))
+    return names
+
+
+def exists(option, names):
+    """Whether an option is read by the program, is a body's, or is PETSc's."""
+    parts = option.split("_")
+    tails = {"_".join(parts[k:]) for k in range(len(parts))}
+    box = re.fullmatch(r"box_[xyz](min|max)?(_velocity)?", option)
+    return bool(tails & names) or option.startswith(PETSC) or bool(box)
+
+
+def commands(text):
+    """Indented lines that start ./isph, joined over backslashes."""
+    text = text.replace("\\\n", " ")
+    return [line.strip() for line in text.splitlines() if re.match(r"    (mpiexec -n \d+ )?\./isph ", line)]
+
+
+names = known_options()
+for path, text in texts():
+    spans = re.findall(r"`([^`\n]+)`", re.sub(r"<!-- (verify|measured) -->.*?<!-- /\1 -->", "", text, flags=re.S))
+    options = set()
+    for span in spans:
+        if not span.startswith(PROGRAMS):
+            options |= set(re.findall(r"(?:^|\s)-([a-z][a-z0-9]*(?:_[a-z0-9]+)+)\b", span))
+    missing = sorted(o for o in options if not exists(o, names))
+    runs.check(not missing, f"options_{path}", f"nothing reads {missing}")
+    with open(os.path.join(runs.ROOT, "makefile"), encoding="utf-8") as file:
+        targets = set(re.findall(r"^([a-z][a-z-]*):", file.read(), re.M))
+    wanted = {m for span in spans for m in re.findall(r"^make ([a-z][a-z-]*)", span)}
+    runs.check(wanted <= targets, f"targets_{path}", f"the makefile has no {sorted(wanted - targets)}")
+    here = os.path.dirname(os.path.join(runs.ROOT, path))
+    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
+    broken = [link for link in links if not os.path.exists(os.path.join(here, link))]
+    runs.check(not broken, f"links_{path}", f"no file {broken}")
+    for k, command in enumerate(commands(text)):
+        words = shlex.split(command, comments=True)
+        words = words[words.index("./isph") + 1:]
+        if "my.opts" in command or "-restart" in words:
+            continue
+        if "-output_dir" in words:
+            del words[words.index("-output_dir"):words.index("-output_dir") + 2]
+        dump = runs.scratch("dump.opts")
+        process = runs.start(words + ["-dump_options", dump])
+        others = []
+        if process.returncode == 0:
+            with open(dump, encoding="utf-8") as file:
+                tail = file.read().split("# --- PETSc's own options in use ---")[1]
+            others = [o for o in re.findall(r"^-(\S+)", tail, re.M) if not exists(o, set()) and not o.startswith(PETSC)]
+        runs.check(process.returncode == 0 and not others, f"command_{path}_{k + 1}",
+                   f"{command}: {others} {process.stderr.strip()[:300]}")
+
+# the tutorial: its scene is the first indented block after its heading
+readme = dict(texts())["README.md"]
+tutorial = readme.split("## Your own scene in ten minutes")[1].split("\n## ")[0]
+blocks = re.findall(r"(?:^    .*\n)+", tutorial, re.M)
+scene = runs.scratch("my.opts")
+with open(scene, "w", encoding="utf-8") as file:
+    file.write(next(b for b in blocks if "-bodies" in b))
+folder = runs.scratch("my")
+process = runs.start(f"-options_file {scene} -dry_run -output_dir {folder}")
+estimated = process.returncode == 0 and "time:" in process.stdout and os.path.exists(folder + ".svg")
+runs.check(estimated, "tutorial_dry_run", process.stderr[:300])
+process = runs.start(f"-options_file {scene} -output_dir {folder} -time_end 0.6e-3 -snapshot_interval 0.2e-3")
+runs.check(process.returncode == 0, "tutorial_run", process.stderr[:300])
+process = runs.start(f"-options_file {scene} -output_dir {folder} -time_end 0.8e-3 -restart "
+                     + runs.numbered(folder, "checkpoint")[-1])
+runs.check(process.returncode == 0, "tutorial_restart", process.stderr[:300])
+drawn = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/pictures.py"), folder, "--count", "2"],
+                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+made = [os.path.join(folder, "figures", name) for name in ("section.png", "curves.png")]
+runs.check(drawn.returncode == 0 and all(os.path.exists(p) and os.path.getsize(p) > 10000 for p in made),
+           "tutorial_pictures", drawn.stdout[-300:])
+runs.done()

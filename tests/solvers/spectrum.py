@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""-spectrum against theory: the lattice's largest eigenvalue, the smallest of a film and of a periodic box, the
+condition that CG's own Lanczos process sees, the bound of its iterations; the explicit limit of viscosity, which runs
+below and above it confirm; the modes of a drop."""
+import math
+import os
+import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?|nan)"
+BOX = """-dimension 3 -spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x periodic -box_y periodic -box_z periodic
+ -bodies water -water_shape box -water_density 1 -water_viscosity 0.01 -water_velocity_type taylor_green
+ -water_taylor_green_amplitude 1 -checkpoint_interval 0 -packing_jitter 0"""
+FILM = ("-options_file cases/film_at_rest/case.opts -box_lower -2e-3,-2e-3,-10e-3 -box_upper 2e-3,2e-3,5e-3 "
+        "-film_lower -2e-3,-2e-3,-10e-3 -film_upper 2e-3,2e-3,0 -steps_max 2 -packing_jitter 0")
+DROP = """-dimension 3 -box_lower -2e-3,-2e-3,-2e-3 -box_upper 2e-3,2e-3,2e-3 -bodies drop -drop_shape sphere
+ -drop_center 0,0,0 -drop_radius 1.5e-3 -drop_density 1100 -drop_viscosity 3.5e-3 -drop_tension 0.067 -packing_jitter 0
+ -checkpoint_interval 0 -steps_max 30"""
+
+
+def report(options, name):
+    """What -spectrum prints at the end of a run."""
+    place = runs.scratch(name.replace(" ", "_"))
+    process = runs.start(options.replace("\n", "") + f" -spectrum -progress_interval 0 -output_dir {place}")
+    if not runs.check(process.returncode == 0, f"{name}, runs", process.stderr.strip()[-500:]):
+        runs.done()
+    return process.stdout[process.stdout.index("Spectrum"):]
+
+
+def numbers(text, pattern):
+    """The numbers that a pattern, with N for a number, finds in the report."""
+    found = re.search(pattern.replace("N", NUMBER), text)
+    if not runs.check(found is not None, f"the report has {pattern.split('N')[0].strip()}", text):
+        runs.done()
+    return [float(word) for word in found.groups()]
+
+
+def solver(text, name):
+    """The condition, by SLEPc and as CG saw it, and the bound of the iterations."""
+    most, least, condition = numbers(text, r"twolevel\n +largest +N, smallest N, condition N")
+    seen = numbers(text, r"CG saw +N, N, N")
+    runs.check_within(seen[0] / most, 0.97, 1.005, f"{name}, largest, CG over SLEPc")
+    runs.check_within(seen[1] / least, 0.995, 1.05, f"{name}, smallest, CG over SLEPc")
+    runs.check_within(condition, 1.5, 8, f"{name}, condition under the own preconditioner")
+    iterations, _, bound = numbers(text, r"iterations N from zero to N; at most N by")
+    runs.check_within(iterations, 2, bound, f"{name}, iterations within the bound of the condition")
+
+
+box = report(BOX + " -steps_max 1 -viscosity_form cleary", "box")
+largest, seen = numbers(box, r"largest +N? ?1/m2 = N/d0\^2; a full lattice has N/d0".replace("N? ?", r"[\d.e+]+ "))
+runs.check_within(seen, 3.53, 3.54, "3.53/d0^2 of a full lattice")
+runs.check_within(largest / seen, 0.999, 1.005, "largest eigenvalue of a full box over that")
+smallest, theory = numbers(box, r"smallest +N 1/m2; theory N 1/m2")
+runs.check_within(theory, 39.4, 39.5, "(2 pi/L)^2 of a box of 1 m")
+runs.check_within(smallest / theory, 0.93, 1.01, "smallest eigenvalue of a full box over that")
+viscous, limit = numbers(box, r"viscosity +largest eigenvalue [\d.e+]+ 1/s = N nu/d0\^2: stable up to 2/lambda = N s")
+runs.check_within(viscous, 9.35, 9.5, "largest eigenvalue of the viscosity, 9.44 nu/d0^2")
+
+# a viscosity that makes it the only thing that counts; 60 steps below and above the limit
+stiff = BOX.replace("viscosity 0.01", "viscosity 100") + " -shifting 0 -packing_jitter 0.05"
+limit = numbers(report(stiff + " -steps_max 1", "stiff"), r"2/lambda = N s")[0]
+for factor, stable in ((0.9, True), (1.1, False)):
+    folder = runs.scratch(f"stiff_{factor}")
+    process = runs.start((stiff + f" -time_step {factor * limit:.6g} -steps_max 60 -series_interval 0 -displacement_max "
+                          f"1e9 -density_max 1e9 -progress_interval 0").replace("\n", "").split() +
+                         ["-output_dir", folder])
+    energy = runs.series(folder)["kinetic_energy"] if process.returncode == 0 else [1.0, math.inf]
+    runs.check((energy[-1] < energy[0]) == stable, f"viscosity at {factor} of its limit is " +
+               ("stable" if stable else "unstable"), f"kinetic energy from {energy[0]:.3g} to {energy[-1]:.3g} J")
+
+errors = []
+for spacing in (1e-3, 0.5e-3):
+    film = report(f"{FILM} -spacing {spacing}", f"film {spacing}")
+    smallest, theory = numbers(film, r"smallest +N 1/m2; theory N 1/m2")
+    errors.append(1 - smallest / theory)
+    solver(film, f"film {spacing}")
+runs.check_within(errors[0], 0.0, 0.25, "(pi/2H)^2 of a film 10 spacings deep, relative error")
+runs.check_within(errors[1], 0.0, 0.13, "(pi/2H)^2 of a film 20 spacings deep, relative error")
+runs.check_within(errors[0] / errors[1], 1.5, 2.6, "(pi/2H)^2, the error halves with the spacing")
+
+modes = {}
+for cells in (6, 8):
+    drop = report(f"{DROP} -spacing {1.5e-3 / cells:.9g}", f"drop {cells}")
+    step = numbers(drop, r"tension +largest frequency N 1/s: stable up to 2/omega = N s, N times the step")
+    runs.check_within(step[0] * step[1], 1.99, 2.01, f"R/d0 = {cells}, 2/omega")
+    runs.check_within(step[2], 1, 1e3, f"R/d0 = {cells}, the step is below the capillary limit")
+    modes[cells] = {int(n): (float(mean), float(low), float(high), int(count)) for n, mean, low, high, count in
+                    re.findall(rf"degree (\d)  mean +{NUMBER} \(theory +\d+\), from +{NUMBER} to +{NUMBER}, (\d+) modes",
+                               drop)}
+for degree, exact, tolerance in ((1, 0, None), (2, 8, 0.10), (3, 30, 0.22), (4, 72, 0.40)):
+    mean, low, high, count = modes[8][degree]
+    runs.check(count == 2 * degree + 1, f"multiplicity of degree {degree}", f"{count}, not {2 * degree + 1}")
+    if degree == 1:
+        runs.check(max(abs(low), abs(high)) < 0.01, "degree 1 is a translation", f"{low} to {high}")
+        continue
+    runs.check_within(mean / exact, 1 - tolerance, 1.02, f"omega^2 of degree {degree} over {exact} sigma/(rho R^3)")
+    runs.check_within((high - low) / mean, 0, 0.08, f"degree {degree}, spread of its modes")
+    closer = (exact - modes[8][degree][0]) / (exact - modes[6][degree][0])
+    runs.check_within(closer, 0, 0.85, f"degree {degree}, error at R/d0 = 8 over that at 6")
+runs.done()

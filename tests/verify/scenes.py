@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+"""Solids, STL shapes, emitters and their gauges: a tank on a solid floor against one on a wall of the box, the buoyancy
+of a ball, a box from an STL file against the shape box, liquid from an emitter and its restart."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+
+TANK = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.8 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies water -packing_jitter 0 -time_end 0.3 -checkpoint_interval 0 -gauge_forces """
+HEAD = 9810  # Pa/m
+CUBE = ((0, 1, 3), (0, 3, 2), (4, 7, 5), (4, 6, 7), (0, 5, 1), (0, 4, 5), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
+        (1, 5, 7), (1, 7, 3))
+
+
+def late(folder, name):
+    """Mean of a column over the second half of the run."""
+    column = runs.series(folder)[name]
+    return column[len(column) // 2:].mean()
+
+
+wall = runs.run(TANK + "-water_upper 1,0.4 -gauge_points 0.5,0.01 -gauge_heights 0.3", "wall")
+floor = runs.run(TANK + "-water_upper 1,0.6 -solids floor -floor_upper 1,0.2 -gauge_points 0.5,0.21 -gauge_heights 0.3",
+                 "floor")
+pressures = [late(folder, "point_1_pressure_Pa") for folder in (wall, floor)]
+runs.check_within(pressures[1] / pressures[0], 0.99, 1.01, "solid_floor_as_wall")
+runs.check_within(late(wall, "height_1_m"), 0.39, 0.41, "height_over_wall")
+runs.check_within(late(floor, "height_1_m"), 0.59, 0.61, "height_over_solid")
+runs.check_within(-late(floor, "force_floor_y_N") / (HEAD * 0.4), 0.95, 1.05, "force_on_floor")
+SPHERE = "-solids ball -ball_shape sphere -ball_center 0.5,0.2 -ball_radius 0.1"
+ball = runs.run(TANK + "-water_upper 1,0.4 " + SPHERE, "ball")
+runs.check_within(late(ball, "force_ball_y_N") / (HEAD * np.pi * 0.01), 0.93, 1.07, "buoyancy")
+runs.check(os.path.exists(os.path.join(ball, "solids.h5")), "solids_file", "missing")
+
+corners = [(x, y, z) for z in (-50, 50) for y in (0, 200) for x in (400, 600)]
+path = runs.scratch("cube.stl")
+with open(path, "w", encoding="utf-8") as file:
+    file.write("solid cube\n")
+    for triangle in CUBE:
+        file.write("facet normal 0 0 0\nouter loop\n")
+        for corner in triangle:
+            file.write("vertex {} {} {}\n".format(*corners[corner]))
+        file.write("endloop\nendfacet\n")
+    file.write("endsolid\n")
+both = []
+for name, shape in (("box", "-step_lower 0.4,0 -step_upper 0.6,0.2"),
+                    ("stl", f"-step_shape stl -step_file {path} -step_scale 1e-3")):
+    both.append(runs.run(TANK + f"-water_upper 1,0.4 -solids step {shape} -time_end 0.02", "step_" + name))
+fields = [runs.fields(runs.numbered(folder, "snapshot")[-1]) for folder in both]
+same = len(fields[0]["id"]) == len(fields[1]["id"])
+runs.check(same, "stl_as_box_particles", [len(f["id"]) for f in fields])
+if same:
+    runs.check_below(np.abs(fields[0]["position"] - fields[1]["position"]).max(), 1e-3, "stl_as_box_positions")
+
+JET = """-dimension 2 -spacing 0.1e-3 -box_lower -2e-3,0 -box_upper 2e-3,10e-3 -bodies jet -jet_type emitter
+ -jet_lower -0.5e-3,9e-3 -jet_upper 0.5e-3,9.5e-3 -jet_velocity 0,-1 -time_step 2e-5 """
+whole = runs.run(JET + "-time_end 2.1e-3 -checkpoint_interval 1e-3", "jet")
+count = len(runs.fields(runs.numbered(whole, "snapshot")[-1])["id"])
+runs.check(count == 5 * 50, "jet_of_five_fillings", f"{count} particles, not 250")
+last = runs.fields(runs.numbered(whole, "snapshot")[-1])
+runs.check(len(set(last["id"])) == count, "emitted_ids_differ", "they do not")
+y = np.sort(last["position"][:, 1])
+runs.check_below(np.diff(y).max(), 0.2e-3, "jet_without_gaps")
+first = runs.numbered(whole, "checkpoint")[0]
+resumed = runs.run(JET + f"-time_end 2.1e-3 -restart {first}", "jet_resumed")
+again = runs.fields(runs.numbered(resumed, "snapshot")[-1])
+good = len(again["id"]) == count and np.array_equal(again["id"], last["id"])
+runs.check(good and np.array_equal(again["position"], last["position"]), "emitter_restarts_exactly", "states differ")
+runs.done()
