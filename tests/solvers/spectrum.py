@@ -64,8 +64,8 @@ stiff = BOX.replace("viscosity 0.01", "viscosity 100") + " -shifting 0 -packing_
 limit = numbers(report(stiff + " -steps_max 1", "stiff"), r"2/lambda = N s")[0]
 for factor, stable in ((0.9, True), (1.1, False)):
     folder = runs.scratch(f"stiff_{factor}")
-    process = runs.start((stiff + f" -time_step {factor * limit:.6g} -steps_max 60 -series_interval 0 -displacement_max "
-                          f"1e9 -density_max 1e9 -progress_interval 0").replace("\n", "").split() +
+    process = runs.start((stiff + f" -time_step {factor * limit:.6g} -steps_max 60 -series_interval 0 "
+                          "-displacement_max 1e9 -density_max 1e9 -progress_interval 0").replace("\n", "").split() +
                          ["-output_dir", folder])
     energy = runs.series(folder)["kinetic_energy"] if process.returncode == 0 else [1.0, math.inf]
     runs.check((energy[-1] < energy[0]) == stable, f"viscosity at {factor} of its limit is " +

@@ -39,7 +39,8 @@ runs.check(failed.returncode != 0 and "must not be negative" in failed.stderr, "
            failed.stderr)
 
 # the budget: its residual is that of the series, and the knob is the one that was turned
-VORTEX = "-options_file cases/taylor_green/case.opts -spacing 0.04 -packing_jitter 0.25 -series_interval 0 -time_end 0.5"
+VORTEX = ("-options_file cases/taylor_green/case.opts -spacing 0.04 -packing_jitter 0.25 -series_interval 0 "
+          "-time_end 0.5")
 KNOB = {"": "particle spacing", "-pressure_density_tolerance 2e-2": "solver's tolerance"}
 for options, knob in KNOB.items():
     table, text = run(f"{VORTEX} {options}", f"budget{options[-4:]}")
@@ -52,8 +53,9 @@ for options, knob in KNOB.items():
 table, _ = run(VORTEX.replace("0.04", "0.02"), "exact")
 taken, lost = -table["viscous_work"][-1], table["kinetic_energy"][0] - table["kinetic_energy"][-1]
 runs.check_below(abs(taken / lost - 1), 0.02, "viscosity took what the vortices lost")
-drop, _ = run("-options_file cases/oscillating_drop/circle.opts -spacing 0.125e-3 -time_end 7e-3 -series_interval 0", "swing")
+drop, _ = run("-options_file cases/oscillating_drop/circle.opts -spacing 0.125e-3 -time_end 7e-3 -series_interval 0",
+              "swing")
 gained = drop["kinetic_energy"][-1] - drop["viscous_work"][-1]
-runs.check_within(drop["tension_work"][-1] / gained, 0.7, 1.3, "work of surface tension over what a swinging drop gained")
+runs.check_within(drop["tension_work"][-1] / gained, 0.7, 1.3, "work of surface tension over a swinging drop's gain")
 runs.check_within(drop["surface_energy"][0] / (0.067 * 2 * np.pi * 2e-3), 0.95, 1.02, "surface energy of a circle")
 runs.done()

@@ -40,7 +40,8 @@ runs.check_below(errors[1], 0.03, "velocity error of the vortices, c = 10 U")
 
 folder = runs.run(VORTEX + " -pressure_source density -time_end 0.1", "summed")
 pressure = np.concatenate([f["pressure"] for _, _, f in physics.snapshots(folder)])
-runs.check(pressure.min() >= 0 and pressure.max() > 0, "summed density knows no suction", (pressure.min(), pressure.max()))
+runs.check(pressure.min() >= 0 and pressure.max() > 0, "summed density knows no suction",
+           (pressure.min(), pressure.max()))
 
 SHORT = VORTEX.replace("-packing", "-ksp_rtol 1e-12 -time_end 0.1 -checkpoint_interval 0.05 -packing")
 whole = runs.run(SHORT, "whole")
@@ -49,7 +50,8 @@ again = runs.run(f"{SHORT} -restart {first}", "again")
 two = runs.run(SHORT, "two", ranks=2)
 for name, other, limit in (("restart", again, 0.0), ("two processes", two, 1e-6)):
     a, b = (runs.fields(runs.numbered(f, "checkpoint")[-1]) for f in (whole, other))
-    worst = max(np.abs(a[k] - b[k]).max() / max(np.abs(a[k]).max(), 1e-300) for k in ("position", "velocity", "pressure"))
+    worst = max(np.abs(a[k] - b[k]).max() / max(np.abs(a[k]).max(), 1e-300)
+                for k in ("position", "velocity", "pressure"))
     runs.check_below(worst, limit, f"{name}, largest difference")
 
 for options, words in (("-sound_mach 0", "it must lie in (0, 1]"), ("-sound_speed -1", "must not be negative"),
