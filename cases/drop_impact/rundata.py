@@ -1,4 +1,4 @@
-"""What figures.py and compare.py share: the reference curves and whether they apply to a run. SI units."""
+"""What figures.py and compare.py share: the reference curves and whether they apply to a run. All in SI units."""
 import math
 import os
 import sys

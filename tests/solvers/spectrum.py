@@ -88,7 +88,7 @@ for cells in (6, 8):
     runs.check_within(step[0] * step[1], 1.99, 2.01, f"R/d0 = {cells}, 2/omega")
     runs.check_within(step[2], 1, 1e3, f"R/d0 = {cells}, the step is below the capillary limit")
     modes[cells] = {int(n): (float(mean), float(low), float(high), int(count)) for n, mean, low, high, count in
-                    re.findall(rf"degree (\d)  mean +{NUMBER} \(theory +\d+\), from +{NUMBER} to +{NUMBER}, (\d+) modes",
+                re.findall(rf"degree (\d)  mean +{NUMBER} \(theory +\d+\), from +{NUMBER} to +{NUMBER}, (\d+) modes",
                                drop)}
 for degree, exact, tolerance in ((1, 0, None), (2, 8, 0.10), (3, 30, 0.22), (4, 72, 0.40)):
     mean, low, high, count = modes[8][degree]
