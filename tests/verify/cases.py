@@ -152,7 +152,8 @@ ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {an
                   spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
 
 ENTRIES += tensions("retracting_sheet", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 0.25e-3))
-ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", TEST)]
+ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3",
+                  misses=("momentum of the half over 2 sigma t, mean until the edge is half way",))]
 
 # the gallery: scenes for a look and to start from, each with one number that is judged; not run as printed
 COLLIDE = "-options_file cases/drop_collision/"
