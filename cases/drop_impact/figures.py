@@ -13,7 +13,7 @@ import os
 import sys
 
 import rundata
-from display import PACKAGES, with_display
+from display import with_display
 
 TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
 PANEL = (1000, 700)  # pixels of a rendered view
@@ -181,18 +181,12 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        try:
-            import h5py
-            import matplotlib
-            import numpy as np
-            matplotlib.use("Agg")
-            import matplotlib.pyplot as plt
-            with_display()
-            import surface
-        except ImportError as error:
-            raise rundata.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, "
-                                   "then use /usr/bin/python3.") from error
+    with rundata.polite("figures.py"):
+        import h5py
+        import matplotlib
+        import numpy as np
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+        with_display()
+        import surface
         main()
-    except rundata.RunError as error:
-        sys.exit(f"figures.py: {error}")

@@ -5,7 +5,8 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "src", "pictures"))
-from tables import RunError, number, read_options, read_series, read_table, vector  # noqa: E402,F401
+from tables import (RunError, number, polite, read_options, read_series, read_table,  # noqa: E402,F401
+                    vector)
 
 REFERENCE_SPEED = 3.13  # m/s, of reference.csv and reference_box.csv
 GRAVITY = 9.81  # m/s2

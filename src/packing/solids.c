@@ -27,28 +27,14 @@ static void SolidVisit(Domain domain, Scene scene, PetscInt layers, SolidVisitor
   }
 }
 
-typedef struct {
-  Domain         domain;
-  PetscMPIInt    rank;
-  PetscInt      *weight;     /* [cells] or NULL */
-  PetscInt       own, count; /* seen: of this rank, of all */
-  PetscInt       next, first_id;
-  ParticleArrays arrays;
-} SolidFilling;
-
 static void Weigh(void *context, PetscInt number, PetscInt solid, const PetscReal x[DIM])
 {
-  SolidFilling  *filling = (SolidFilling *)context;
-  const PetscInt cell    = DomainCell(filling->domain, x);
-
-  filling->count++;
-  if (filling->domain->cell_rank[cell] == filling->rank) filling->own++;
-  if (filling->weight) filling->weight[cell]++;
+  DummyWeigh((DummyFilling *)context, x);
 }
 
 static void Fill(void *context, PetscInt number, PetscInt solid, const PetscReal x[DIM])
 {
-  SolidFilling  *filling = (SolidFilling *)context;
+  DummyFilling  *filling = (DummyFilling *)context;
   const PetscInt a       = filling->next;
 
   if (filling->domain->cell_rank[DomainCell(filling->domain, x)] != filling->rank) return;
@@ -62,7 +48,7 @@ static void Fill(void *context, PetscInt number, PetscInt solid, const PetscReal
 
 void SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[])
 {
-  SolidFilling filling = {.domain = domain, .weight = weight};
+  DummyFilling filling = {.domain = domain, .weight = weight};
 
   SolidVisit(domain, scene, layers, Weigh, &filling);
 }
@@ -70,7 +56,7 @@ void SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[])
 PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
                                     PetscInt *count)
 {
-  SolidFilling filling = {.domain = domain, .first_id = first_id};
+  DummyFilling filling = {.domain = domain, .first_id = first_id};
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(domain->comm, &filling.rank));

@@ -91,6 +91,26 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target);
    ([n][3], m) and body ([n]) by PetscFree. Not collective; the same everywhere. */
 PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body);
 
+/* Dummy particles of walls and solids are visited twice: DummyWeigh counts them, in all, of this rank and a cell of the
+   domain; then room is made and they are filled in. */
+typedef struct {
+  Domain         domain;
+  PetscMPIInt    rank;
+  PetscInt      *weight;     /* [cells] or NULL */
+  PetscInt       own, count; /* seen: of this rank, of all */
+  PetscInt       next, first_id;
+  ParticleArrays arrays;
+} DummyFilling;
+
+static inline void DummyWeigh(DummyFilling *filling, const PetscReal x[DIM])
+{
+  const PetscInt cell = DomainCell(filling->domain, x);
+
+  filling->count++;
+  if (filling->domain->cell_rank[cell] == filling->rank) filling->own++;
+  if (filling->weight) filling->weight[cell]++;
+}
+
 /* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type.
    Not collective. */
 PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash);

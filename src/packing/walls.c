@@ -65,23 +65,9 @@ static PetscInt WallOrdinal(const WallLattice *wall, const PetscInt index[DIM])
   return all - inside;
 }
 
-typedef struct {
-  Domain         domain;
-  PetscMPIInt    rank;
-  PetscInt      *weight;     /* [cells] or NULL */
-  PetscInt       own, count; /* seen: of this rank, of all */
-  PetscInt       next, first_id;
-  ParticleArrays arrays;
-} WallFilling;
-
 static void Weigh(void *context, const WallLattice *wall, const PetscInt index[DIM], const PetscReal x[DIM])
 {
-  WallFilling   *filling = (WallFilling *)context;
-  const PetscInt cell    = DomainCell(filling->domain, x);
-
-  filling->count++;
-  if (filling->domain->cell_rank[cell] == filling->rank) filling->own++;
-  if (filling->weight) filling->weight[cell]++;
+  DummyWeigh((DummyFilling *)context, x);
 }
 
 /* The wall's velocity v (m/s): that of the face; in an edge or corner zero in each component in which the faces
@@ -101,7 +87,7 @@ static void WallVelocity(Domain domain, const WallLattice *wall, const PetscInt 
 
 static void Fill(void *context, const WallLattice *wall, const PetscInt index[DIM], const PetscReal x[DIM])
 {
-  WallFilling   *filling = (WallFilling *)context;
+  DummyFilling  *filling = (DummyFilling *)context;
   const PetscInt a       = filling->next;
   PetscInt       parent[DIM], layer = 0;
 
@@ -121,8 +107,8 @@ static void Fill(void *context, const WallLattice *wall, const PetscInt index[DI
 
 void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[])
 {
-  WallFilling filling = {.domain = domain, .weight = weight};
-  WallLattice wall;
+  DummyFilling filling = {.domain = domain, .weight = weight};
+  WallLattice  wall;
 
   WallLatticeSetUp(domain, layers, &wall);
   WallVisit(domain, &wall, Weigh, &filling);
@@ -131,8 +117,8 @@ void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[])
 PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
                                    PetscInt *count)
 {
-  WallFilling filling = {.domain = domain, .first_id = first_id};
-  WallLattice wall;
+  DummyFilling filling = {.domain = domain, .first_id = first_id};
+  WallLattice  wall;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(domain->comm, &filling.rank));

@@ -3,9 +3,7 @@ import os
 import shutil
 import sys
 
-from tables import RunError
-
-PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
+from tables import PACKAGES, RunError
 
 
 def with_display():

@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 import tables
-from display import PACKAGES, with_display
+from display import with_display
 
 SIZE = (8.0, 6.0)  # inches at DPI dots: even numbers of pixels, as the encoder wants
 DPI = 120
@@ -71,18 +71,12 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        try:
-            import matplotlib
-            matplotlib.use("Agg")
-            import matplotlib.pyplot as plt
-            with_display()
-            import pictures
-            import run as data
-            import views
-        except ImportError as error:
-            raise tables.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, "
-                                  "then use /usr/bin/python3.") from error
+    with tables.polite("film.py"):
+        import matplotlib
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+        with_display()
+        import pictures
+        import run as data
+        import views
         main()
-    except tables.RunError as error:
-        sys.exit(f"film.py: {error}")

@@ -116,20 +116,14 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        try:
-            import numpy as np
-            import run as data
-            import views
-            from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-            from vtkmodules.vtkCommonCore import vtkPoints
-            from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-            from vtkmodules.vtkFiltersCore import vtkPolyDataConnectivityFilter
-            from vtkmodules.vtkIOPLY import vtkPLYWriter
-            from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-        except ImportError as error:
-            raise tables.RunError(f"{sys.executable} has no {error.name}; on Debian: apt-get install python3-h5py "
-                                  "python3-matplotlib python3-vtk9, then use /usr/bin/python3.") from error
+    with tables.polite("mesh.py"):
+        import numpy as np
+        import run as data
+        import views
+        from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+        from vtkmodules.vtkFiltersCore import vtkPolyDataConnectivityFilter
+        from vtkmodules.vtkIOPLY import vtkPLYWriter
+        from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
         main()
-    except tables.RunError as error:
-        sys.exit(f"mesh.py: {error}")

@@ -16,9 +16,9 @@ import os
 import sys
 
 import tables
-from display import PACKAGES, with_display
+from display import with_display
 
-try:
+with tables.polite("pictures.py"):
     import matplotlib
     import numpy as np
     matplotlib.use("Agg")
@@ -27,11 +27,6 @@ try:
         with_display()
     import run as data
     import views
-except ImportError as error:
-    sys.exit(f"pictures.py: {sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, then use "
-             "/usr/bin/python3.")
-except tables.RunError as error:
-    sys.exit(f"pictures.py: {error}")
 
 UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
          "kinetic_energy": "J", "potential_energy": "J", "jet_height": "m", "highest": "m", "volume": "m3"}
@@ -180,7 +175,5 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
+    with tables.polite("pictures.py"):
         main()
-    except tables.RunError as error:
-        sys.exit(f"pictures.py: {error}")

@@ -1,11 +1,27 @@
 """Tables and options of a run, with nothing but Python. SI units; a missing or unreadable number is NaN."""
+import contextlib
 import csv
 import math
 import os
+import sys
+
+PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
 
 
 class RunError(Exception):
     """Something the user can put right; its text is the whole message."""
+
+
+@contextlib.contextmanager
+def polite(program):
+    """Around imports and main: a RunError or a missing library ends the program with one sentence."""
+    try:
+        yield
+    except ImportError as error:
+        sys.exit(f"{program}: {sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, then use "
+                 "/usr/bin/python3.")
+    except RunError as error:
+        sys.exit(f"{program}: {error}")
 
 
 def number(text):

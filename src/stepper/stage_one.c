@@ -1,21 +1,11 @@
 /* Stage one of a step, and what is measured where it was evaluated: density, surface, divergence, work. */
 #include "types.h"
 
-/* Power of FIELD_ACCELERATION on the fluid, W, this rank. */
-static PetscReal Power(Cloud cloud)
+/* Sum of m v.u of the fluid for a field u, this rank: the power (W) of an acceleration; of FIELD_PREDICTED (J), the
+   change of which is the work of an implicit force. */
+static PetscReal Overlap(Cloud cloud, PetscInt field)
 {
-  const PetscReal *v = cloud->field[FIELD_VELOCITY], *a = cloud->field[FIELD_ACCELERATION];
-  PetscReal        sum = 0;
-
-  for (PetscInt k = 0; k < cloud->n_fluid; k++)
-    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, a + DIM * k);
-  return sum;
-}
-
-/* Sum of m v.u of the fluid, u FIELD_PREDICTED, J, this rank: its change is the work of an implicit force. */
-static PetscReal Overlap(Cloud cloud)
-{
-  const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[FIELD_PREDICTED];
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[field];
   PetscReal        sum = 0;
 
   for (PetscInt k = 0; k < cloud->n_fluid; k++)
@@ -62,22 +52,22 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
     for (PetscInt a = 0; a < cloud->n_fluid; a++)
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
   if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit) {
-    before = Power(cloud);
+    before = Overlap(cloud, FIELD_ACCELERATION);
     PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
-    attempted->viscous_work = dt * (Power(cloud) - before);
+    attempted->viscous_work = dt * (Overlap(cloud, FIELD_ACCELERATION) - before);
   }
-  if (TensionReach(stepper->tension) > 0) before = Power(cloud);
+  if (TensionReach(stepper->tension) > 0) before = Overlap(cloud, FIELD_ACCELERATION);
   PetscCall(TensionApply(stepper->tension, cloud));
   if (TensionReach(stepper->tension) > 0) {
-    attempted->tension_work = dt * (Power(cloud) - before);
+    attempted->tension_work = dt * (Overlap(cloud, FIELD_ACCELERATION) - before);
     CapillaryWork(cloud, dt, attempted);
   }
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
   if (stepper->viscous.implicit) {
-    before = Overlap(cloud);
+    before = Overlap(cloud, FIELD_PREDICTED);
     PetscCall(ViscousSolve(stepper, dt, density, &attempted->viscous));
-    attempted->viscous_work = Overlap(cloud) - before;
+    attempted->viscous_work = Overlap(cloud, FIELD_PREDICTED) - before;
   } else
     PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   PetscFunctionReturn(PETSC_SUCCESS);

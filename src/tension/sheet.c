@@ -5,7 +5,7 @@
 
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
-   which is pairwise and central: momentum and angular momentum are kept, and energy with that of the surface. A sheet
+   which is pairwise and central: momentum and angular momentum are kept, and where all of S' counts energy too. A sheet
    of one particle pulls its edge back with 2 sigma per unit of length (cases/retracting_sheet). Where curvature.c sees
    the sides nothing may be added: phi is then that of the flat surface which |grad phi| tells of, and S' is faded out
    with what phi lacks to that. It stays as at THICKNESS_SPRAY below it, where particles are nearly alone: pairs and
