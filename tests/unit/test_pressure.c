@@ -185,8 +185,8 @@ static PetscErrorCode TestMatrix(const char options[], PetscBool paper, PetscBoo
 }
 
 /* What a closure adds to a row is its sum, A 1: with 'doubled' the pair sum of rows on the surface; with
-   'full_diagonal' twice what the diagonal of fluid with lambda < 0.9 lacks of a lattice's, near the surface at least 2.5
-   n.B n; nothing to other rows. Cubic spline, h = 1.3: 3.065/(rho d0^2). */
+   'full_diagonal' twice what the diagonal of fluid with lambda < 0.9 lacks of a lattice's, near the surface at
+   least 2.5 n.B n; nothing to other rows. Cubic spline, h = 1.3: 3.065/(rho d0^2). */
 static PetscErrorCode TestClosure(PetscBool paper, const char label[])
 {
   const PetscScalar *sum, *diagonal;
@@ -212,9 +212,10 @@ static PetscErrorCode TestClosure(PetscBool paper, const char label[])
   PetscCall(VecGetArrayRead(y, &sum));
   for (PetscInt a = 0; a < s.cloud->n_rows; a++) {
     const PetscReal lattice = diagonal_sum / 900, pairs = diagonal[a] - sum[a];
-    const PetscBool fluid = (PetscBool)(a < s.cloud->n_fluid), fill = (PetscBool)(s.cloud->field[FIELD_LAMBDA][a] < 0.9),
+    const PetscBool fluid = (PetscBool)(a < s.cloud->n_fluid),
+                    fill  = (PetscBool)(s.cloud->field[FIELD_LAMBDA][a] < 0.9),
                     near  = (PetscBool)(s.cloud->integer[INT_SURFACE][a] > 0);
-    const PetscReal *n = s.cloud->field[FIELD_NORMAL] + DIM * a;
+    const PetscReal *n    = s.cloud->field[FIELD_NORMAL] + DIM * a;
     PetscReal        Bn[DIM], due = 0;
 
     TensorApply(s.cloud->field[FIELD_MOMENT] + 6 * a, n[0], n[1], n[2], Bn);

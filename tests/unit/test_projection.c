@@ -4,7 +4,7 @@
 #include "check.h"
 
 #define SCENE                                                                                                          \
-  "-dimension 2 -spacing 1 -box_lower -20,-20 -box_upper 20,20 -bodies a -ksp_rtol 1e-12 -pressure_relaxation_time "    \
+  "-dimension 2 -spacing 1 -box_lower -20,-20 -box_upper 20,20 -bodies a -ksp_rtol 1e-12 -pressure_relaxation_time "   \
   "1e30 "
 #define SIDE     11  /* spacings wide */
 #define DEEP     5   /* layers at rest */
