@@ -3,17 +3,13 @@
    impact at 0.5 mm that costs about 5 % of the kinetic energy at 5 ms. */
 #include "types.h"
 
-#define LAMBDA_THIN   0.2  /* at most: spray, or a sheet or thread of one particle */
-#define DENSITY_SHEET 0.25 /* of the rest density; at most and thin: spray, not shifted */
-#define EDGE          0.3  /* |sum V grad W| h of the edge of a sheet: below, its crowding is not the edge */
+#define LAMBDA_SHIFTED 0.2 /* at most: spray, or a sheet or thread of one particle, not shifted */
 
 #define SHIFT FIELD_WORK3 /* dr */
 #define SHARE FIELD_WORK1 /* see OperatorsShares */
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
-   'cap' spacings; particles on or near the surface lose the component along sum V grad W. In a sheet of one particle
-   that sum lies in the sheet and is small but for its edge; there the component is kept, or the sheet, under tension,
-   gathers into a net. */
+   'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
 static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, PetscReal dr[DIM])
 {
   Cloud            cloud  = stepper->cloud;
@@ -24,9 +20,7 @@ static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, Pet
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
   if (cloud->integer[INT_SURFACE][a]) {
-    const PetscReal n2 = Dot(normal, normal), h = KernelSmoothingLength(cloud->kernel),
-                    lost  = cloud->field[FIELD_LAMBDA][a] > LAMBDA_THIN ? 1 : PetscMin(1, PetscSqrtReal(n2) * h / EDGE),
-                    share = n2 > 0 ? lost * Dot(dr, normal) / n2 : 0;
+    const PetscReal n2 = Dot(normal, normal), share = n2 > 0 ? Dot(dr, normal) / n2 : 0;
 
     for (PetscInt d = 0; d < DIM; d++) dr[d] -= share * normal[d];
   }
@@ -150,15 +144,14 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscBool thin = (PetscBool)(cloud->field[FIELD_LAMBDA][a] <= LAMBDA_THIN);
-    PetscReal       dr[DIM];
+    PetscReal dr[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
-    if (thin && cloud->field[FIELD_DENSITY][a] <= DENSITY_SHEET * cloud->rest_density[a]) continue;
+    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
     RowLoad(cloud, a, &row);
     RowGather(&row, a, u, row.v);
     Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
-    if (!thin) Taylor(stepper, a, &row, dr, change + DIM * a); /* no gradient without a full B: it would feed energy */
+    Taylor(stepper, a, &row, dr, change + DIM * a);
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -49,6 +49,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
     if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
+  PetscCall(KernelCreate(domain->comm, domain->dim, &t->core));
   t->smoothing = KernelSmoothingLength(kernel);
   *tension     = t;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,6 +111,7 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   tension->angle *= PETSC_PI / 180;
   if (tension->apply == TensionApply_None) tension->active = PETSC_FALSE;
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
+  PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active) PetscCall(TabulateWall(tension));
   if (tension->active && tension->apply == TensionApply_Curvature) PetscCall(CurvatureSetUp(tension));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -158,6 +160,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscFunctionBegin;
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
+  PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(LiquidReset(&(*tension)->liquid));
   if ((*tension)->has_band) PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));

@@ -6,6 +6,7 @@
 #include "tension.h"
 
 #define WALL_TABLE 256
+#define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H */
 
 /* The liquid (fluid particles, ghosts too) sorted into cells, with columns of whatever a pass sums over. */
 #define LIQUID_WIDTH 9
@@ -75,6 +76,7 @@ struct _p_Tension {
   PetscReal       angle;                    /* contact angle, rad */
   PetscBool       walls;                    /* the box has any */
   Kernel          kernel;                   /* W^H */
+  Kernel          core;                     /* of SHEET_CORE H: sheet.c */
   PetscReal       wall[WALL_TABLE + 1];     /* w1 over depth, 1/m */
   PetscReal       depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
   PetscReal       fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
