@@ -94,7 +94,7 @@ PetscInt ProbesColumns(Output output)
 
 PetscErrorCode ProbesName(Output output, PetscInt column, char name[], size_t length)
 {
-  static const char *const droplet[DROPLET_COLUMNS] = {"droplets", "droplet_volume_m3", "largest_droplet_m3", "spray"};
+  static const char *const droplet[DROPLET_COLUMNS] = {"droplets", "droplet_volume_%s", "largest_droplet_%s", "spray"};
   const GaugeProbes       *probes                   = &output->probes;
   const PetscInt           dim = output->cloud->domain->dim, forces = probes->forces ? ForcesCount(output) * dim : 0;
 
@@ -102,9 +102,10 @@ PetscErrorCode ProbesName(Output output, PetscInt column, char name[], size_t le
   if (column < probes->heights)
     PetscCall(PetscSNPrintf(name, length, "height_%d_m", (int)column + 1));
   else if ((column -= probes->heights) < forces)
-    PetscCall(PetscSNPrintf(name, length, "force_%s_%s_N", ForcesName(output, column / dim), AxisNames[column % dim]));
+    PetscCall(PetscSNPrintf(name, length, "force_%s_%s_%s", ForcesName(output, column / dim), AxisNames[column % dim],
+                            GaugeUnit(output, "N")));
   else
-    PetscCall(PetscStrncpy(name, droplet[column - forces], length));
+    PetscCall(PetscSNPrintf(name, length, droplet[column - forces], GaugeUnit(output, "m3")));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,16 +200,18 @@ PetscErrorCode ProbesStart(Output output, PetscBool same, PetscInt restart_step)
 {
   GaugeProbes *probes = &output->probes;
   PetscInt     last;
+  char         head[128];
 
   PetscFunctionBegin;
   if (probes->lines)
     PetscCall(TableStart(output, "lines.csv",
-                         "time,step,line,x_m,y_m,z_m,pressure_Pa,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n", same,
-                         restart_step, &probes->line_file, &last));
-  if (probes->droplets)
-    PetscCall(TableStart(output, "droplets.csv",
-                         "time,step,particles,volume_m3,x_m,y_m,z_m,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n",
-                         same, restart_step, &probes->droplet_file, &last));
+                         "time_s,step,line,x_m,y_m,z_m,pressure_Pa,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n",
+                         same, restart_step, &probes->line_file, &last));
+  if (!probes->droplets) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(head, sizeof(head),
+                          "time_s,step,particles,volume_%s,x_m,y_m,z_m,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n",
+                          GaugeUnit(output, "m3")));
+  PetscCall(TableStart(output, "droplets.csv", head, same, restart_step, &probes->droplet_file, &last));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

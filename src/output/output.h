@@ -31,7 +31,7 @@ typedef struct {
 /* OutputCreate - for the particles of a cloud (borrowed). Collective. */
 PetscErrorCode OutputCreate(Cloud cloud, Output *output);
 /* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s),
-   -checkpoint_interval (s), -snapshot_walls, -snapshot_double, -gauge_* (-gauge_points: columns of the series). The
+   -checkpoint_interval (s), -snapshot_* (what is in them), -gauge_* (-gauge_points: columns of the series). The
    bodies of the scene must be known. Refuses negative intervals and sizes, and a pool that is no body. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds

@@ -178,10 +178,11 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(Try(sim, &step_time));
   PetscCall(PrintParticles(sim));
   PetscCall(PrintTime(sim, step_time));
-  PetscCall(PetscPrintf(sim->comm,
-                        "  output: about %" PetscInt64_FMT
-                        " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB\n",
-                        snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
-                        (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
+  PetscCall(
+    PetscPrintf(sim->comm,
+                "  output: about %" PetscInt64_FMT
+                " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB (compression halves the snapshots)\n",
+                snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
+                (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
