@@ -4,9 +4,6 @@
 #include <errno.h>
 
 #define LINE_POINTS_MOST 10000
-#define COLUMN_REACH     1.0 /* spacings: liquid this close to a vertical stands on it */
-#define BINS             2   /* a spacing, of the heights along a vertical */
-#define GAP              4   /* empty bins that end what hangs together from below */
 #define DROPLET_COLUMNS  4
 
 static const char *const AxisNames[DIM] = {"x", "y", "z"};
@@ -109,51 +106,6 @@ PetscErrorCode ProbesName(Output output, PetscInt column, char name[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Height (m) of the liquid that stands on each place: going up from its lowest, until GAP bins are empty; the bottom of
-   the box where there is none. */
-static PetscErrorCode MeasureHeights(Output output, PetscReal height[])
-{
-  const Domain       domain = output->cloud->domain;
-  const GaugeProbes *probes = &output->probes;
-  const PetscInt     up = domain->dim - 1, wide = domain->dim - 1;
-  const PetscReal    d0 = domain->spacing, bin = d0 / BINS, reach2 = PetscSqr(COLUMN_REACH * d0);
-  const PetscInt     bins = (PetscInt)((domain->upper[up] - domain->lower[up]) / bin) + 1;
-  PetscReal         *top; /* [heights][bins] highest liquid in each, m */
-  ParticleArrays     arrays;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(probes->heights * bins, &top));
-  for (PetscInt k = 0; k < probes->heights * bins; k++) top[k] = -PETSC_MAX_REAL;
-  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscReal *x     = arrays.real[FIELD_POSITION] + DIM * a;
-    const PetscInt   place = (PetscInt)((x[up] - domain->lower[up]) / bin);
-
-    if (arrays.integer[INT_LAYER][a] || place < 0 || place >= bins) continue;
-    for (PetscInt h = 0; h < probes->heights; h++) {
-      PetscReal r2 = 0;
-
-      for (PetscInt d = 0; d < wide; d++) r2 += PetscSqr(x[d] - probes->height_at[wide * h + d]);
-      if (r2 <= reach2) top[bins * h + place] = PetscMax(top[bins * h + place], x[up]);
-    }
-  }
-  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, top, (PetscMPIInt)(probes->heights * bins), MPIU_REAL, MPIU_MAX, output->comm));
-  for (PetscInt h = 0; h < probes->heights; h++) {
-    PetscInt last = -1;
-
-    height[h] = domain->lower[up];
-    for (PetscInt k = 0; k < bins && (last < 0 || k - last <= GAP); k++)
-      if (top[bins * h + k] > -PETSC_MAX_REAL) {
-        last      = k;
-        height[h] = top[bins * h + k] + 0.5 * d0;
-      }
-  }
-  PetscCall(PetscFree(top));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Number and volume (m3; m2 in two dimensions) of the droplets, the largest one's volume, particles of spray; on rank
  * 0. */
 static PetscErrorCode MeasureDroplets(Output output, PetscReal value[DROPLET_COLUMNS])
@@ -185,7 +137,7 @@ PetscErrorCode ProbesMeasure(Output output, PetscReal values[])
   PetscFunctionBegin;
   if (!ProbesColumns(output)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
-  if (probes->heights) PetscCall(MeasureHeights(output, values));
+  if (probes->heights) PetscCall(HeightsMeasure(output, values));
   values += probes->heights;
   if (probes->forces) {
     PetscCall(ForcesMeasure(output, values));

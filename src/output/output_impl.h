@@ -165,6 +165,23 @@ PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t le
 /* PointsSample - as OutputPoints, at count points at ([count][dim], m); values [count][1 + dim]. Collective. */
 PetscErrorCode PointsSample(Output output, PetscInt count, const PetscReal at[], PetscReal values[]);
 
+#define IMAGES_MOST 27 /* of a point: 3 a direction */
+/* Where a point is seen from the box: x (m) and the sign of each component of velocities there. */
+typedef struct {
+  PetscReal x[DIM], sign[DIM];
+} PointImage;
+
+/* PointImages - the point at [dim] (m) and those images of it, through periodic faces and mirrors, that are within
+   reach (m) of the box, and how many: particles near an image are near the point in another copy of the liquid. Not
+   collective. */
+PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST]);
+
+/* --- gauge_heights.c --- */
+/* HeightsMeasure - height [heights] (m) of the liquid that stands on the vertical through each place of -gauge_heights:
+   going up, where the liquid's share of the space, sum V W over it against 1 - sum V W over walls and solids, falls
+   below a half, unless it comes back within a spacing. The bottom of the box where there is none. Collective. */
+PetscErrorCode HeightsMeasure(Output output, PetscReal height[]);
+
 /* --- gauge_probes.c: surface heights, lines, forces on walls and solids, droplets --- */
 /* ProbesSetFromOptions - inside an options block; ProbesCheck - refuses bad values, after it. Collective. */
 PetscErrorCode ProbesSetFromOptions(Output output, OptionItems PetscOptionsObject);
