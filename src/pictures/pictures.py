@@ -147,7 +147,9 @@ def curves(run, folder):
         panel.tick_params(labelsize=8)
         panel.grid(color="0.9")
         panel.spines[["top", "right"]].set_visible(False)
-        panel.label_outer()
+        if not panel.get_subplotspec().is_last_row() and panel not in axes[-COLUMNS:]:
+            panel.set_xlabel("")
+            panel.tick_params(labelbottom=False)
     save(figure, folder, "curves.png")
 
 
