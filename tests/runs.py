@@ -9,6 +9,9 @@ import h5py
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(ROOT, "src", "pictures"))
+import tables  # noqa: E402
+
 PROGRAM = os.environ.get("ISPH", os.path.join(ROOT, "isph"))
 _scratch = tempfile.TemporaryDirectory(prefix="isph-test-")
 _failures = 0
@@ -77,7 +80,8 @@ def fields(path):
     """The fields of a snapshot or checkpoint, sorted by particle id."""
     with h5py.File(path, "r") as file:
         order = np.argsort(file["id"][:], kind="stable")
-        return {name: file[name][:][order] for name in file if len(file[name]) == len(order) and name != "counts"}
+        return {name: file[name][:][order] for name in file
+                if isinstance(file[name], h5py.Dataset) and len(file[name]) == len(order) and name != "counts"}
 
 
 def head(path):
@@ -87,5 +91,7 @@ def head(path):
 
 
 def series(folder):
-    """series.csv as a structured array."""
-    return np.atleast_1d(np.genfromtxt(os.path.join(folder, "series.csv"), delimiter=",", names=True))
+    """series.csv as a structured array; the columns that every run has by their names without the unit."""
+    table = np.atleast_1d(np.genfromtxt(os.path.join(folder, "series.csv"), delimiter=",", names=True))
+    table.dtype.names = [tables.plain(name) for name in table.dtype.names]
+    return table

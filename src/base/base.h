@@ -81,6 +81,13 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
    call once, before PetscInitialize if a missing options file shall be refused as politely. */
 PetscErrorCode UserErrorHandlerPush(void);
 
+/* JournalOpen - from here on all that is printed on standard output, and the sentence of a UserError, is added to the
+   file as well (rank 0), without lines that a terminal overwrites. JournalClose - ends that. JournalText - adds a text;
+   nothing when none is open. Collective, but for JournalText. */
+PetscErrorCode JournalOpen(MPI_Comm comm, const char path[]);
+PetscErrorCode JournalClose(void);
+void           JournalText(const char text[]);
+
 /* OptionsFilesCheck - refuses (UserError) options files on the command line that include themselves. Collective; after
    MPI_Init and before PetscInitialize. */
 PetscErrorCode OptionsFilesCheck(MPI_Comm comm, int argc, char *argv[]);

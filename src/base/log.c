@@ -54,6 +54,8 @@ static void Say(const char message[], int length, const char option[])
     if (iscntrl((unsigned char)*c)) *c = '?';
   fprintf(stderr, "%s\n", line);
   fflush(stderr);
+  JournalText(line);
+  JournalText("\n");
 }
 
 PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)

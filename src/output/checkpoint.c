@@ -119,12 +119,17 @@ static PetscErrorCode FieldsPut(Output output, Storage *storage, ParticleArrays 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH])
+{
+  (void)snprintf(name, OUTPUT_NAME_LENGTH, "checkpoint_%06d.h5", (int)step);
+}
+
 /* Removes all checkpoints but that of this step and the newest before it; later ones are of a run that was given up by
  * a restart. */
 static PetscErrorCode Prune(Output output, PetscInt step)
 {
   PetscInt count, *numbers, before = -1;
-  char     name[64], path[PETSC_MAX_PATH_LEN];
+  char     name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   if (output->rank) PetscFunctionReturn(PETSC_SUCCESS);
@@ -133,7 +138,7 @@ static PetscErrorCode Prune(Output output, PetscInt step)
     if (numbers[k] < step) before = numbers[k];
   for (PetscInt k = 0; k < count; k++) {
     if (numbers[k] == step || numbers[k] == before) continue;
-    PetscCall(PetscSNPrintf(name, sizeof(name), "checkpoint_%06d.h5", (int)numbers[k]));
+    OutputCheckpointName(numbers[k], name);
     PetscCall(OutputPath(output, name, path));
     (void)unlink(path);
   }
@@ -148,7 +153,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   Rows           rows = {.n = 0, .start = 0, .total = 0, .width = 1};
   Head           head;
   PetscBool      failed;
-  char           name[64], path[PETSC_MAX_PATH_LEN];
+  char           name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
@@ -162,7 +167,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   HeadFill(output, state, rows.total, &head);
   /* Attributes must be the same on every rank; the clocks differ. */
   PetscCallMPI(MPI_Bcast(&head.real[HEAD_WALL_TIME], 1, MPIU_REAL, 0, output->comm));
-  PetscCall(PetscSNPrintf(name, sizeof(name), "checkpoint_%06d.h5", (int)state->step));
+  OutputCheckpointName(state->step, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));

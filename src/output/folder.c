@@ -25,8 +25,8 @@ static const char *const transient[] = {"-restart",
                                         NULL};
 
 /* Files of a run besides the numbered ones. */
-static const char *const files[]    = {"series.csv", "snapshots.xdmf", "options.opts", "version.txt",
-                                       "lines.csv",  "droplets.csv",   "solids.h5",    NULL};
+static const char *const files[]    = {"series.csv",   "snapshots.xdmf", "options.opts", "version.txt", "lines.csv",
+                                       "droplets.csv", "solids.h5",      "log.txt",      NULL};
 static const char *const numbered[] = {"snapshot_", "checkpoint_", NULL};
 
 PetscErrorCode FolderStatus(Output output, int error, const char doing[], const char path[])

@@ -1,8 +1,6 @@
 /* Pressure and velocity at fixed points, interpolated from the fluid. */
 #include "output_impl.h"
 
-#define IMAGES_MOST 27 /* of a point: 3 a direction */
-
 static const char *const AxisNames[DIM] = {"x", "y", "z"};
 
 PetscErrorCode PointsSetFromOptions(Output output, OptionItems PetscOptionsObject)
@@ -56,14 +54,7 @@ PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where a point is seen from the box: x (m) and the sign of each component of velocities there. */
-typedef struct {
-  PetscReal x[DIM], sign[DIM];
-} Image;
-
-/* The point and those images of it, through periodic faces and mirrors, that are within reach (m) of the box: particles
-   near an image are near the point in another copy of the liquid. */
-static PetscInt FindImages(Domain domain, const PetscReal at[], PetscReal reach, Image image[IMAGES_MOST])
+PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST])
 {
   PetscInt count = 1;
 
@@ -81,7 +72,7 @@ static PetscInt FindImages(Domain domain, const PetscReal at[], PetscReal reach,
 
       if ((type != FACE_PERIODIC && type != FACE_SYMMETRY) || PetscAbsReal(at[d] - face) >= reach) continue;
       for (PetscInt k = 0; k < before; k++) {
-        Image *copy = &image[count++];
+        PointImage *copy = &image[count++];
 
         *copy = image[k];
         if (type == FACE_PERIODIC)
@@ -97,7 +88,7 @@ static PetscInt FindImages(Domain domain, const PetscReal at[], PetscReal reach,
 }
 
 /* Adds to sum: V W, V W p, V W v of the fluid of this rank around an image. */
-static void AddAround(Output output, const ParticleArrays *arrays, const Image *image, PetscReal sum[2 + DIM])
+static void AddAround(Output output, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
 {
   Kernel           kernel = output->cloud->kernel;
   const PetscReal  reach2 = PetscSqr(KernelSupport(kernel)), volume = output->cloud->domain->volume;
@@ -128,8 +119,8 @@ PetscErrorCode PointsSample(Output output, PetscInt count, const PetscReal at[],
   PetscCall(PetscCalloc1(count * (2 + DIM), &sum));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   for (PetscInt p = 0; p < count; p++) {
-    Image          image[IMAGES_MOST];
-    const PetscInt images = FindImages(domain, at + domain->dim * p, KernelSupport(output->cloud->kernel), image);
+    PointImage     image[IMAGES_MOST];
+    const PetscInt images = PointImages(domain, at + domain->dim * p, KernelSupport(output->cloud->kernel), image);
 
     for (PetscInt k = 0; k < images; k++) AddAround(output, &arrays, &image[k], sum + (2 + DIM) * p);
   }

@@ -4,9 +4,6 @@
 #include <errno.h>
 
 #define LINE_POINTS_MOST 10000
-#define COLUMN_REACH     1.0 /* spacings: liquid this close to a vertical stands on it */
-#define BINS             2   /* a spacing, of the heights along a vertical */
-#define GAP              4   /* empty bins that end what hangs together from below */
 #define DROPLET_COLUMNS  4
 
 static const char *const AxisNames[DIM] = {"x", "y", "z"};
@@ -94,7 +91,7 @@ PetscInt ProbesColumns(Output output)
 
 PetscErrorCode ProbesName(Output output, PetscInt column, char name[], size_t length)
 {
-  static const char *const droplet[DROPLET_COLUMNS] = {"droplets", "droplet_volume_m3", "largest_droplet_m3", "spray"};
+  static const char *const droplet[DROPLET_COLUMNS] = {"droplets", "droplet_volume_%s", "largest_droplet_%s", "spray"};
   const GaugeProbes       *probes                   = &output->probes;
   const PetscInt           dim = output->cloud->domain->dim, forces = probes->forces ? ForcesCount(output) * dim : 0;
 
@@ -102,54 +99,10 @@ PetscErrorCode ProbesName(Output output, PetscInt column, char name[], size_t le
   if (column < probes->heights)
     PetscCall(PetscSNPrintf(name, length, "height_%d_m", (int)column + 1));
   else if ((column -= probes->heights) < forces)
-    PetscCall(PetscSNPrintf(name, length, "force_%s_%s_N", ForcesName(output, column / dim), AxisNames[column % dim]));
+    PetscCall(PetscSNPrintf(name, length, "force_%s_%s_%s", ForcesName(output, column / dim), AxisNames[column % dim],
+                            GaugeUnit(output, "N")));
   else
-    PetscCall(PetscStrncpy(name, droplet[column - forces], length));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Height (m) of the liquid that stands on each place: going up from its lowest, until GAP bins are empty; the bottom of
-   the box where there is none. */
-static PetscErrorCode MeasureHeights(Output output, PetscReal height[])
-{
-  const Domain       domain = output->cloud->domain;
-  const GaugeProbes *probes = &output->probes;
-  const PetscInt     up = domain->dim - 1, wide = domain->dim - 1;
-  const PetscReal    d0 = domain->spacing, bin = d0 / BINS, reach2 = PetscSqr(COLUMN_REACH * d0);
-  const PetscInt     bins = (PetscInt)((domain->upper[up] - domain->lower[up]) / bin) + 1;
-  PetscReal         *top; /* [heights][bins] highest liquid in each, m */
-  ParticleArrays     arrays;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(probes->heights * bins, &top));
-  for (PetscInt k = 0; k < probes->heights * bins; k++) top[k] = -PETSC_MAX_REAL;
-  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscReal *x     = arrays.real[FIELD_POSITION] + DIM * a;
-    const PetscInt   place = (PetscInt)((x[up] - domain->lower[up]) / bin);
-
-    if (arrays.integer[INT_LAYER][a] || place < 0 || place >= bins) continue;
-    for (PetscInt h = 0; h < probes->heights; h++) {
-      PetscReal r2 = 0;
-
-      for (PetscInt d = 0; d < wide; d++) r2 += PetscSqr(x[d] - probes->height_at[wide * h + d]);
-      if (r2 <= reach2) top[bins * h + place] = PetscMax(top[bins * h + place], x[up]);
-    }
-  }
-  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, top, (PetscMPIInt)(probes->heights * bins), MPIU_REAL, MPIU_MAX, output->comm));
-  for (PetscInt h = 0; h < probes->heights; h++) {
-    PetscInt last = -1;
-
-    height[h] = domain->lower[up];
-    for (PetscInt k = 0; k < bins && (last < 0 || k - last <= GAP); k++)
-      if (top[bins * h + k] > -PETSC_MAX_REAL) {
-        last      = k;
-        height[h] = top[bins * h + k] + 0.5 * d0;
-      }
-  }
-  PetscCall(PetscFree(top));
+    PetscCall(PetscSNPrintf(name, length, droplet[column - forces], GaugeUnit(output, "m3")));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,7 +137,7 @@ PetscErrorCode ProbesMeasure(Output output, PetscReal values[])
   PetscFunctionBegin;
   if (!ProbesColumns(output)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
-  if (probes->heights) PetscCall(MeasureHeights(output, values));
+  if (probes->heights) PetscCall(HeightsMeasure(output, values));
   values += probes->heights;
   if (probes->forces) {
     PetscCall(ForcesMeasure(output, values));
@@ -199,16 +152,18 @@ PetscErrorCode ProbesStart(Output output, PetscBool same, PetscInt restart_step)
 {
   GaugeProbes *probes = &output->probes;
   PetscInt     last;
+  char         head[128];
 
   PetscFunctionBegin;
   if (probes->lines)
     PetscCall(TableStart(output, "lines.csv",
-                         "time,step,line,x_m,y_m,z_m,pressure_Pa,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n", same,
-                         restart_step, &probes->line_file, &last));
-  if (probes->droplets)
-    PetscCall(TableStart(output, "droplets.csv",
-                         "time,step,particles,volume_m3,x_m,y_m,z_m,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n",
-                         same, restart_step, &probes->droplet_file, &last));
+                         "time_s,step,line,x_m,y_m,z_m,pressure_Pa,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n",
+                         same, restart_step, &probes->line_file, &last));
+  if (!probes->droplets) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(head, sizeof(head),
+                          "time_s,step,particles,volume_%s,x_m,y_m,z_m,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s\n",
+                          GaugeUnit(output, "m3")));
+  PetscCall(TableStart(output, "droplets.csv", head, same, restart_step, &probes->droplet_file, &last));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -59,6 +59,7 @@ PetscErrorCode OutputDestroy(Output *output)
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*output)->series_file) fclose((*output)->series_file);
   PetscCall(ProbesFinish(*output));
+  for (PetscInt k = 0; k < (*output)->content.names; k++) PetscCall(PetscFree((*output)->content.name[k]));
   PetscCall(PetscFree((*output)->entry));
   PetscCall(PetscFree((*output)->options));
   PetscCall(PetscFree(*output));
@@ -91,14 +92,12 @@ PetscErrorCode OutputSetFromOptions(Output output)
                              "OutputStep", output->snapshot.interval, &output->snapshot.interval, NULL));
   PetscCall(PetscOptionsReal("-checkpoint_interval", "Time between checkpoints, s; 0: only at the end",
                              "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
-  PetscCall(PetscOptionsBool("-snapshot_walls", "Wall particles in the snapshots too", "OutputStep", output->walls,
-                             &output->walls, NULL));
-  PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", output->precise,
-                             &output->precise, NULL));
+  PetscCall(SnapshotSetFromOptions(output, PetscOptionsObject));
   PetscCall(GaugesSetFromOptions(output, PetscOptionsObject));
   PetscCall(PointsSetFromOptions(output, PetscOptionsObject));
   PetscCall(ProbesSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
+  PetscCall(SnapshotCheck(output));
   PetscCall(GaugesCheck(output));
   PetscCall(PointsCheck(output));
   PetscCall(ProbesCheck(output));
@@ -145,6 +144,7 @@ PetscErrorCode OutputView(Output output, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: folder %s\n", output->folder));
   PetscCall(ViewInterval(viewer, "series", output->series.interval, "every step"));
   PetscCall(ViewInterval(viewer, "snapshots", output->snapshot.interval, "of the first and the last state"));
+  PetscCall(SnapshotView(output, viewer));
   PetscCall(ViewInterval(viewer, "checkpoints", output->checkpoint.interval, "at the end only"));
   PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
                                    (double)gauge->axis[0], (double)gauge->axis[1], (double)gauge->jet_radius,

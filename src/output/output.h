@@ -31,7 +31,7 @@ typedef struct {
 /* OutputCreate - for the particles of a cloud (borrowed). Collective. */
 PetscErrorCode OutputCreate(Cloud cloud, Output *output);
 /* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s),
-   -checkpoint_interval (s), -snapshot_walls, -snapshot_double, -gauge_* (-gauge_points: columns of the series). The
+   -checkpoint_interval (s), -snapshot_* (what is in them), -gauge_* (-gauge_points: columns of the series). The
    bodies of the scene must be known. Refuses negative intervals and sizes, and a pool that is no body. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
@@ -54,6 +54,9 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state);
    temporary name, fsync, then renamed; keeps this one and the newest one before it. The swarm's order is kept in the
    file. Collective. */
 PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
+/* OutputCheckpointName - the name of the file that OutputCheckpoint makes at a step. Not collective. */
+#define OUTPUT_NAME_LENGTH 64
+void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);
 /* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every
    rank gets the particles it had, in their order; on another number, equal slabs of the file. Refuses (UserError) a
    missing, truncated, damaged or foreign file, one whose dimension, particle spacing or number of bodies differ from

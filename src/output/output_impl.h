@@ -18,8 +18,28 @@ typedef struct {
   PetscInt  index, step, n; /* n: number of particles */
   PetscReal time;           /* s */
   PetscInt  precision;      /* bytes of a real number */
-  PetscBool walls;          /* whether wall particles are in it */
+  unsigned  fields;         /* bit f: field f of SnapshotFieldAt is in it */
 } SnapshotEntry;
+
+/* The fields that a snapshot may have: the stored reals, then id, body, surface, layer, then the colour. */
+#define SNAPSHOT_FIELDS (FIELD_STORED_COUNT + 5)
+typedef struct {
+  const char *name, *unit, *meaning;
+  PetscInt    width;   /* numbers a particle */
+  PetscInt    integer; /* the IntFieldId; INT_COUNT: the colour; -1: a real field */
+} SnapshotField;
+
+/* What goes into the snapshots. */
+typedef struct {
+  char     *name[SNAPSHOT_FIELDS + 1]; /* as the user gave them; [names] */
+  PetscInt  names;
+  unsigned  fields;             /* bits, as in SnapshotEntry */
+  PetscBool region;             /* only particles in lower .. upper */
+  PetscInt  numbers[2];         /* how many the user gave */
+  PetscReal corner[2][DIM + 1]; /* m: lower, upper; one more than wanted, to notice it */
+  PetscInt  compression;        /* HDF5's deflate, 0 to 9 */
+  PetscBool walls, precise;     /* wall particles too; double precision */
+} SnapshotSetup;
 
 /* How the gauges measure. */
 typedef struct {
@@ -63,8 +83,9 @@ struct _p_Output {
   Cloud          cloud; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
   char          *options; /* the user's, one a line, before solvers add defaults of their own */
-  PetscBool      overwrite, walls, precise, ready, restarting, solids; /* solids: they are written */
+  PetscBool      overwrite, ready, restarting, solids; /* solids: they are written */
   Schedule       series, snapshot, checkpoint;
+  SnapshotSetup  content;
   PetscInt       series_step, snapshot_step; /* of the last line and the last snapshot; -1: none */
   FILE          *series_file;                /* rank 0 */
   SnapshotEntry *entry;                      /* [entries], the same on every rank */
@@ -104,8 +125,19 @@ PetscErrorCode FolderOptions(char **text);
 /* --- series.c --- */
 PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step);
 PetscErrorCode SeriesWrite(Output output, const StepState *state);
+/* GaugeUnit - a unit of three dimensions in those of the scene: J, N and m3 are J/m, N/m and m2 in two. Not collective.
+ */
+const char *GaugeUnit(Output output, const char unit[]);
 
 /* --- snapshot.c --- */
+/* SnapshotSetFromOptions - inside an options block; SnapshotCheck - refuses bad values, after it. Collective. */
+PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject);
+PetscErrorCode SnapshotCheck(Output output);
+PetscErrorCode SnapshotView(Output output, PetscViewer viewer);
+/* SnapshotFieldAt - field f of 0 .. SNAPSHOT_FIELDS - 1. SnapshotName - the name of the file with an index. Not
+   collective. */
+SnapshotField SnapshotFieldAt(PetscInt f);
+void          SnapshotName(PetscInt index, char name[64]);
 /* SnapshotScan - finds the snapshots of the folder up to a step and removes later ones. Collective. */
 PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
 PetscErrorCode SnapshotWrite(Output output, const StepState *state);
@@ -132,6 +164,23 @@ PetscErrorCode PointsName(Output output, PetscInt column, char name[], size_t le
 
 /* PointsSample - as OutputPoints, at count points at ([count][dim], m); values [count][1 + dim]. Collective. */
 PetscErrorCode PointsSample(Output output, PetscInt count, const PetscReal at[], PetscReal values[]);
+
+#define IMAGES_MOST 27 /* of a point: 3 a direction */
+/* Where a point is seen from the box: x (m) and the sign of each component of velocities there. */
+typedef struct {
+  PetscReal x[DIM], sign[DIM];
+} PointImage;
+
+/* PointImages - the point at [dim] (m) and those images of it, through periodic faces and mirrors, that are within
+   reach (m) of the box, and how many: particles near an image are near the point in another copy of the liquid. Not
+   collective. */
+PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST]);
+
+/* --- gauge_heights.c --- */
+/* HeightsMeasure - height [heights] (m) of the liquid that stands on the vertical through each place of -gauge_heights:
+   going up, where the liquid's share of the space, sum V W over it against 1 - sum V W over walls and solids, falls
+   below a half, unless it comes back within a spacing. The bottom of the box where there is none. Collective. */
+PetscErrorCode HeightsMeasure(Output output, PetscReal height[]);
 
 /* --- gauge_probes.c: surface heights, lines, forces on walls and solids, droplets --- */
 /* ProbesSetFromOptions - inside an options block; ProbesCheck - refuses bad values, after it. Collective. */
@@ -178,6 +227,7 @@ typedef struct {
   PetscBool   here;                     /* this rank touches the file: all when reading, rank 0 when writing */
   char        path[PETSC_MAX_PATH_LEN]; /* where a file that is made here goes; empty: none is */
   hid_t       file;                     /* negative: could not be made or opened, or is not here */
+  PetscInt    compression;              /* of data sets made from now on, HDF5's deflate level; 0: none */
   PetscBool   failed;                   /* on this rank */
   H5E_auto2_t handler;                  /* the error printer to put back */
   void       *client;
@@ -200,6 +250,8 @@ PetscErrorCode StorageClose(Storage *storage, PetscBool *failed);
 PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values,
                             const char unit[], const char meaning[]);
 PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, const Rows *rows, void *values);
+/* StorageHas - whether there is a data set of this name. Not collective. */
+PetscBool StorageHas(Storage *storage, const char name[]);
 /* Attributes of the file; the same values on every rank. Collective. */
 PetscErrorCode StoragePutReal(Storage *storage, const char name[], PetscInt n, const PetscReal values[]);
 PetscErrorCode StoragePutInt(Storage *storage, const char name[], PetscInt64 value);
@@ -208,6 +260,7 @@ PetscErrorCode StoragePutText(Storage *storage, const char name[], const char te
 PetscErrorCode StorageGetReal(Storage *storage, const char name[], PetscReal *value, PetscBool *found);
 PetscErrorCode StorageGetInt(Storage *storage, const char name[], PetscInt64 *value, PetscBool *found);
 PetscErrorCode StorageGetText(Storage *storage, const char name[], char text[], size_t size, PetscBool *found);
+/* --- seal.c --- */
 typedef enum { SEAL_NONE, SEAL_WRONG, SEAL_GOOD } Seal;
 /* StorageSeal - appends a checksum of the whole file, which HDF5 ignores. StorageCheckSeal - whether it is there and
    right: HDF5 1.10 is not to be trusted with a damaged file. Collective on comm, whose ranks all read a share of the
@@ -216,6 +269,13 @@ PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed);
 PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], Seal *found);
 
 #define STORAGE_INT (sizeof(PetscInt) == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG)
+
+/* --- paraview.c --- */
+/* XdmfWrite - snapshots.xdmf, which names all snapshots on disk as one series; replaces the old one at once.
+   Collective. VtkWrite - makes an open snapshot with all its fields a VTKHDF file of points too (the group VTKHDF,
+   whose data sets are links to the fields), which VTK 9.1 and ParaView 5.10 and later read. Collective. */
+PetscErrorCode XdmfWrite(Output output);
+PetscErrorCode VtkWrite(Storage *storage, const SnapshotEntry *entry);
 
 /* --- gauge_grid.c: what is connected with the pool, and the surface seen from the sky --- */
 #define CELL_LIQUID  1 /* holds fluid */

@@ -9,40 +9,49 @@
 #define LINE_LENGTH 65536 /* a hundred bytes for each of the columns below and of the gauges */
 #define NAME_LENGTH 64
 
-/* The columns: name and value, from state (StepState), gauges (GaugeValues) and wall (s). The places of the first three
- * are fixed. */
+/* The columns: name, unit ("" if it has none) and value, from state (StepState), gauges (GaugeValues) and wall (s). The
+ * places of the first three are fixed. */
 #define SERIES_COLUMNS(X)                                                                                              \
-  X("time", state->time) /* s */                                                                                       \
-  X("step", state->step)                                                                                               \
-  X("time_step", state->time_step)              /* s */                                                                \
-  X("crown_height", gauges->crown_height)       /* m */                                                                \
-  X("crater_depth", gauges->crater_depth)       /* m */                                                                \
-  X("crater_diameter", gauges->crater_diameter) /* m */                                                                \
-  X("kinetic_energy", gauges->kinetic_energy)   /* J */                                                                \
-  X("iterations", state->iterations)                                                                                   \
-  X("jet_height", gauges->jet_height)             /* m */                                                              \
-  X("highest", gauges->highest)                   /* m */                                                              \
-  X("potential_energy", gauges->potential_energy) /* J */                                                              \
-  X("volume", gauges->volume)                     /* m3 */                                                             \
-  X("density_error", state->density_error)                                                                             \
-  X("divergence", state->divergence)                                                                                   \
-  X("solver_error", state->solver_error)                                                                               \
-  X("surface_energy", gauges->multiplicity * state->surface_energy) /* J */                                            \
-  X("viscous_work", gauges->multiplicity * state->viscous_work)     /* J */                                            \
-  X("tension_work", gauges->multiplicity * state->tension_work)     /* J */                                            \
-  X("particles", gauges->particles)                                                                                    \
-  X("lost", state->lost)                                                                                               \
-  X("rejected", state->rejected)                                                                                       \
-  X("wall_time", wall) /* s */
+  X("time", "s", state->time)                                                                                          \
+  X("step", "", state->step)                                                                                           \
+  X("time_step", "s", state->time_step)                                                                                \
+  X("crown_height", "m", gauges->crown_height)                                                                         \
+  X("crater_depth", "m", gauges->crater_depth)                                                                         \
+  X("crater_diameter", "m", gauges->crater_diameter)                                                                   \
+  X("kinetic_energy", "J", gauges->kinetic_energy)                                                                     \
+  X("iterations", "", state->iterations)                                                                               \
+  X("jet_height", "m", gauges->jet_height)                                                                             \
+  X("highest", "m", gauges->highest)                                                                                   \
+  X("potential_energy", "J", gauges->potential_energy)                                                                 \
+  X("volume", "m3", gauges->volume)                                                                                    \
+  X("density_error", "", state->density_error)                                                                         \
+  X("divergence", "", state->divergence)                                                                               \
+  X("solver_error", "", state->solver_error)                                                                           \
+  X("surface_energy", "J", gauges->multiplicity * state->surface_energy)                                               \
+  X("viscous_work", "J", gauges->multiplicity * state->viscous_work)                                                   \
+  X("tension_work", "J", gauges->multiplicity * state->tension_work)                                                   \
+  X("particles", "", gauges->particles)                                                                                \
+  X("lost", "", state->lost)                                                                                           \
+  X("rejected", "", state->rejected)                                                                                   \
+  X("wall_time", "s", wall)
 
-/* Head line. */
-static const char *const names[] = {
-#define COLUMN_NAME(name, value) name,
+/* Head line: name and unit. */
+static const char *const names[][2] = {
+#define COLUMN_NAME(name, unit, value) {name, unit},
   SERIES_COLUMNS(COLUMN_NAME)
 #undef COLUMN_NAME
 };
 
 #define COLUMNS ((PetscInt)(sizeof(names) / sizeof(names[0])))
+
+const char *GaugeUnit(Output output, const char unit[])
+{
+  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && output->cloud->domain->dim == 2; k++)
+    if (!strcmp(unit, flat[k][0])) return flat[k][1];
+  return unit;
+}
 
 static PetscErrorCode HeadLine(Output output, char line[LINE_LENGTH])
 {
@@ -50,7 +59,8 @@ static PetscErrorCode HeadLine(Output output, char line[LINE_LENGTH])
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < COLUMNS; c++)
-    used += (size_t)snprintf(line + used, LINE_LENGTH - used, "%s%s", c ? "," : "", names[c]);
+    used += (size_t)snprintf(line + used, LINE_LENGTH - used, "%s%s%s%s", c ? "," : "", names[c][0],
+                             names[c][1][0] ? "_" : "", GaugeUnit(output, names[c][1]));
   for (PetscInt c = 0; c < PointsColumns(output); c++) {
     char name[NAME_LENGTH];
 
@@ -162,7 +172,7 @@ static int Line(FILE *file, const StepState *state, const GaugeValues *gauges, P
 {
   int          error    = 0;
   const double values[] = {
-#define COLUMN_VALUE(name, value) (double)(value),
+#define COLUMN_VALUE(name, unit, value) (double)(value),
     SERIES_COLUMNS(COLUMN_VALUE)
 #undef COLUMN_VALUE
   };

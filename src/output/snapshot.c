@@ -1,18 +1,141 @@
-/* Snapshots: one HDF5 file each, and one XDMF file that tells ParaView about all of them. */
+/* Snapshots: one HDF5 file each, with what -snapshot_fields, -snapshot_lower and -snapshot_upper choose. */
 #include "output_impl.h"
-#include <errno.h>
 #include <unistd.h>
 
-#define XDMF_FILE   "snapshots.xdmf"
-#define SOLIDS_FILE "solids.h5"
+#define SOLIDS_FILE  "solids.h5"
+#define DEFLATE      1 /* default: halves the files; 4 or 9 gain a hundredth more */
+#define DEFLATE_MOST 9
 
-/* Integer fields of a snapshot; the layer only where there are walls. */
+/* Integer fields of a snapshot. */
 static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};
-#define INT_FIELDS(walls) ((PetscInt)(sizeof(int_fields) / sizeof(int_fields[0])) - ((walls) ? 0 : 1))
 
-static void SnapshotName(PetscInt index, char name[64])
+SnapshotField SnapshotFieldAt(PetscInt f)
+{
+  if (f < FIELD_STORED_COUNT)
+    return (SnapshotField){Fields[f].name, Fields[f].unit, Fields[f].meaning, Fields[f].width, -1};
+  if (f < SNAPSHOT_FIELDS - 1) {
+    const IntFieldId id = int_fields[f - FIELD_STORED_COUNT];
+
+    return (SnapshotField){IntFieldNames[id], "1", IntFieldMeanings[id], 1, (PetscInt)id};
+  }
+  return (SnapshotField){"color", "1", "colour of the body; -1 for a wall", 1, INT_COUNT};
+}
+
+/* What every snapshot has: without it a particle is not to be told from others. */
+static PetscBool Always(PetscInt f)
+{
+  const PetscInt integer = SnapshotFieldAt(f).integer;
+
+  return (PetscBool)(f == FIELD_POSITION || integer == INT_ID || integer == INT_BODY);
+}
+
+void SnapshotName(PetscInt index, char name[64])
 {
   (void)snprintf(name, 64, "snapshot_%06d.h5", (int)index);
+}
+
+/* --- what goes into them --- */
+
+PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject)
+{
+  const Domain   domain  = output->cloud->domain;
+  SnapshotSetup *content = &output->content;
+  PetscBool      set[2];
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsBool("-snapshot_walls", "Wall particles in the snapshots too", "OutputStep", content->walls,
+                             &content->walls, NULL));
+  PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", content->precise,
+                             &content->precise, NULL));
+  content->names       = SNAPSHOT_FIELDS + 1;
+  content->compression = DEFLATE;
+  PetscCall(PetscOptionsStringArray("-snapshot_fields",
+                                    "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
+                                    "lambda, surface, layer (of walls), color; default: all; none",
+                                    "OutputStep", content->name, &content->names, NULL));
+  for (PetscInt d = 0; d < DIM; d++) {
+    content->corner[0][d] = domain->lower[d];
+    content->corner[1][d] = domain->upper[d];
+  }
+  content->numbers[0] = content->numbers[1] = domain->dim + 1;
+  PetscCall(PetscOptionsRealArray("-snapshot_lower", "Lower corner of what snapshots hold (m); default: the box's",
+                                  "OutputStep", content->corner[0], &content->numbers[0], &set[0]));
+  PetscCall(PetscOptionsRealArray("-snapshot_upper", "Upper corner of what snapshots hold (m); default: the box's",
+                                  "OutputStep", content->corner[1], &content->numbers[1], &set[1]));
+  for (PetscInt side = 0; side < 2; side++)
+    if (!set[side]) content->numbers[side] = domain->dim;
+  content->region = (PetscBool)(set[0] || set[1]);
+  PetscCall(PetscOptionsInt("-snapshot_compression", "Deflate level of the snapshots, 0 (none) to 9 (smallest, slow)",
+                            "OutputStep", content->compression, &content->compression, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The bits of the fields that the user named. */
+static PetscErrorCode CheckFields(Output output)
+{
+  SnapshotSetup *content = &output->content;
+  PetscBool      none    = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  content->fields = 0;
+  if (content->names == 1) PetscCall(PetscStrcmp(content->name[0], "none", &none));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
+    if (Always(f) || (content->names == 0 && (SnapshotFieldAt(f).integer != INT_LAYER || content->walls)))
+      content->fields |= 1U << f;
+  for (PetscInt k = 0; k < content->names && !none; k++) {
+    PetscBool found = PETSC_FALSE;
+
+    for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !found; f++) {
+      PetscCall(PetscStrcmp(content->name[k], SnapshotFieldAt(f).name, &found));
+      if (found) content->fields |= 1U << f;
+    }
+    PetscCheckUser(found, output->comm,
+                   "-snapshot_fields names %s; there are velocity, pressure, density, lambda, surface, layer and "
+                   "color, or none.",
+                   content->name[k]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotCheck(Output output)
+{
+  static const char *const option[2] = {"-snapshot_lower", "-snapshot_upper"};
+  const Domain             domain    = output->cloud->domain;
+  const SnapshotSetup     *content   = &output->content;
+
+  PetscFunctionBegin;
+  PetscCall(CheckFields(output));
+  for (PetscInt side = 0; side < 2; side++)
+    PetscCheckUser(content->numbers[side] == domain->dim, output->comm, "%s has %d numbers; it needs %d.", option[side],
+                   (int)content->numbers[side], (int)domain->dim);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal lower = content->corner[0][d], upper = content->corner[1][d];
+
+    PetscCheckUser(
+      lower < upper && lower < domain->upper[d] && upper > domain->lower[d], output->comm,
+      "-snapshot_lower and -snapshot_upper leave %c from %g to %g m; there must be a part of the box, which "
+      "goes from %g to %g m.",
+      'x' + (int)d, (double)lower, (double)upper, (double)domain->lower[d], (double)domain->upper[d]);
+  }
+  PetscCheckUser(content->compression >= 0 && content->compression <= DEFLATE_MOST, output->comm,
+                 "-snapshot_compression is %d; it must be from 0 to %d.", (int)content->compression, DEFLATE_MOST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotView(Output output, PetscViewer viewer)
+{
+  const SnapshotSetup *content = &output->content;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "    of"));
+  PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
+    if (content->fields & 1U << f) PetscCall(PetscViewerASCIIPrintf(viewer, " %s", SnapshotFieldAt(f).name));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s, %s precision, compression %d\n",
+                                   content->region ? " in a part of the box" : "",
+                                   content->precise ? "double" : "single", (int)content->compression));
+  PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
@@ -26,72 +149,6 @@ static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --- XDMF --- */
-
-static void XdmfItem(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[],
-                     PetscInt precision)
-{
-  char source[64];
-
-  SnapshotName(entry->index, source);
-  fprintf(file,
-          "        <DataItem Dimensions=\"%d%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">%s:/%s</DataItem>\n",
-          (int)entry->n, width > 1 ? " 3" : "", number, (int)precision, source, name);
-}
-
-static void XdmfAttribute(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width,
-                          const char number[], PetscInt precision)
-{
-  fprintf(file, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", name,
-          width > 1 ? "Vector" : "Scalar");
-  XdmfItem(file, entry, name, width, number, precision);
-  fprintf(file, "      </Attribute>\n");
-}
-
-static void XdmfSnapshot(FILE *file, const SnapshotEntry *entry)
-{
-  fprintf(file, "    <Grid Name=\"step %d\" GridType=\"Uniform\">\n", (int)entry->step);
-  fprintf(file, "      <Time Value=\"%.12g\"/>\n", (double)entry->time);
-  fprintf(file, "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" NodesPerElement=\"1\"/>\n",
-          (int)entry->n);
-  fprintf(file, "      <Geometry GeometryType=\"XYZ\">\n");
-  XdmfItem(file, entry, Fields[FIELD_POSITION].name, 3, "Float", entry->precision);
-  fprintf(file, "      </Geometry>\n");
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
-    if (f != FIELD_POSITION) XdmfAttribute(file, entry, Fields[f].name, Fields[f].width, "Float", entry->precision);
-  for (PetscInt f = 0; f < INT_FIELDS(entry->walls); f++)
-    XdmfAttribute(file, entry, IntFieldNames[int_fields[f]], 1, "Int", sizeof(PetscInt));
-  XdmfAttribute(file, entry, "color", 1, "Int", sizeof(PetscInt));
-  fprintf(file, "    </Grid>\n");
-}
-
-/* All snapshots, in a file that replaces the old one at once. */
-static PetscErrorCode XdmfWrite(Output output)
-{
-  char  path[PETSC_MAX_PATH_LEN];
-  FILE *file;
-  int   error = 0;
-
-  PetscFunctionBegin;
-  PetscCall(OutputPath(output, XDMF_FILE ".tmp", path));
-  if (!output->rank) {
-    file = fopen(path, "w");
-    if (!file)
-      error = errno;
-    else {
-      fprintf(file, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n  <Grid Name=\"snapshots\" "
-                    "GridType=\"Collection\" CollectionType=\"Temporal\">\n");
-      for (PetscInt e = 0; e < output->entries; e++) XdmfSnapshot(file, &output->entry[e]);
-      fprintf(file, "  </Grid>\n</Domain>\n</Xdmf>\n");
-      if (fflush(file) || ferror(file)) error = errno ? errno : EIO;
-      if (fclose(file) && !error) error = errno;
-    }
-  }
-  PetscCall(FolderStatus(output, error, "write", path));
-  PetscCall(FolderCommit(output, XDMF_FILE, PETSC_FALSE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* --- finding those of an earlier start of the run --- */
 
 /* Reads what the XDMF file needs from a snapshot. Rank 0. */
@@ -99,8 +156,8 @@ static PetscErrorCode EntryRead(Output output, PetscInt index, SnapshotEntry *en
 {
   char       name[64], path[PETSC_MAX_PATH_LEN];
   Storage    storage;
-  PetscInt64 step = 0, n = 0, precision = 0, walls = 0;
-  PetscBool  found[5], failed = PETSC_TRUE;
+  PetscInt64 step = 0, n = 0, precision = 0;
+  PetscBool  found[4], failed = PETSC_TRUE;
 
   PetscFunctionBegin;
   SnapshotName(index, name);
@@ -111,14 +168,14 @@ static PetscErrorCode EntryRead(Output output, PetscInt index, SnapshotEntry *en
   PetscCall(StorageGetInt(&storage, "step", &step, &found[1]));
   PetscCall(StorageGetInt(&storage, "particles", &n, &found[2]));
   PetscCall(StorageGetInt(&storage, "precision", &precision, &found[3]));
-  PetscCall(StorageGetInt(&storage, "walls", &walls, &found[4]));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
+    if (StorageHas(&storage, SnapshotFieldAt(f).name)) entry->fields |= 1U << f;
   PetscCall(StorageClose(&storage, &failed));
   entry->index     = index;
   entry->step      = (PetscInt)step;
   entry->n         = (PetscInt)n;
   entry->precision = (PetscInt)precision;
-  entry->walls     = walls ? PETSC_TRUE : PETSC_FALSE;
-  *good            = (PetscBool)(!failed && found[0] && found[1] && found[2] && found[3] && found[4]);
+  *good            = (PetscBool)(!failed && found[0] && found[1] && found[2] && found[3]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,6 +217,17 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
 
 /* --- writing one --- */
 
+/* Whether a particle at x (m), in a layer of a wall or in the fluid (0), goes into the snapshots. */
+static PetscBool Wanted(Output output, PetscInt layer, const PetscReal x[DIM])
+{
+  const SnapshotSetup *content = &output->content;
+
+  if (layer && !content->walls) return PETSC_FALSE;
+  for (PetscInt d = 0; d < output->cloud->domain->dim && content->region; d++)
+    if (x[d] < content->corner[0][d] || x[d] > content->corner[1][d]) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 /* Where the rows of the snapshot come from: particle[k] is the local index of row k. */
 static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscInt particle[], Rows *rows)
 {
@@ -167,7 +235,7 @@ static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscI
   rows->n     = 0;
   rows->start = 0;
   for (PetscInt a = 0; a < arrays->n; a++)
-    if (output->walls || !arrays->integer[INT_LAYER][a]) particle[rows->n++] = a;
+    if (Wanted(output, arrays->integer[INT_LAYER][a], arrays->real[FIELD_POSITION] + DIM * a)) particle[rows->n++] = a;
   PetscCallMPI(MPI_Exscan(&rows->n, &rows->start, 1, MPIU_INT, MPI_SUM, output->comm));
   if (!output->rank) rows->start = 0;
   PetscCallMPI(MPI_Allreduce(&rows->n, &rows->total, 1, MPIU_INT, MPI_SUM, output->comm));
@@ -187,7 +255,7 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
   PetscCall(StoragePutInt(storage, "step", state->step));
   PetscCall(StoragePutInt(storage, "particles", entry->n));
   PetscCall(StoragePutInt(storage, "precision", entry->precision));
-  PetscCall(StoragePutInt(storage, "walls", entry->walls));
+  PetscCall(StoragePutInt(storage, "walls", output->content.walls));
   PetscCall(StoragePutInt(storage, "dimension", domain->dim));
   PetscCall(StoragePutReal(storage, "spacing", 1, &domain->spacing));
   PetscCall(StoragePutReal(storage, "smoothing_length", 1, &h));
@@ -198,58 +266,69 @@ static PetscErrorCode WriteHead(Output output, const StepState *state, const Sna
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The values of a real field in the precision of the snapshots, or of an integer field, in values. */
+static void Pack(Output output, const ParticleArrays *arrays, const PetscInt particle[], PetscInt n, PetscInt f,
+                 void *values)
+{
+  const SnapshotField field   = SnapshotFieldAt(f);
+  const PetscInt      width   = field.width;
+  double             *real    = (double *)values;
+  float              *single  = (float *)values;
+  PetscInt           *integer = (PetscInt *)values;
+
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt a = particle[k];
+
+    if (field.integer == INT_COUNT) {
+      const PetscInt body = arrays->integer[INT_BODY][a];
+
+      integer[k] = body < 0 ? -1 : BodyColor(SceneBody(output->cloud->scene, body));
+    } else if (field.integer >= 0)
+      integer[k] = arrays->integer[field.integer][a];
+    else
+      for (PetscInt c = 0; c < width; c++) {
+        if (output->content.precise)
+          real[width * k + c] = arrays->real[f][width * a + c];
+        else
+          single[width * k + c] = (float)arrays->real[f][width * a + c];
+      }
+  }
+}
+
 static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, const PetscInt particle[], Rows *rows,
                                   Storage *storage)
 {
-  const Scene scene = output->cloud->scene;
-  double     *real;
-  float      *single;
-  PetscInt   *integer;
+  double *values;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(3 * rows->n + 1, &real));
-  single  = (float *)(void *)real; /* packed in place of the doubles */
-  integer = (PetscInt *)real;
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
-    const PetscInt width = rows->width = Fields[f].width;
+  PetscCall(PetscMalloc1(3 * rows->n + 1, &values));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
+    const SnapshotField field = SnapshotFieldAt(f);
+    const hid_t         real  = output->content.precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
 
-    PetscCheck(width <= 3, output->comm, PETSC_ERR_PLIB, "Snapshots know fields of up to three numbers");
-    for (PetscInt k = 0; k < rows->n; k++) {
-      for (PetscInt c = 0; c < width; c++) {
-        const PetscReal value = arrays->real[f][width * particle[k] + c];
-
-        if (output->precise)
-          real[width * k + c] = value;
-        else
-          single[width * k + c] = (float)value;
-      }
-    }
-    PetscCall(StorageWrite(storage, Fields[f].name, output->precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, rows, real,
-                           Fields[f].unit, Fields[f].meaning));
+    if (!(output->content.fields & 1U << f)) continue;
+    PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "Snapshots know fields of up to three numbers");
+    rows->width = field.width;
+    Pack(output, arrays, particle, rows->n, f, values);
+    PetscCall(StorageWrite(storage, field.name, field.integer < 0 ? real : STORAGE_INT, rows, values, field.unit,
+                           field.meaning));
   }
-  rows->width = 1;
-  for (PetscInt f = 0; f < INT_FIELDS(output->walls); f++) {
-    for (PetscInt k = 0; k < rows->n; k++) integer[k] = arrays->integer[int_fields[f]][particle[k]];
-    PetscCall(StorageWrite(storage, IntFieldNames[int_fields[f]], STORAGE_INT, rows, integer, "1",
-                           IntFieldMeanings[int_fields[f]]));
-  }
-  for (PetscInt k = 0; k < rows->n; k++) {
-    const PetscInt body = arrays->integer[INT_BODY][particle[k]];
-
-    integer[k] = body < 0 ? -1 : BodyColor(SceneBody(scene, body));
-  }
-  PetscCall(StorageWrite(storage, "color", STORAGE_INT, rows, integer, "1", "colour of the body; -1 for a wall"));
-  PetscCall(PetscFree(real));
+  PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Bytes a particle has in a snapshot. */
 static PetscInt64 ParticleBytes(Output output)
 {
-  PetscInt64 bytes = (INT_FIELDS(output->walls) + 1) * (PetscInt64)sizeof(PetscInt);
+  const size_t real  = output->content.precise ? sizeof(double) : sizeof(float);
+  PetscInt64   bytes = 0;
 
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
-    bytes += Fields[f].width * (PetscInt64)(output->precise ? sizeof(double) : sizeof(float));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
+    const SnapshotField field = SnapshotFieldAt(f);
+
+    if (output->content.fields & 1U << f)
+      bytes += field.width * (PetscInt64)(field.integer < 0 ? real : sizeof(PetscInt));
+  }
   return bytes;
 }
 
@@ -262,7 +341,8 @@ PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, Pet
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++) count[0] += output->walls || !arrays.integer[INT_LAYER][a];
+  for (PetscInt a = 0; a < arrays.n; a++)
+    count[0] += Wanted(output, arrays.integer[INT_LAYER][a], arrays.real[FIELD_POSITION] + DIM * a);
   count[1] = arrays.n;
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));
@@ -294,14 +374,16 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   entry.step      = state->step;
   entry.time      = state->time;
   entry.n         = rows.total;
-  entry.precision = output->precise ? (PetscInt)sizeof(double) : (PetscInt)sizeof(float);
-  entry.walls     = output->walls;
+  entry.precision = output->content.precise ? (PetscInt)sizeof(double) : (PetscInt)sizeof(float);
+  entry.fields    = output->content.fields;
   SnapshotName(entry.index, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(StorageCreate(output->comm, path, &storage));
   PetscCall(WriteHead(output, state, &entry, &storage));
+  storage.compression = output->content.compression;
   PetscCall(WriteFields(output, &arrays, particle, &rows, &storage));
+  PetscCall(VtkWrite(&storage, &entry));
   PetscCall(StorageClose(&storage, &failed));
   PetscCall(PetscFree(particle));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));

@@ -2,13 +2,15 @@
    reads its share. On a full disk HDF5 over MPI-IO waits for ever, and HDF5 alone crashes when it closes a file it
    could not write (1.10, at the latest when MPI ends); so neither touches a disk that files are written to. */
 #include "output_impl.h"
-#include <sys/stat.h>
 
 /* The longest text attribute; HDF5 keeps attributes below 64 KB. */
 #define TEXT_MAX 60000
 #define ROWS_TAG 1
 /* By how much a file made in memory grows, bytes. */
 #define MEMORY_STEP ((size_t)1 << 24)
+/* Rows of a chunk of a compressed data set: those of a vector in double precision fill a third of HDF5's chunk cache.
+ */
+#define CHUNK_ROWS ((hsize_t)1 << 14)
 
 /* Whether all ranks say yes. */
 static PetscErrorCode Agree(Storage *storage, PetscBool here, PetscBool *everywhere)
@@ -28,10 +30,11 @@ static PetscErrorCode Start(MPI_Comm comm, const char path[], PetscBool writing,
   PetscBool all;
 
   PetscFunctionBegin;
-  storage->comm    = comm;
-  storage->failed  = PETSC_FALSE;
-  storage->file    = -1;
-  storage->path[0] = 0;
+  storage->comm        = comm;
+  storage->failed      = PETSC_FALSE;
+  storage->file        = -1;
+  storage->path[0]     = 0;
+  storage->compression = 0;
   PetscCallMPI(MPI_Comm_rank(comm, &storage->rank));
   PetscCallMPI(MPI_Comm_size(comm, &storage->size));
   storage->here = (PetscBool)(!writing || !storage->rank);
@@ -209,6 +212,13 @@ PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, con
     Spaces(rows, 0, 0, &file, &memory);
     create = H5Pcreate(H5P_DATASET_CREATE);
     (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+    if (storage->compression && rows->total) {
+      const hsize_t chunk[2] = {PetscMin((hsize_t)rows->total, CHUNK_ROWS), (hsize_t)rows->width};
+
+      Keep(storage, H5Pset_chunk(create, rows->width > 1 ? 2 : 1, chunk));
+      Keep(storage, H5Pset_shuffle(create));
+      Keep(storage, H5Pset_deflate(create, (unsigned)storage->compression));
+    }
     set = H5Dcreate2(storage->file, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
     (void)H5Pclose(create);
     (void)H5Sclose(memory);
@@ -303,6 +313,11 @@ static PetscBool AttributeGet(Storage *storage, const char name[], H5T_class_t k
   return found;
 }
 
+PetscBool StorageHas(Storage *storage, const char name[])
+{
+  return (PetscBool)(storage->file >= 0 && H5Lexists(storage->file, name, H5P_DEFAULT) > 0);
+}
+
 PetscErrorCode StorageGetReal(Storage *storage, const char name[], PetscReal *value, PetscBool *found)
 {
   PetscFunctionBegin;
@@ -322,113 +337,5 @@ PetscErrorCode StorageGetText(Storage *storage, const char name[], char text[], 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(text, size));
   *found = AttributeGet(storage, name, H5T_STRING, -1, text, size);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* --- the seal: magic, length and checksum of all bytes before it, appended to a finished file --- */
-
-#define SEAL_MAGIC  0x31304C4145534853ULL /* "SHSEAL01" in a little-endian file */
-#define SEAL_WORDS  3
-#define CHUNK_WORDS (1 << 16)
-
-/* SplitMix64's output function (Steele, Lea, Flood 2014). */
-static inline unsigned long long Mix(unsigned long long z)
-{
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
-
-/* Sum over the words first .. last-1 of a file of a hash of the word and its place: any share of the words may be
-   summed by any rank. Words beyond 'length' bytes are zero. Returns false when the file cannot be read. */
-static PetscBool SumWords(const char path[], unsigned long long length, unsigned long long first,
-                          unsigned long long last, unsigned long long *sum)
-{
-  FILE               *file  = fopen(path, "rb");
-  unsigned long long *chunk = malloc(CHUNK_WORDS * sizeof(*chunk));
-  PetscBool           good  = (PetscBool)(file && chunk && !fseeko(file, (off_t)(first * sizeof(*chunk)), SEEK_SET));
-
-  *sum = 0;
-  for (unsigned long long word = first; good && word < last; word += CHUNK_WORDS) {
-    const unsigned long long words = PetscMin(last - word, CHUNK_WORDS),
-                             bytes = PetscMin(length - word * sizeof(*chunk), words * sizeof(*chunk));
-
-    memset(chunk, 0, CHUNK_WORDS * sizeof(*chunk));
-    good = (PetscBool)(fread(chunk, 1, bytes, file) == bytes);
-    for (unsigned long long k = 0; good && k < words; k++)
-      *sum += Mix(chunk[k] ^ Mix((word + k + 1) * 0x9E3779B97F4A7C15ULL));
-  }
-  if (file) fclose(file);
-  free(chunk);
-  return good;
-}
-
-static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long long length, unsigned long long *sum,
-                               PetscBool *good)
-{
-  const unsigned long long words = (length + 7) / 8;
-  PetscMPIInt              rank, size, ok;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  ok =
-    SumWords(path, length, words * (unsigned)rank / (unsigned)size, words * (unsigned)(rank + 1) / (unsigned)size, sum);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &ok, 1, MPI_INT, MPI_MIN, comm));
-  *good = ok ? PETSC_TRUE : PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed)
-{
-  unsigned long long seal[SEAL_WORDS] = {SEAL_MAGIC, 0, 0}, length = 0;
-  PetscMPIInt        rank, ok                                      = 1;
-  PetscBool          good;
-  struct stat        info;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (!rank) {
-    ok     = !stat(path, &info);
-    length = ok ? (unsigned long long)info.st_size : 0;
-  }
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_UNSIGNED_LONG_LONG, 0, comm));
-  seal[1] = length;
-  PetscCall(Checksum(comm, path, length, &seal[2], &good));
-  if (!rank) {
-    FILE *file = ok ? fopen(path, "ab") : NULL;
-
-    ok = file && fwrite(seal, sizeof(seal), 1, file) == 1;
-    if (file && fclose(file)) ok = 0;
-  }
-  PetscCallMPI(MPI_Bcast(&ok, 1, MPI_INT, 0, comm));
-  *failed = (PetscBool) !(ok && good);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], Seal *found)
-{
-  unsigned long long seal[SEAL_WORDS] = {0, 0, 0}, sum;
-  PetscMPIInt        rank, ok = 0;
-  PetscBool          good;
-  struct stat        info;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (!rank) {
-    FILE *file = fopen(path, "rb");
-
-    ok = file && !fseeko(file, -(off_t)sizeof(seal), SEEK_END) && fread(seal, sizeof(seal), 1, file) == 1 &&
-         !fstat(fileno(file), &info);
-    ok = ok && seal[0] == SEAL_MAGIC && seal[1] + sizeof(seal) == (unsigned long long)info.st_size;
-    if (file) fclose(file);
-  }
-  PetscCallMPI(MPI_Bcast(&ok, 1, MPI_INT, 0, comm));
-  PetscCallMPI(MPI_Bcast(seal, SEAL_WORDS, MPI_UNSIGNED_LONG_LONG, 0, comm));
-  *found = SEAL_NONE;
-  if (!ok) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Checksum(comm, path, seal[1], &sum, &good));
-  *found = good && sum == seal[2] ? SEAL_GOOD : SEAL_WRONG;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

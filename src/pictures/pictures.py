@@ -28,8 +28,6 @@ with tables.polite("pictures.py"):
     import run as data
     import views
 
-UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
-         "kinetic_energy": "J", "potential_energy": "J", "jet_height": "m", "highest": "m", "volume": "m3"}
 COLUMNS = 3  # of panels, fewer where they are flat
 SKIP = ("step", "wall_time", "rejected", "time")
 
@@ -142,13 +140,16 @@ def curves(run, folder):
                         (1e6, "us"))
     for panel, (name, values) in zip(axes, chosen.items()):
         panel.plot(factor * time, values, color=views.BODY_COLORS[0], lw=1.3)
-        unit_of = UNITS.get(name)
+        unit_of = tables.UNITS.get(name)
+        unit_of = {"J": "J/m", "m3": "m2"}.get(unit_of, unit_of) if run.dim == 2 else unit_of
         panel.set_title(name.replace("_", " ") + (f" ({unit_of})" if unit_of else ""), fontsize=9)
         panel.set_xlabel(f"time ({unit})", fontsize=9)
         panel.tick_params(labelsize=8)
         panel.grid(color="0.9")
         panel.spines[["top", "right"]].set_visible(False)
-        panel.label_outer()
+        if not panel.get_subplotspec().is_last_row() and panel not in axes[-COLUMNS:]:
+            panel.set_xlabel("")
+            panel.tick_params(labelbottom=False)
     save(figure, folder, "curves.png")
 
 

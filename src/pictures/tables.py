@@ -7,6 +7,11 @@ import sys
 
 PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
 
+# Units of the columns of series.csv that every run has, in three dimensions; the others' names end with theirs.
+UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
+         "kinetic_energy": "J", "potential_energy": "J", "surface_energy": "J", "viscous_work": "J",
+         "tension_work": "J", "jet_height": "m", "highest": "m", "volume": "m3", "wall_time": "s"}
+
 
 class RunError(Exception):
     """Something the user can put right; its text is the whole message."""
@@ -31,8 +36,15 @@ def number(text):
         return math.nan
 
 
+def plain(name):
+    """The name of a column without its unit, if it is one that every run has: time_s is time."""
+    base = name.rpartition("_")[0]
+    return base if name not in UNITS and base in UNITS else name
+
+
 def read_table(path):
-    """The columns of a file of comma-separated values: {name: [numbers]}. Lines that start with # are comments."""
+    """The columns of a file of comma-separated values: {plain name: [numbers]}. Lines that start with # are
+    comments."""
     try:
         with open(path, newline="") as stream:
             rows = list(csv.reader(line for line in stream if line.strip() and not line.startswith("#")))
@@ -40,7 +52,7 @@ def read_table(path):
         raise RunError(f"{path}: {error.strerror}.") from error
     if len(rows) < 2:
         raise RunError(f"{path} holds no data yet.")
-    names = [name.strip() for name in rows[0]]
+    names = [plain(name.strip()) for name in rows[0]]
     if "time" not in names:
         raise RunError(f"{path} has no column 'time'.")
     rows = [row for row in rows[1:] if len(row) == len(names)]  # a run that still writes may leave half a line

@@ -5,10 +5,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#define TRIAL_STEPS 3     /* that are computed to tell the time; the first, which sets everything up, is left out */
-#define PICTURE     800.0 /* larger side of the picture, pixels */
-#define SLAB        0.75  /* spacings to both sides of the middle of a scene in three dimensions */
-#define MEGABYTE    1e6
+#define TRIAL_STEPS  3     /* that are computed to tell the time; the first, which sets everything up, is left out */
+#define PICTURE      800.0 /* larger side of the picture, pixels */
+#define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
+#define MEGABYTE     1e6
+#define VOLUME_STEP  0.25 /* spacings, of the cells that measure a shape's volume */
+#define VOLUME_CELLS 4e6  /* at most */
 
 /* Okabe and Ito's colours, told apart by colour-blind eyes too */
 static const char *const colors[] = {"#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"};
@@ -16,6 +18,60 @@ static const char *const colors[] = {"#0072B2", "#E69F00", "#009E73", "#CC79A7",
 PetscBool SimIsDry(Sim sim)
 {
   return sim->dry_run;
+}
+
+/* Volume (m3, m2) of a body's shape in the box, outside solids: midpoints of cells of a quarter of the spacing. */
+static PetscReal ShapeVolume(Sim sim, Body body)
+{
+  const PetscInt dim = sim->domain->dim;
+  PetscReal      lower[DIM], upper[DIM], x[DIM] = {0, 0, 0}, cell = 1, step;
+  PetscInt       n[DIM] = {1, 1, 1}, inside = 0;
+
+  BodyBounds(body, lower, upper);
+  for (PetscInt d = 0; d < dim; d++) {
+    lower[d] = PetscMax(lower[d], sim->domain->lower[d]);
+    upper[d] = PetscMin(upper[d], sim->domain->upper[d]);
+    cell *= upper[d] - lower[d];
+  }
+  step = PetscMax(VOLUME_STEP * sim->domain->spacing, PetscPowReal(cell / VOLUME_CELLS, 1.0 / dim));
+  for (PetscInt d = 0; d < dim; d++) {
+    n[d] = PetscMax(1, (PetscInt)PetscCeilReal((upper[d] - lower[d]) / step));
+    cell /= n[d];
+  }
+  for (PetscInt k = 0; k < n[0] * n[1] * n[2]; k++) {
+    const PetscInt index[DIM] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
+
+    for (PetscInt d = 0; d < dim; d++) x[d] = lower[d] + (index[d] + 0.5) * (upper[d] - lower[d]) / n[d];
+    inside += BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0;
+  }
+  return cell * inside;
+}
+
+/* What the packing made of each body: too much or too little liquid asks for another spacing. */
+static PetscErrorCode PrintBodies(Sim sim)
+{
+  PetscInt      *count;
+  const PetscInt bodies = SceneCount(sim->scene);
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(bodies, &count));
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.integer[INT_BODY][a] >= 0) count[arrays.integer[INT_BODY][a]]++;
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, (PetscMPIInt)bodies, MPIU_INT, MPI_SUM, sim->comm));
+  for (PetscInt b = 0; b < bodies; b++) {
+    const Body      body   = SceneBody(sim->scene, b);
+    const PetscReal volume = count[b] * sim->domain->volume, shape = BodyEmits(body) ? 0 : ShapeVolume(sim, body);
+
+    PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %.4g %s", BodyName(body), count[b],
+                          (double)volume, sim->domain->dim == 2 ? "m2" : "m3"));
+    if (shape > 0) PetscCall(PetscPrintf(sim->comm, ", %+.1f %% of its shape", (double)(100 * (volume / shape - 1))));
+    PetscCall(PetscPrintf(sim->comm, "\n"));
+  }
+  PetscCall(PetscFree(count));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode PrintParticles(Sim sim)
@@ -40,9 +96,11 @@ static PetscErrorCode PrintParticles(Sim sim)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[1], 1, MPI_DOUBLE, MPI_MAX, sim->comm));
   PetscCall(PetscPrintf(sim->comm,
                         "Dry run\n  particles: %" PetscInt_FMT " of liquid, %" PetscInt_FMT
-                        " of the box's walls, %" PetscInt_FMT " of solids\n  memory: %.0f MB in all, %.0f MB on the "
-                        "largest rank, after the trial steps\n",
-                        count[0], count[1], count[2], memory[0] / MEGABYTE, memory[1] / MEGABYTE));
+                        " of the box's walls, %" PetscInt_FMT " of solids\n",
+                        count[0], count[1], count[2]));
+  PetscCall(PrintBodies(sim));
+  PetscCall(PetscPrintf(sim->comm, "  memory: %.0f MB in all, %.0f MB on the largest rank, after the trial steps\n",
+                        memory[0] / MEGABYTE, memory[1] / MEGABYTE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,6 +138,7 @@ static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
   const StepBounds bounds  = StepperBounds(sim->stepper);
   const PetscReal smallest = PetscMin(PetscMin(bounds.speed, bounds.force), PetscMin(bounds.viscosity, bounds.tension));
   PetscReal steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / smallest : sim->steps_max;
+  char      text[64];
 
   PetscFunctionBegin;
   if (sim->steps_max) steps = PetscMin(steps, (PetscReal)sim->steps_max);
@@ -88,10 +147,11 @@ static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
   PetscCall(PrintBound(sim, "force", bounds.force));
   PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
   PetscCall(PrintBound(sim, "surface tension", bounds.tension));
+  PetscCall(FormatDuration((double)(steps * step_time), text, sizeof(text)));
   PetscCall(PetscPrintf(sim->comm,
-                        "  time: about %.0f steps of %.3g s (trial steps on this machine), %.3g minutes; liquid that "
-                        "gets faster needs more\n",
-                        (double)steps, (double)step_time, (double)(steps * step_time / 60)));
+                        "  time: about %s: %.0f steps of %.3g s (trial steps on this machine); liquid that gets faster "
+                        "needs more\n",
+                        text, (double)steps, (double)step_time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,6 +177,10 @@ static int Draw(Sim sim, const char path[], PetscInt n, const double particle[])
             ((double)domain->upper[up] - particle[3 * k + 1]) * scale, 0.5 * (double)domain->spacing * scale,
             body < 0 ? "#999999" : colors[(size_t)body % PETSC_STATIC_ARRAY_LENGTH(colors)]);
   }
+  for (PetscInt b = 0; b < SceneCount(sim->scene); b++)
+    fprintf(file, "<text x=\"%.0f\" y=\"%d\" font-size=\"14\" text-anchor=\"end\" fill=\"%s\">%s</text>\n",
+            wide * scale - 4, 16 * ((int)b + 1), colors[(size_t)b % PETSC_STATIC_ARRAY_LENGTH(colors)],
+            BodyName(SceneBody(sim->scene, b)));
   fprintf(file, "<text x=\"4\" y=\"%.0f\" font-size=\"14\">%s; %g m wide, %g m high</text>\n</svg>\n",
           high * scale + 15, domain->dim == 3 ? "section through the middle of y" : "x to the right, y up", wide, high);
   return fclose(file) ? errno : 0;
@@ -178,10 +242,11 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(Try(sim, &step_time));
   PetscCall(PrintParticles(sim));
   PetscCall(PrintTime(sim, step_time));
-  PetscCall(PetscPrintf(sim->comm,
-                        "  output: about %" PetscInt64_FMT
-                        " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB\n",
-                        snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
-                        (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
+  PetscCall(
+    PetscPrintf(sim->comm,
+                "  output: about %" PetscInt64_FMT
+                " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB (compression halves the snapshots)\n",
+                snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
+                (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

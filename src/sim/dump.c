@@ -71,7 +71,7 @@ static PetscErrorCode WriteOption(FILE *file, char *line)
 {
   char *name = line + 2, *name_end = name + strcspn(name, " :"), *open = strchr(name_end, '<'), *close, *value, *help;
   char  text[PETSC_MAX_PATH_LEN] = "";
-  PetscBool set;
+  PetscBool set, array;
 
   PetscFunctionBegin;
   if (!open || !(close = strchr(open, '>'))) PetscFunctionReturn(PETSC_SUCCESS);
@@ -80,12 +80,13 @@ static PetscErrorCode WriteOption(FILE *file, char *line)
   *close = *name_end = 0;
   value              = open + 1;
   if (!strncmp(value, "now ", 4)) value += 4;
-  if (strstr(value, " : ")) *strstr(value, " : ") = 0;
+  array = (PetscBool)!strstr(value, " : "); /* of which PETSc shows one number only */
+  if (!array) *strstr(value, " : ") = 0;
   PetscCall(PetscOptionsGetString(NULL, NULL, name, text, sizeof(text), &set));
   if (!strcmp(name, "-dump_options") || !strcmp(name, "-dry_run")) PetscFunctionReturn(PETSC_SUCCESS);
   if (set)
     fprintf(file, "# %s\n%s %s%s%s\n", help, name, strchr(text, ' ') ? "\"" : "", text, strchr(text, ' ') ? "\"" : "");
-  else if (strchr(value, '<') || !strncmp(value, "string1", 7))
+  else if (strchr(value, '<') || array)
     fprintf(file, "# %s\n# %s\n", help, name);
   else
     fprintf(file, "# %s\n# %s %s\n", help, name, value);

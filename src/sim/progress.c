@@ -2,19 +2,21 @@
 #include <petsctime.h>
 #include <unistd.h>
 
+#define KEEP 0.02 /* of the time so far: lines that stay on the screen are at least so far apart */
+
 PetscErrorCode ProgressStart(Sim sim, Progress *progress)
 {
   PetscFunctionBegin;
   PetscCall(PetscTime(&progress->started));
   progress->printed    = progress->started;
+  progress->kept       = progress->started;
   progress->start_time = sim->state.time;
   progress->start_step = sim->state.step;
   progress->terminal   = (PetscBool)isatty(STDOUT_FILENO);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* "2 h 05 min", "3 min 20 s" or "12 s". */
-static PetscErrorCode FormatDuration(double seconds, char text[], size_t length)
+PetscErrorCode FormatDuration(double seconds, char text[], size_t length)
 {
   const int whole = (int)PetscMin(seconds + 0.5, 1e8);
 
@@ -33,6 +35,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
   const StepState *state = &sim->state;
   const PetscInt   steps = state->step - progress->start_step;
   PetscInt         due;
+  PetscBool        kept;
   double           now;
   char             text[64];
 
@@ -40,6 +43,9 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
   progress->iterations += state->iterations;
   PetscCall(PetscTime(&now));
   due = sim->progress_interval > 0 && (last || now - progress->printed >= sim->progress_interval);
+  kept =
+    (PetscBool)(last || now - progress->kept >= PetscMax(sim->progress_interval, KEEP * (now - progress->started)));
+  if (!progress->terminal && !kept) due = 0;
   PetscCallMPI(MPI_Bcast(&due, 1, MPIU_INT, 0, sim->comm)); /* clocks differ between ranks */
   if (due) {
     PetscReal done = (state->time - progress->start_time) / (sim->time_end - progress->start_time);
@@ -51,8 +57,9 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
                           "  density error %.1e  %3d %%  to go %s%s",
                           progress->terminal ? "\r" : "", (double)state->time * 1e3, state->step,
                           (double)state->time_step, state->iterations, (double)state->density_error, (int)(100 * done),
-                          text, progress->terminal && !last ? "   " : "\n"));
+                          text, progress->terminal && !kept ? "   " : "\n"));
     progress->printed = now;
+    if (kept) progress->kept = now;
   }
   if (last && sim->progress_interval > 0) {
     PetscInt n;

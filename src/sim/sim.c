@@ -2,6 +2,7 @@
 
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
+#define JOURNAL_FILE    "log.txt"
 
 PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
 {
@@ -127,6 +128,12 @@ PetscErrorCode SimSetUp(Sim sim)
     if (!sim->dry_run) PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
     PetscCall(BudgetStart(sim));
   }
+  if (!sim->dry_run) {
+    char path[PETSC_MAX_PATH_LEN];
+
+    PetscCall(PetscSNPrintf(path, sizeof(path), "%s/" JOURNAL_FILE, OutputFolder(sim->output)));
+    PetscCall(JournalOpen(sim->comm, path));
+  }
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -189,6 +196,7 @@ PetscErrorCode SimRun(Sim sim)
   PetscBool   last     = PETSC_FALSE;
   PetscInt    steps    = 0;
   const char *interrupted;
+  char        checkpoint[OUTPUT_NAME_LENGTH];
 
   PetscFunctionBegin;
   PetscCall(ProgressStart(sim, &progress));
@@ -215,10 +223,12 @@ PetscErrorCode SimRun(Sim sim)
     if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
     PetscCall(ProgressStep(sim, &progress, last));
     PetscCall(MonitorStep(sim));
-    if (interrupted)
-      PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s; continue with -restart and the newest checkpoint in %s\n",
-                            interrupted, (double)sim->state.time, OutputFolder(sim->output)));
+    if (interrupted) PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s\n", interrupted, (double)sim->state.time));
   }
+  OutputCheckpointName(sim->state.step, checkpoint);
+  if (interrupted || sim->progress_interval > 0)
+    PetscCall(PetscPrintf(sim->comm, "Results are in %s; to go on%s: -restart %s/%s\n", OutputFolder(sim->output),
+                          interrupted ? "" : ", with a later -time_end", OutputFolder(sim->output), checkpoint));
   PetscCall(PetscLogStagePop());
   if (SpectrumWanted(sim->spectrum)) {
     SpectrumStep step = {.iterations = sim->state.iterations, .form = StepperViscosityForm(sim->stepper)};
@@ -248,5 +258,6 @@ PetscErrorCode SimDestroy(Sim *sim)
   if (s->kernel) PetscCall(KernelDestroy(&s->kernel));
   if (s->domain) PetscCall(DomainDestroy(&s->domain));
   PetscCall(PetscFree(*sim));
+  PetscCall(JournalClose());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -31,12 +31,14 @@ struct _p_Sim {
 
 /* The progress line. */
 typedef struct {
-  double    started, printed;
+  double    started, printed, kept; /* s: when the run started, a line was printed, one that stays was */
   PetscReal start_time;
   PetscInt  start_step, iterations;
   PetscBool terminal;
 } Progress;
 
+/* FormatDuration - "2 h 05 min", "3 min 20 s" or "12 s". Not collective. */
+PetscErrorCode FormatDuration(double seconds, char text[], size_t length);
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.
  * Collective. */

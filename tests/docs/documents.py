@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """What README and the cases' READMEs say is so: options, make targets and files they name exist, their commands are
-understood, the scene of the tutorial runs word for word (for fewer milliseconds), and its pictures are made."""
+understood, the scene of the tutorial runs word for word (for fewer milliseconds), its pictures and its film are made,
+the Python of the README runs on it, and `make install` gives programs that work."""
 import glob
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -46,6 +48,19 @@ def commands(text):
     return [line.strip() for line in text.splitlines() if re.match(r"    (mpiexec -n \d+ )?\./isph ", line)]
 
 
+def unknown(text, targets):
+    """Indented commands that are none: not ./isph, a target of make, or a script that can be run."""
+    bad = []
+    for line in re.findall(r"^    ((?:make|cases/|tests/|options/|\./)\S*.*)$", text, re.M):
+        words = shlex.split(line, comments=True)
+        if words[0] == "make":
+            named = [w for w in words[1:] if "=" not in w and not w.startswith("-")]
+            bad += [line] if set(named) - targets else []
+        elif words[0] != "./isph" and not os.access(os.path.join(runs.ROOT, words[0]), os.X_OK):
+            bad.append(line)
+    return bad
+
+
 names = known_options()
 for path, text in texts():
     spans = re.findall(r"`([^`\n]+)`", re.sub(r"<!-- (verify|measured) -->.*?<!-- /\1 -->", "", text, flags=re.S))
@@ -59,6 +74,8 @@ for path, text in texts():
         targets = set(re.findall(r"^([a-z][a-z-]*):", file.read(), re.M))
     wanted = {m for span in spans for m in re.findall(r"^make ([a-z][a-z-]*)", span)}
     runs.check(wanted <= targets, f"targets_{path}", f"the makefile has no {sorted(wanted - targets)}")
+    bad = unknown(text.replace("\\\n", " "), targets)
+    runs.check(not bad, f"commands_{path}", f"cannot be typed: {bad}")
     here = os.path.dirname(os.path.join(runs.ROOT, path))
     links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
     broken = [link for link in links if not os.path.exists(os.path.join(here, link))]
@@ -101,4 +118,31 @@ drawn = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/pi
 made = [os.path.join(folder, "figures", name) for name in ("section.png", "curves.png")]
 runs.check(drawn.returncode == 0 and all(os.path.exists(p) and os.path.getsize(p) > 10000 for p in made),
            "tutorial_pictures", drawn.stdout[-300:])
+if shutil.which("ffmpeg"):
+    drawn = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/film.py"), folder, "--color", "speed"],
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+    film = os.path.join(folder, "figures", "film.mp4")
+    runs.check(drawn.returncode == 0 and os.path.getsize(film) > 10000, "tutorial_film", drawn.stdout[-300:])
+else:
+    print("skipped tutorial_film: ffmpeg is not installed")
+
+# the README's Python, on the run of the tutorial
+recipe = "".join(line[4:] for line in next(b for b in blocks if "import h5py" in b).splitlines(True))
+recipe = recipe.replace("output/my", folder)
+done = subprocess.run([sys.executable, "-c", recipe], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                      universal_newlines=True, check=False)
+runs.check(done.returncode == 0 and re.match(r"\S+ \(\d+, 3\) \S+", done.stdout), "readme_python", done.stdout[-300:])
+
+# an installed program runs an installed case, and its pictures are drawn, away from the sources
+prefix = runs.scratch("prefix")
+done = subprocess.run(["make", "-s", "install", f"PREFIX={prefix}"], cwd=runs.ROOT, stdout=subprocess.PIPE,
+                      stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+if runs.check(done.returncode == 0, "install", done.stdout[-300:]):
+    case = os.path.join(prefix, "share/isph/cases/drop_collision/case.opts")
+    for command in ([os.path.join(prefix, "bin/isph"), "-options_file", case, "-steps_max", "2", "-output_dir", "there"],
+                    [os.path.join(prefix, "bin/isph-pictures"), "there", "--count", "1"]):
+        done = subprocess.run(command, cwd=prefix, env=runs.environment(), stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+        runs.check(done.returncode == 0, f"installed_{os.path.basename(command[0])}", done.stdout[-300:])
+    runs.check(os.path.exists(os.path.join(prefix, "there/figures/section.png")), "installed_picture", "missing")
 runs.done()

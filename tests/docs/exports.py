@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""What other programs read: the XDMF file names data sets that exist with the shapes it says; VTK reads the meshes
-back; the mesh of a sphere has its volume, and stray particles are not in it."""
+"""What other programs read: the XDMF file names data sets that exist with the shapes it says; VTK reads the series of
+snapshots and the meshes back; what -snapshot_fields, -snapshot_lower and so on leave out is out, and the rest as
+without them; the mesh of a sphere has its volume, and stray particles are not in it; columns of tables have units."""
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import numpy as np  # noqa: E402
 import runs  # noqa: E402
 from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
 from vtkmodules.vtkFiltersCore import vtkMassProperties  # noqa: E402
+from vtkmodules.vtkIOHDF import vtkHDFReader  # noqa: E402
 from vtkmodules.vtkIOPLY import vtkPLYReader  # noqa: E402
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: E402
 
@@ -28,19 +30,84 @@ def read(reader, path):
     return reader.GetOutput()
 
 
+def by_vtk(path):
+    """The fields of a snapshot as VTK reads them, sorted by id."""
+    reader = vtkHDFReader()
+    if not runs.check(reader.CanReadFile(path), f"vtk_can_read_{os.path.basename(path)}", path):
+        return None
+    cloud = read(reader, path)
+    data = cloud.GetPointData()
+    found = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())}
+    if not cloud.GetNumberOfPoints():
+        return {name: np.zeros(0) for name in runs.fields(path)}
+    found["position"] = vtk_to_numpy(cloud.GetPoints().GetData())
+    runs.check(cloud.GetNumberOfCells() == 1 and cloud.GetCell(0).GetNumberOfPoints() == cloud.GetNumberOfPoints(),
+               f"vtk_cell_{os.path.basename(path)}", "not one cell of all points")
+    order = np.argsort(found["id"])
+    return {name: values[order] for name, values in found.items()}
+
+
+def check_series(folder, name):
+    """XDMF and VTK tell of the same snapshots what the files hold; their fields."""
+    grids = ElementTree.parse(os.path.join(folder, "snapshots.xdmf")).getroot().findall(".//Grid[@GridType='Uniform']")
+    paths = runs.numbered(folder, "snapshot")
+    runs.check(len(grids) == len(paths), f"{name}_xdmf_has_all_snapshots", f"{len(grids)} grids")
+    for grid, path in zip(grids, paths):
+        bad, listed = [], {"position"} | {a.get("Name") for a in grid.iter("Attribute")}
+        here, seen = runs.fields(path), by_vtk(path)
+        with h5py.File(path, "r") as file:
+            for item in grid.iter("DataItem"):
+                source, place = item.text.strip().split(":")
+                data, shape = file[place], tuple(int(n) for n in item.get("Dimensions").split())
+                if (source != os.path.basename(path) or data.shape != shape
+                        or data.dtype.itemsize != int(item.get("Precision"))):
+                    bad.append((place, data.shape, shape))
+            bad += [] if abs(float(grid.find("Time").get("Value")) - file.attrs["time"]) < 1e-9 else ["time"]
+        bad += [] if listed == set(here) else [f"xdmf has {listed}, the file {set(here)}"]
+        runs.check(not bad, f"{name}_xdmf_{os.path.basename(path)}", bad)
+        same = seen is not None and set(seen) == set(here)
+        same = same and all(np.array_equal(seen[f], here[f]) or not len(here["id"]) for f in here)
+        runs.check(same, f"{name}_vtk_reads_{os.path.basename(path)}", "other fields or values")
+    return [runs.fields(path) for path in paths]
+
+
 folder = runs.run(SCENE, "ball")
-root = ElementTree.parse(os.path.join(folder, "snapshots.xdmf")).getroot()
-grids = root.findall(".//Grid[@GridType='Uniform']")
-runs.check(len(grids) == len(runs.numbered(folder, "snapshot")), "xdmf_has_all_snapshots", f"{len(grids)} grids")
-bad = []
-for item in root.iter("DataItem"):
-    name, place = item.text.strip().split(":")
-    with h5py.File(os.path.join(folder, name), "r") as file:
-        shape = tuple(int(n) for n in item.get("Dimensions").split())
-        data = file[place]
-        if data.shape != shape or data.dtype.itemsize != int(item.get("Precision")):
-            bad.append((name, place, data.shape, shape))
-runs.check(not bad, "xdmf_data_sets", bad)
+whole = check_series(folder, "ball")
+grids = runs.numbered(folder, "snapshot")
+
+# fields, region and compression, on two ranks, and continued
+PART = " -snapshot_fields pressure,velocity -snapshot_lower -2,-2,0 -snapshot_upper 0.5,2,2 -snapshot_compression 4"
+part = runs.run(SCENE + PART, "part", ranks=2)
+got = check_series(part, "part")
+for k, (some, all_of_it) in enumerate(zip(got, whole)):
+    runs.check(set(some) == {"position", "id", "body", "pressure", "velocity"}, f"part_fields_{k}", set(some))
+    x = all_of_it["position"]
+    inside = (x[:, 2] >= 0) & (x[:, 0] <= 0.5)
+    runs.check(np.array_equal(some["id"], all_of_it["id"][inside]) and 0 < inside.sum() < len(x), f"part_region_{k}",
+               f"{len(some['id'])} particles, {inside.sum()} expected")
+    runs.check_below(np.abs(some["position"] - x[inside]).max(), 1e-6, f"part_positions_{k}")
+with h5py.File(runs.numbered(part, "snapshot")[-1], "r") as file:
+    runs.check(file["velocity"].compression == "gzip" and file["velocity"].compression_opts == 4, "compression",
+               file["velocity"].compression)
+state = runs.numbered(part, "checkpoint")[-1]
+full = runs.fields(state)
+runs.check(len(full["id"]) == len(whole[0]["id"]) and "lambda" in full, "checkpoint_stays_complete", sorted(full))
+runs.run(SCENE + PART + f" -steps_max 3 -snapshot_fields none -restart {state}", "part")
+after = check_series(part, "continued")
+runs.check([len(f) for f in after] == [5, 5, 3], "continued_with_other_fields", [sorted(f) for f in after])
+empty = runs.run(SCENE + " -snapshot_lower -2,-2,-2 -snapshot_upper -1.5,-1.5,-1.5", "empty")
+runs.check([len(f["id"]) for f in check_series(empty, "empty")] == [0, 0], "empty_region", "particles in it")
+
+# every column with a unit has it in the head of its table
+BARE = {"step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "rejected",
+        "droplets", "spray", "line"}
+GAUGES = " -gauge_points 0,0,0 -gauge_heights 0,0 -gauge_lines 0,0,0,1,0,0 -gauge_forces -gauge_droplets -box_zmin wall"
+tables = runs.run(SCENE + GAUGES, "gauges")
+for name in ("series.csv", "lines.csv", "droplets.csv"):
+    with open(os.path.join(tables, name), encoding="utf-8") as file:
+        columns = file.readline().strip().split(",")
+    bare = [c for c in columns if c not in BARE and c.rsplit("_", 1)[-1] not in ("s", "m", "m3", "J", "N", "Pa", "m/s")]
+    runs.check(not bare and len(columns) > 5, f"units_of_{name}", f"no unit: {bare}")
 
 mesh = os.path.join(runs.ROOT, "src/pictures/mesh.py")
 for extra in ([], ["--format", "ply"]):

@@ -1,0 +1,175 @@
+/* Snapshots as ParaView and VTK read them: one XDMF file that tells of all, and in each a group VTKHDF. */
+#include "output_impl.h"
+#include <errno.h>
+
+#define XDMF_FILE  "snapshots.xdmf"
+#define VTK_GROUP  "VTKHDF"       /* of a snapshot */
+#define VTK_POINTS "Connectivity" /* in it, 0, 1, 2, ...: XDMF's points too */
+
+/* --- XDMF --- */
+
+static void XdmfItem(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width, const char number[],
+                     PetscInt precision)
+{
+  char source[64];
+
+  SnapshotName(entry->index, source);
+  fprintf(file,
+          "        <DataItem Dimensions=\"%d%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">%s:/%s</DataItem>\n",
+          (int)entry->n, width > 1 ? " 3" : "", number, (int)precision, source, name);
+}
+
+static void XdmfAttribute(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width,
+                          const char number[], PetscInt precision)
+{
+  fprintf(file, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", name,
+          width > 1 ? "Vector" : "Scalar");
+  XdmfItem(file, entry, name, width, number, precision);
+  fprintf(file, "      </Attribute>\n");
+}
+
+static void XdmfSnapshot(FILE *file, const SnapshotEntry *entry)
+{
+  fprintf(file, "    <Grid Name=\"step %d\" GridType=\"Uniform\">\n", (int)entry->step);
+  fprintf(file, "      <Time Value=\"%.12g\"/>\n", (double)entry->time);
+  /* without the connectivity ParaView 5.11 makes points without cells, which it does not draw */
+  fprintf(file, "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" NodesPerElement=\"1\">\n",
+          (int)entry->n);
+  XdmfItem(file, entry, VTK_GROUP "/" VTK_POINTS, 1, "Int", sizeof(PetscInt64));
+  fprintf(file, "      </Topology>\n");
+  fprintf(file, "      <Geometry GeometryType=\"XYZ\">\n");
+  XdmfItem(file, entry, Fields[FIELD_POSITION].name, 3, "Float", entry->precision);
+  fprintf(file, "      </Geometry>\n");
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
+    const SnapshotField field = SnapshotFieldAt(f);
+    const PetscBool     whole = (PetscBool)(field.integer >= 0);
+
+    if (f != FIELD_POSITION && entry->fields & 1U << f)
+      XdmfAttribute(file, entry, field.name, field.width, whole ? "Int" : "Float",
+                    whole ? (PetscInt)sizeof(PetscInt) : entry->precision);
+  }
+  fprintf(file, "    </Grid>\n");
+}
+
+PetscErrorCode XdmfWrite(Output output)
+{
+  char  path[PETSC_MAX_PATH_LEN];
+  FILE *file;
+  int   error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(OutputPath(output, XDMF_FILE ".tmp", path));
+  if (!output->rank) {
+    file = fopen(path, "w");
+    if (!file)
+      error = errno;
+    else {
+      fprintf(file, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n  <Grid Name=\"snapshots\" "
+                    "GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+      for (PetscInt e = 0; e < output->entries; e++) XdmfSnapshot(file, &output->entry[e]);
+      fprintf(file, "  </Grid>\n</Domain>\n</Xdmf>\n");
+      if (fflush(file) || ferror(file)) error = errno ? errno : EIO;
+      if (fclose(file) && !error) error = errno;
+    }
+  }
+  PetscCall(FolderStatus(output, error, "write", path));
+  PetscCall(FolderCommit(output, XDMF_FILE, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- VTKHDF (VTK's file format of that name, version 1.0, type UnstructuredGrid) --- */
+
+#define VTK_POLY_VERTEX 2 /* vtkCellType.h: one cell of all points */
+
+static void Keep(Storage *storage, hid_t status)
+{
+  if (status < 0) storage->failed = PETSC_TRUE;
+}
+
+static void Attribute(Storage *storage, hid_t group, const char name[], hid_t type, hsize_t n, const void *values)
+{
+  const hid_t space = n > 1 ? H5Screate_simple(1, &n, NULL) : H5Screate(H5S_SCALAR);
+  const hid_t made  = H5Acreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+
+  Keep(storage, made < 0 ? made : H5Awrite(made, type, values));
+  if (made >= 0) (void)H5Aclose(made);
+  (void)H5Sclose(space);
+}
+
+/* The numbers first, first + 1, ..., compressed, for there may be as many as particles. */
+static PetscErrorCode Count(Storage *storage, hid_t group, const char name[], PetscInt n)
+{
+  const hsize_t size = (hsize_t)n, chunk = PetscMax(size, 1);
+  const hid_t   space = H5Screate_simple(1, &size, NULL), create = H5Pcreate(H5P_DATASET_CREATE);
+  PetscInt64   *values;
+  hid_t         set;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &values));
+  for (PetscInt k = 0; k < n; k++) values[k] = k;
+  Keep(storage, H5Pset_chunk(create, 1, &chunk));
+  Keep(storage, H5Pset_shuffle(create));
+  Keep(storage, H5Pset_deflate(create, 1));
+  set = H5Dcreate2(group, name, H5T_STD_I64LE, space, H5P_DEFAULT, create, H5P_DEFAULT);
+  Keep(storage, set < 0 ? set : H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  if (set >= 0) (void)H5Dclose(set);
+  (void)H5Pclose(create);
+  (void)H5Sclose(space);
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A small data set of integers. */
+static void Numbers(Storage *storage, hid_t group, const char name[], hid_t type, hsize_t n, const PetscInt64 values[])
+{
+  const hid_t space = H5Screate_simple(1, &n, NULL);
+  const hid_t set   = H5Dcreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+
+  Keep(storage, set < 0 ? set : H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  if (set >= 0) (void)H5Dclose(set);
+  (void)H5Sclose(space);
+}
+
+/* Rank 0. */
+static PetscErrorCode VtkGroup(Storage *storage, const SnapshotEntry *entry)
+{
+  const PetscInt64 n = entry->n, cells = n > 0, offsets[2] = {0, n}, version[2] = {1, 0}, type = VTK_POLY_VERTEX;
+  const char       grid[] = "UnstructuredGrid";
+  const hid_t      group  = H5Gcreate2(storage->file, VTK_GROUP, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t      point  = group < 0 ? group : H5Gcreate2(group, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t      text   = H5Tcopy(H5T_C_S1);
+
+  PetscFunctionBegin;
+  Keep(storage, point);
+  if (!storage->failed) {
+    Keep(storage, H5Tset_size(text, sizeof(grid) - 1));
+    Keep(storage, H5Tset_strpad(text, H5T_STR_NULLPAD));
+    Attribute(storage, group, "Version", H5T_NATIVE_LLONG, 2, version);
+    Attribute(storage, group, "Type", text, 1, grid);
+    Numbers(storage, group, "NumberOfPoints", H5T_STD_I64LE, 1, &n);
+    Numbers(storage, group, "NumberOfCells", H5T_STD_I64LE, 1, &cells);
+    Numbers(storage, group, "NumberOfConnectivityIds", H5T_STD_I64LE, 1, &n);
+    Numbers(storage, group, "Offsets", H5T_STD_I64LE, (hsize_t)cells + 1, offsets);
+    Numbers(storage, group, "Types", H5T_STD_U8LE, (hsize_t)cells, &type);
+    PetscCall(Count(storage, group, VTK_POINTS, entry->n));
+  }
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !storage->failed; f++) {
+    const char *name = SnapshotFieldAt(f).name;
+
+    if (f == FIELD_POSITION)
+      Keep(storage, H5Lcreate_hard(storage->file, name, group, "Points", H5P_DEFAULT, H5P_DEFAULT));
+    else if (entry->fields & 1U << f)
+      Keep(storage, H5Lcreate_hard(storage->file, name, point, name, H5P_DEFAULT, H5P_DEFAULT));
+  }
+  (void)H5Tclose(text);
+  if (point >= 0) (void)H5Gclose(point);
+  if (group >= 0) (void)H5Gclose(group);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode VtkWrite(Storage *storage, const SnapshotEntry *entry)
+{
+  PetscFunctionBegin;
+  if (storage->here && storage->file >= 0 && !storage->failed) PetscCall(VtkGroup(storage, entry));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
