@@ -192,10 +192,10 @@ static PetscBool DivergenceWanted(Sim sim, PetscInt steps)
 
 PetscErrorCode SimRun(Sim sim)
 {
-  Progress    progress = {0};
-  PetscBool   last     = PETSC_FALSE;
-  PetscInt    steps    = 0;
-  const char *interrupted;
+  Progress    progress    = {0};
+  PetscBool   last        = PETSC_FALSE;
+  PetscInt    steps       = 0;
+  const char *interrupted = NULL;
   char        checkpoint[OUTPUT_NAME_LENGTH];
 
   PetscFunctionBegin;

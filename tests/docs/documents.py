@@ -119,7 +119,8 @@ made = [os.path.join(folder, "figures", name) for name in ("section.png", "curve
 runs.check(drawn.returncode == 0 and all(os.path.exists(p) and os.path.getsize(p) > 10000 for p in made),
            "tutorial_pictures", drawn.stdout[-300:])
 if shutil.which("ffmpeg"):
-    drawn = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/film.py"), folder, "--color", "speed"],
+    drawn = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/film.py"), folder,
+                            "--color", "speed"],
                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
     film = os.path.join(folder, "figures", "film.mp4")
     runs.check(drawn.returncode == 0 and os.path.getsize(film) > 10000, "tutorial_film", drawn.stdout[-300:])
@@ -139,7 +140,8 @@ done = subprocess.run(["make", "-s", "install", f"PREFIX={prefix}"], cwd=runs.RO
                       stderr=subprocess.STDOUT, universal_newlines=True, check=False)
 if runs.check(done.returncode == 0, "install", done.stdout[-300:]):
     case = os.path.join(prefix, "share/isph/cases/drop_collision/case.opts")
-    for command in ([os.path.join(prefix, "bin/isph"), "-options_file", case, "-steps_max", "2", "-output_dir", "there"],
+    for command in ([os.path.join(prefix, "bin/isph"), "-options_file", case, "-steps_max", "2",
+                     "-output_dir", "there"],
                     [os.path.join(prefix, "bin/isph-pictures"), "there", "--count", "1"]):
         done = subprocess.run(command, cwd=prefix, env=runs.environment(), stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, universal_newlines=True, check=False)
