@@ -33,7 +33,7 @@ SCENES = {
                           "mean pressure, rms error over rho g H", (2, 2 / 3, 0.5), dear=True),
     "oscillating_drop": Scene("-spacing 0.25e-3", "", ("period",), "period in two dimensions, relative error",
                               (1.5, 0.75, 0.5), "circle.opts"),
-    "drop_impact": Scene("-options_file options/quarter.opts -spacing 1e-3 -time_end 20.05e-3 -checkpoint_interval 0",
+    "drop_impact": Scene("-options_file options/quarter.opts -spacing 0.7e-3 -time_end 20.05e-3 -checkpoint_interval 0",
                          "", IMPACT + tuple(f"kinetic energy at {t} ms" for t in (5, 10, 15)),
                          "crater depth, diameter, kinetic energy to 20 ms, rms relative error", (1.4, 0.85, 0.7),
                          dear=True)}

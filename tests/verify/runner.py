@@ -235,6 +235,19 @@ def order_of(errors, spacings):
     return f"{math.log(coarse / fine) / math.log(wide / narrow):.1f}"
 
 
+def extrapolated(results, spacings):
+    """To spacing zero, linearly from the two finest runs: of what has a value expected and goes one way from the third
+    finest on."""
+    have = [(r.measured, s) for r, s in zip(results, spacings) if r and math.isfinite(r.measured)][-3:]
+    last = next(r for r in reversed(results) if r)
+    if len(have) < 3 or not math.isfinite(last.expected):
+        return "-"
+    (a, _), (b, wide), (c, narrow) = have
+    if (b - a) * (c - b) <= 0:
+        return "-"
+    return last._replace(measured=c + (c - b) * narrow / (wide - narrow), kind="shown").words()[0]
+
+
 def convergence_table(entry, outcomes):
     """One entry at its spacings: the measured figures, the order, what must be reached."""
     heads = [f"{s:.3g}" for s in entry.spacings]
@@ -245,15 +258,17 @@ def convergence_table(entry, outcomes):
         last = next(r for r in reversed(found) if r)
         limits = list(dict.fromkeys(r.words()[2] for r in found if r))
         row = {"quantity": name, "order": order_of([r.error() if r else None for r in found], entry.spacings),
-               "expected": last.words()[1], "tolerance": ", ".join(limits)}
+               "extrapolated": extrapolated(found, entry.spacings), "expected": last.words()[1],
+               "tolerance": ", ".join(limits)}
         for head, r in zip(heads, found):
             row[head] = "-" if r is None else r.words()[0] + ("" if r.passed() is not False else " (!)")
         rows.append(row)
     seconds = {h: "-" if math.isnan(o.seconds) else f"{o.seconds:.3g}" for h, o in zip(heads, outcomes)}
-    rows.append(dict(seconds, quantity="run time, s (one process)", order="", expected="", tolerance=""))
+    rows.append(dict(seconds, quantity="run time, s (one process)", order="", extrapolated="", expected="",
+                     tolerance=""))
     title = ", ".join(w for w in (entry.label, entry.scheme) if w)
     lines = [f"**{title}** (`{entry.options or 'options of the case'}`), against spacing:", "",
-             table(rows, ["quantity"] + heads + ["order", "expected", "tolerance"])]
+             table(rows, ["quantity"] + heads + ["order", "extrapolated", "expected", "tolerance"])]
     stops = [f"- at {h}: {o.reason}" for h, o in zip(heads, outcomes) if o.reason]
     if len(stops) == len(heads):
         lines = [lines[0].replace(", against spacing:", " stopped:")]
@@ -276,7 +291,8 @@ def convergence(entries, case, jobs, existing):
                 tables.append(convergence_table(e, [o for o in outcomes if o.entry is e]))
         text = "\n\n".join(tables + [f"Written by `make convergence CASE={name}` at version {version()}, "
                                      f"{datetime.date.today().isoformat()}. (!): beyond the tolerance. Order: of the "
-                                     "error, between the coarsest and the finest run."])
+                                     "error, between the coarsest and the finest run. Extrapolated: to spacing zero, linearly "
+                                     "from the two finest, where the last three go one way."])
         print(text)
         replace(os.path.join(runs.ROOT, "cases", name, "README.md"), "measured", "\n" + text + "\n")
     return 0
