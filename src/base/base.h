@@ -74,6 +74,10 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
 /* The code UserError returns: it travels up through PetscCallUser/PetscCall without a stack trace being printed. */
 #define ISPH_USER_ERROR PETSC_ERR_USER_INPUT
 
+/* ListNames - the registered names, for such a sentence: "a, b, c". Not collective. */
+#define NAMES_LENGTH 1024
+PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH]);
+
 /* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler) that stays silent while the
    code of a UserError travels up through PetscCall, and hands every other error to PETSc's traceback. PETSc aborts
    when a PetscCall in main itself fails: let main call one function, test its code without PetscCall, finalize and

@@ -44,6 +44,22 @@ PetscLogStage LogStage(StageId stage)
   return Stages[stage];
 }
 
+PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
+{
+  const char **array;
+  int          count;
+
+  PetscFunctionBegin;
+  names[0] = 0;
+  PetscCall(PetscFunctionListGet(list, &array, &count));
+  for (int k = 0; k < count && array[k]; k++) { /* PETSc counts the end too */
+    if (k) PetscCall(PetscStrlcat(names, ", ", NAMES_LENGTH));
+    PetscCall(PetscStrlcat(names, array[k], NAMES_LENGTH));
+  }
+  PetscCall(PetscFree(array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One line on standard error; what a user typed may hold characters that a terminal would obey. */
 static void Say(const char message[], int length, const char option[])
 {

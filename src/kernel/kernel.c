@@ -63,13 +63,12 @@ PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
 PetscErrorCode KernelSetType(Kernel kernel, const char name[])
 {
   KernelTableFunction table;
+  char                names[NAMES_LENGTH];
 
   PetscFunctionBegin;
+  PetscCall(ListNames(KernelList, names));
   PetscCall(PetscFunctionListFind(KernelList, name, &table));
-  PetscCheckUser(table, kernel->comm,
-                 "-kernel_type %s is not a kernel; there are " KERNEL_CUBIC_SPLINE ", " KERNEL_WENDLAND_C2
-                 " and " KERNEL_QUINTIC_SPLINE,
-                 name);
+  PetscCheckUser(table, kernel->comm, "-kernel_type %s is not a kernel; there are %s", name, names);
   kernel->ops = table();
   PetscCall(PetscStrncpy(kernel->type, name, sizeof(kernel->type)));
   KernelScale(kernel);

@@ -23,11 +23,12 @@ static PetscErrorCode PackingRegisterAll(void)
 static PetscErrorCode PackingSetType(Packing packing, const char name[])
 {
   PetscErrorCode (*create)(Packing);
+  char names[NAMES_LENGTH];
 
   PetscFunctionBegin;
+  PetscCall(ListNames(PackingList, names));
   PetscCall(PetscFunctionListFind(PackingList, name, &create));
-  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s is not a packing; there are lattice and poisson",
-                 name);
+  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s is not a packing; there are %s", name, names);
   if (packing->ops.destroy) PetscCall(packing->ops.destroy(packing));
   PetscCall(PetscMemzero(&packing->ops, sizeof(packing->ops)));
   PetscCall(PetscStrncpy(packing->type, name, sizeof(packing->type)));

@@ -2,7 +2,6 @@
 #include "sceneimpl.h"
 #include <stdlib.h>
 
-#define NAMES_LENGTH      256
 #define WATER_DENSITY     1000.0 /* kg/m3, default */
 #define WATER_VISCOSITY   1e-3   /* Pa s, default */
 #define SURFACE_TOLERANCE 1e-6   /* of the spacing: points of the surface itself are outside, whatever the rounding */
@@ -98,23 +97,6 @@ PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The registered names, for a message. */
-static PetscErrorCode ListNames(PetscFunctionList list, char names[], size_t length)
-{
-  const char **array;
-  int          count;
-
-  PetscFunctionBegin;
-  names[0] = 0;
-  PetscCall(PetscFunctionListGet(list, &array, &count));
-  for (int k = 0; k < count; k++) {
-    if (k) PetscCall(PetscStrlcat(names, ", ", length));
-    PetscCall(PetscStrlcat(names, array[k], length));
-  }
-  PetscCall(PetscFree(array));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
 {
   ShapeTable table;
@@ -124,7 +106,7 @@ static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, Petsc
   PetscCall(PetscOptionsFList("-shape", "Shape of the body, cut by the box", "SceneSetFromOptions", shapes,
                               body->shape_type, body->shape_type, sizeof(body->shape_type), NULL));
   PetscCall(PetscFunctionListFind(shapes, body->shape_type, &table));
-  PetscCall(ListNames(shapes, names, sizeof(names)));
+  PetscCall(ListNames(shapes, names));
   PetscCheckUser(table, body->domain->comm, "-%sshape %s is not a shape; there are %s", body->prefix, body->shape_type,
                  names);
   PetscCall(PetscFree(body->shape_data));
@@ -168,7 +150,7 @@ static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, Pe
                               "SceneSetFromOptions", velocities, body->velocity_type, body->velocity_type,
                               sizeof(body->velocity_type), NULL));
   PetscCall(PetscFunctionListFind(velocities, body->velocity_type, &table));
-  PetscCall(ListNames(velocities, names, sizeof(names)));
+  PetscCall(ListNames(velocities, names));
   PetscCheckUser(table, body->domain->comm, "-%svelocity_type %s is not a velocity field; there are %s", body->prefix,
                  body->velocity_type, names);
   PetscCall(PetscFree(body->velocity_data));
@@ -208,7 +190,7 @@ static PetscErrorCode ReadType(Body body, OptionItems PetscOptionsObject, PetscF
   PetscCall(PetscOptionsFList("-type", "What the body is", "SceneSetFromOptions", types, body->type, body->type,
                               sizeof(body->type), NULL));
   PetscCall(PetscFunctionListFind(types, body->type, &type));
-  PetscCall(ListNames(types, names, sizeof(names)));
+  PetscCall(ListNames(types, names));
   PetscCheckUser(type, body->domain->comm, "-%stype %s is no type of body; there are %s", body->prefix, body->type,
                  names);
   PetscCall(type(body, PetscOptionsObject));

@@ -68,7 +68,10 @@ static PetscErrorCode TabulateWall(Tension tension)
 
 PetscErrorCode TensionSetFromOptions(Tension tension)
 {
+  char names[NAMES_LENGTH];
+
   PetscFunctionBegin;
+  PetscCall(ListNames(TensionList, names));
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
   PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
                               tension->type, tension->type, sizeof(tension->type), NULL));
@@ -76,10 +79,8 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                              "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
   PetscOptionsEnd();
   PetscCall(PetscFunctionListFind(TensionList, tension->type, &tension->apply));
-  PetscCheckUser(tension->apply, tension->comm,
-                 "-tension_type %s is not a surface tension model; there are " TENSION_CURVATURE
-                 ", " TENSION_CAHN_HILLIARD " and " TENSION_NONE,
-                 tension->type);
+  PetscCheckUser(tension->apply, tension->comm, "-tension_type %s is not a surface tension model; there are %s",
+                 tension->type, names);
   PetscOptionsBegin(tension->comm, NULL, "Surface tension model", "Tension");
   if (tension->apply == TensionApply_CahnHilliard) {
     PetscCall(PetscOptionsReal("-tension_calibration",
