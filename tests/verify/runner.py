@@ -291,8 +291,8 @@ def convergence(entries, case, jobs, existing):
                 tables.append(convergence_table(e, [o for o in outcomes if o.entry is e]))
         text = "\n\n".join(tables + [f"Written by `make convergence CASE={name}` at version {version()}, "
                                      f"{datetime.date.today().isoformat()}. (!): beyond the tolerance. Order: of the "
-                                     "error, between the coarsest and the finest run. Extrapolated: to spacing zero, linearly "
-                                     "from the two finest, where the last three go one way."])
+                                     "error, between the coarsest and the finest run. Extrapolated: to spacing zero, "
+                                     "linearly from the two finest, where the last three go one way."])
         print(text)
         replace(os.path.join(runs.ROOT, "cases", name, "README.md"), "measured", "\n" + text + "\n")
     return 0
