@@ -245,7 +245,7 @@ PetscErrorCode CloudResync(Cloud cloud)
   PetscCall(Rehome(cloud, PETSC_TRUE));
   PetscCall(BuildHalo(cloud));
   PetscCall(UpdateGhosts(cloud));
-  PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  PetscCall(NeighborsFind(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -306,7 +306,7 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search)
     if (2 * moved > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
   }
   PetscCall(UpdateGhosts(cloud));
-  if (search) PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  if (search) PetscCall(NeighborsFind(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,7 +322,14 @@ PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
     PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   } else
     PetscCall(CloudUpdate(cloud, FIELD_POSITION));
-  if (search) PetscCall(NeighborsFind(cloud, KernelSupport(cloud->kernel)));
+  if (search) PetscCall(NeighborsFind(cloud, NULL, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
+{
+  PetscFunctionBegin;
+  PetscCall(NeighborsFind(cloud, visit, context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -71,6 +71,12 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
+/* Called for each owned particle as soon as its row is found, while it is in the cache: w ([n]) are KernelSingle's
+   values of W. */
+typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], void *context);
+/* CloudSearch - the list of all particles within the kernel's support of each owned one, from the positions of the
+   cloud, and the factors of the pairs. Not collective. */
+PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);
 /* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image. Collective. */
 PetscErrorCode CloudUpdate(Cloud cloud, FieldId field);
 /* CloudUpdateInt - the same for an integer field. Collective. */

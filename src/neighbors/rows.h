@@ -1,49 +1,64 @@
-/* Rows of pairs for the loops that matter: the neighbours' values are gathered into short arrays, four numbers a
-   neighbour, filled up to whole vectors with the particle itself (whose factor is zero); the loop over a row then has
-   neither indirect addresses nor a remainder. */
+/* Rows of pairs for the loops that matter. A vector of a neighbour is loaded as one register of four numbers, the
+   fourth without meaning, and the sums over a row are such registers too: no gathering, no remainder, no sum across
+   lanes. The vectors are those of GCC and clang, for any processor. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
 #include "cloud.h" /* which includes this file at its end */
 
-#define ROW_LANES 8
+typedef PetscReal Triple __attribute__((vector_size(4 * sizeof(PetscReal))));
 
+/* TripleLoad - x[0] to x[2], and x[3], which must exist: arrays of the cloud have room behind the last particle. */
+static inline Triple TripleLoad(const PetscReal x[])
+{
+  Triple t;
+
+  (void)memcpy(&t, x, sizeof(t));
+  return t;
+}
+
+static inline Triple TripleSet(PetscReal s)
+{
+  return (Triple){s, s, s, s};
+}
+
+static inline void TripleStore(Triple t, PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) x[d] = t[d];
+}
+
+/* TripleTurn - y, z, x. */
+static inline Triple TripleTurn(Triple t)
+{
+  return __builtin_shufflevector(t, t, 1, 2, 0, 3);
+}
+
+/* TripleDot - a.b, three times. */
+static inline Triple TripleDot(Triple a, Triple b)
+{
+  const Triple t = a * b, turned = TripleTurn(t);
+
+  return t + turned + TripleTurn(turned);
+}
+
+/* The pairs of one particle. */
 typedef struct {
-  PetscInt        n, m; /* neighbours; the same rounded up to ROW_LANES */
+  PetscInt        n;
   const PetscInt *index;
-  float           f[ROW_CAPACITY];     /* [m] factor of the pair: F = KernelScales' scale_f times it; 0 from n on */
-  PetscReal       x[4 * ROW_CAPACITY]; /* [m][4] positions (m), and one number without meaning */
-  PetscReal       v[4 * ROW_CAPACITY]; /* [m][4] whatever vector the loop wants */
+  PetscReal       f[ROW_CAPACITY]; /* factor of the pair: F = KernelScales' scale_f times it */
 } Row;
 
-/* RowGather - vectors of a's neighbours, and behind them its own, from a field ([n_total][3], an array of the cloud:
-   one number behind the last is read). Not collective. */
-static inline void RowGather(const Row *row, PetscInt a, const PetscReal *restrict field, PetscReal *restrict to)
-{
-  const PetscInt n = row->n, m = row->m; /* copies: the compiler cannot know that 'to' is not where they are */
-  const PetscInt *restrict index = row->index;
-
-  for (PetscInt k = 0; k < n; k++) (void)memcpy(to + 4 * k, field + 3 * index[k], 4 * sizeof(PetscReal));
-  for (PetscInt k = n; k < m; k++) (void)memcpy(to + 4 * k, field + 3 * a, 4 * sizeof(PetscReal));
-}
-
-/* RowLoad - factors and positions of a's row as the last search found them. Not collective. */
+/* RowLoad - the pairs of a as the last search found them. Not collective. */
 static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
 {
-  const PetscInt first = cloud->first[a];
+  const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first;
+  const float *restrict from = cloud->slope + first;
+  PetscReal *restrict f      = row->f;
 
-  row->n     = cloud->first[a + 1] - first;
-  row->m     = (row->n + ROW_LANES - 1) / ROW_LANES * ROW_LANES;
+  row->n     = n;
   row->index = cloud->list + first;
-  (void)memcpy(row->f, cloud->slope + first, (size_t)row->n * sizeof(float));
-  for (PetscInt k = row->n; k < row->m; k++) row->f[k] = 0;
-  RowGather(row, a, cloud->field[FIELD_POSITION], row->x);
-}
-
-/* The number of lanes of a row, in a form that tells the compiler that no remainder follows. */
-static inline PetscInt RowLanes(const Row *row)
-{
-  return row->m & ~(ROW_LANES - 1);
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < n; k++) f[k] = from[k];
 }
 
 #endif

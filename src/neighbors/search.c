@@ -162,13 +162,13 @@ static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factors of n pairs from s = r2/h2. */
-static void PairFactors(Kernel kernel, PetscInt n, const float *restrict s, float *restrict slope,
+/* The factors of n pairs from s = r2/h2, and w (NULL: not wanted). */
+static void PairFactors(Kernel kernel, PetscInt n, const float *restrict s, float *restrict w, float *restrict slope,
                         float *restrict laplacian)
 {
   const float eta2 = ETA_OVER_H * ETA_OVER_H;
 
-  KernelSingle(kernel, n, s, NULL, slope);
+  KernelSingle(kernel, n, s, w, slope);
   SIMD_LOOP()
   for (PetscInt k = 0; k < n; k++) laplacian[k] = -slope[k] * s[k] / (s[k] + eta2);
 }
@@ -186,14 +186,15 @@ static void SortPlaces(Cloud cloud, PetscReal inverse_h, PetscReal sorted[])
   }
 }
 
-PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius)
+PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
 {
-  const PetscInt   n         = cloud->n_total;
-  const PetscReal *x         = cloud->field[FIELD_POSITION];
-  const PetscReal  inverse_h = 1 / KernelSmoothingLength(cloud->kernel), limit = PetscSqr(radius * inverse_h);
-  PetscReal       *sorted;
-  PetscInt         used = 0, most, longest = 0;
-  float           *s;
+  const PetscInt   n      = cloud->n_total;
+  const PetscReal *x      = cloud->field[FIELD_POSITION];
+  const PetscReal  radius = KernelSupport(cloud->kernel), inverse_h = 1 / KernelSmoothingLength(cloud->kernel),
+                  limit = PetscSqr(radius * inverse_h);
+  PetscReal *sorted;
+  PetscInt   used = 0, most, longest = 0;
+  float     *s, w[ROW_CAPACITY];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
@@ -203,21 +204,22 @@ PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius)
   most = CELLS_AROUND * longest + LANES;
   PetscCall(PetscMalloc2(DIM * n, &sorted, most, &s));
   SortPlaces(cloud, inverse_h, sorted);
+  cloud->first[0] = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal p[DIM] = {x[DIM * a] * inverse_h, x[DIM * a + 1] * inverse_h, x[DIM * a + 2] * inverse_h};
     PetscInt        found;
 
     if (used + most > cloud->list_capacity)
       PetscCall(ReserveList(cloud, used, PetscMax(most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + most));
-    cloud->first[a] = used;
-    found           = FindNeighbors(&cloud->grid, n, sorted, p, a, limit, cloud->list + used, s);
+    found = FindNeighbors(&cloud->grid, n, sorted, p, a, limit, cloud->list + used, s);
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
-    PairFactors(cloud->kernel, found, s, cloud->slope + used, cloud->laplacian + used);
+    PairFactors(cloud->kernel, found, s, visit ? w : NULL, cloud->slope + used, cloud->laplacian + used);
     used += found;
+    cloud->first[a + 1] = used;
+    if (visit) visit(cloud, a, w, context);
   }
-  cloud->first[cloud->n_owned] = used;
   PetscCall(PetscFree2(sorted, s));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,8 +4,7 @@
 
 #include "cloud.h"
 
-/* NeighborsFind - the list of all points within radius (m) of each owned particle, from the positions of the cloud. Not
- * collective. */
-PetscErrorCode NeighborsFind(Cloud cloud, PetscReal radius);
+/* NeighborsFind - CloudSearch; visit may be NULL. Not collective. */
+PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context);
 
 #endif

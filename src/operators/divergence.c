@@ -57,39 +57,24 @@ static PetscReal WallDivergence(Cloud cloud, PetscInt a, const Row *row, const P
   return sum;
 }
 
-/* G_ij = sum (v_b - v_a)_i f r_j */
-static void VelocityGradient(const Row *restrict row, const PetscReal x[DIM], const PetscReal v[DIM],
-                             PetscReal G[DIM][DIM])
+void OperatorsVelocityGradient(Cloud cloud, const Row *row, PetscInt a, const PetscReal velocity[],
+                               PetscReal G[DIM][DIM])
 {
-  const PetscInt  m  = RowLanes(row);
-  const PetscReal px = x[0], py = x[1], pz = x[2], vx = v[0], vy = v[1], vz = v[2];
-  PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yx = 0, yz = 0, zx = 0, zy = 0;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = velocity + DIM * a;
+  const Triple     p = TripleLoad(x + DIM * a), vx = TripleSet(v[0]), vy = TripleSet(v[1]), vz = TripleSet(v[2]);
+  Triple           gx = TripleSet(0), gy = gx, gz = gx;
 
-  SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yx, yz, zx, zy))
-  for (PetscInt k = 0; k < m; k++) {
-    const PetscReal f = row->f[k], dx = f * (px - row->x[4 * k]), dy = f * (py - row->x[4 * k + 1]),
-                    dz = f * (pz - row->x[4 * k + 2]);
-    const PetscReal ux = row->v[4 * k] - vx, uy = row->v[4 * k + 1] - vy, uz = row->v[4 * k + 2] - vz;
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscReal *u = velocity + DIM * row->index[k];
+    const Triple     d = TripleSet(row->f[k]) * (p - TripleLoad(x + DIM * row->index[k]));
 
-    xx += ux * dx;
-    xy += ux * dy;
-    xz += ux * dz;
-    yx += uy * dx;
-    yy += uy * dy;
-    yz += uy * dz;
-    zx += uz * dx;
-    zy += uz * dy;
-    zz += uz * dz;
+    gx += (TripleSet(u[0]) - vx) * d;
+    gy += (TripleSet(u[1]) - vy) * d;
+    gz += (TripleSet(u[2]) - vz) * d;
   }
-  G[0][0] = xx;
-  G[0][1] = xy;
-  G[0][2] = xz;
-  G[1][0] = yx;
-  G[1][1] = yy;
-  G[1][2] = yz;
-  G[2][0] = zx;
-  G[2][1] = zy;
-  G[2][2] = zz;
+  TripleStore(gx, G[0]);
+  TripleStore(gy, G[1]);
+  TripleStore(gz, G[2]);
 }
 
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[])
@@ -111,9 +96,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
       div[a] = scale * WallDivergence(cloud, a, &row, velocity);
       continue;
     }
-    RowGather(&row, a, velocity, row.v);
     /* the velocity gradient once, then B: div v = sum_ij G_ij B_ij */
-    VelocityGradient(&row, x + DIM * a, velocity + DIM * a, G);
+    OperatorsVelocityGradient(cloud, &row, a, velocity, G);
     if (OperatorsNearWall(cloud, x + DIM * a)) RemoveSliding(cloud, a, &row, velocity, G);
     div[a] = scale * (B[0] * G[0][0] + B[1] * G[1][1] + B[2] * G[2][2] + B[3] * (G[0][1] + G[1][0]) +
                       B[4] * (G[0][2] + G[2][0]) + B[5] * (G[1][2] + G[2][1]));

@@ -45,10 +45,10 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
 /* OperatorsDensity - FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one
  * liquid Eq. (4) of Kuri et al. */
 PetscErrorCode OperatorsDensity(Cloud cloud);
-/* OperatorsMoments - one pass over the pairs: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab; FIELD_LAMBDA its
-   smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM; FIELD_NORMAL = sum V grad W
-   (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where particles crowd (Lind et al.
-   2012). Marrone et al. 2010, Randles & Libersky 1996. */
+/* OperatorsMoments - finds the neighbours and, row by row: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab;
+   FIELD_LAMBDA its smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM;
+   FIELD_NORMAL = sum V grad W (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where
+   particles crowd (Lind et al. 2012). Marrone et al. 2010, Randles & Libersky 1996. */
 PetscErrorCode OperatorsMoments(Cloud cloud);
 /* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan
    of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle
@@ -86,6 +86,10 @@ PetscErrorCode OperatorsShares(Cloud cloud);
    same way and took place at velocities u ([n_total][3]; no displacements: zeros). After OperatorsShares. Overwrites
    FIELD_WORK3, FIELD_STRESS. Collective. */
 PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[]);
+/* OperatorsVelocityGradient - G_ij = sum (v_b - v_a)_i f r_j over the row of a, without V and the scale of the kernel's
+   F; velocity: [n_total][3], a field of the cloud, m/s. */
+void OperatorsVelocityGradient(Cloud cloud, const Row *row, PetscInt a, const PetscReal velocity[],
+                               PetscReal G[DIM][DIM]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would

@@ -124,22 +124,15 @@ void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)
 
 /* --- gradients: acceleration -grad p/rho --- */
 
-/* -sum c (r_a - r_b) over the row; c: [lanes]. */
-static void SumAlong(const Row *restrict row, const PetscReal *restrict c, const PetscReal x[DIM], PetscReal out[DIM])
+/* -sum c (r_a - r_b) over the row of a; c: [n]. */
+static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[], PetscReal out[DIM])
 {
-  const PetscInt  m  = RowLanes(row);
-  const PetscReal px = x[0], py = x[1], pz = x[2];
-  PetscReal       ax = 0, ay = 0, az = 0;
+  const PetscReal *x   = cloud->field[FIELD_POSITION];
+  const Triple     p   = TripleLoad(x + DIM * a);
+  Triple           sum = TripleSet(0);
 
-  SIMD_LOOP(reduction(+ : ax, ay, az))
-  for (PetscInt k = 0; k < m; k++) {
-    ax -= c[k] * (px - row->x[4 * k]);
-    ay -= c[k] * (py - row->x[4 * k + 1]);
-    az -= c[k] * (pz - row->x[4 * k + 2]);
-  }
-  out[0] = ax;
-  out[1] = ay;
-  out[2] = az;
+  for (PetscInt k = 0; k < row->n; k++) sum += TripleSet(c[k]) * (TripleLoad(x + DIM * row->index[k]) - p);
+  TripleStore(sum, out);
 }
 
 /* Eq. (9) for one row; scale: of the kernel's F times V. */
@@ -157,8 +150,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row,
 
     c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
   }
-  for (PetscInt k = row->n; k < row->m; k++) c[k] = 0;
-  SumAlong(row, c, cloud->field[FIELD_POSITION] + DIM * a, out);
+  SumAlong(cloud, a, row, c, out);
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
 
@@ -200,8 +192,7 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, Petsc
 
   SIMD_LOOP()
   for (PetscInt k = 0; k < row->n; k++) c[k] = (p[row->index[k]] - own) * row->f[k];
-  for (PetscInt k = row->n; k < row->m; k++) c[k] = 0;
-  SumAlong(row, c, cloud->field[FIELD_POSITION] + DIM * a, sum);
+  SumAlong(cloud, a, row, c, sum);
   TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, scale * sum[0], scale * sum[1], scale * sum[2], out);
 }
 

@@ -28,7 +28,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
 
   PetscFunctionBegin;
   /* Stage 1: everything but pressure, at r^n or half a step later */
-  PetscCall(CloudBegin(cloud, (PetscBool)!stepper->centered));
+  PetscCall(CloudBegin(cloud, PETSC_FALSE));
   r = cloud->field[FIELD_POSITION];
   v = cloud->field[FIELD_VELOCITY];
   if (stepper->centered) { /* leapfrog: keeps the phase volume of an oscillation, which the kick at r^n multiplies by 1
@@ -37,7 +37,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
       for (PetscInt d = 0; d < DIM; d++) r[DIM * k + d] += 0.5 * dt * v[DIM * k + d];
       drift = PetscMax(drift, 0.5 * dt * Norm(v + DIM * k));
     }
-    PetscCall(CloudMoved(cloud, PETSC_TRUE));
+    PetscCall(CloudMoved(cloud, PETSC_FALSE));
     r = cloud->field[FIELD_POSITION];
     v = cloud->field[FIELD_VELOCITY];
   }

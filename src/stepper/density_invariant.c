@@ -9,7 +9,7 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
 
   PetscFunctionBegin;
   /* Stage 1: everything but pressure, Eqs. (1), (2), (4)-(7), at r^n */
-  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(CloudBegin(cloud, PETSC_FALSE));
   PetscCall(OperatorsMoments(cloud)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
@@ -22,7 +22,7 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += dt * predicted[k]; /* Eq. (2) */
 
   /* Stage 2: pressure restores rho_0, Eqs. (8)-(11), at r^F */
-  PetscCall(CloudMoved(cloud, PETSC_TRUE));
+  PetscCall(CloudMoved(cloud, PETSC_FALSE));
   PetscCall(OperatorsMoments(cloud));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));

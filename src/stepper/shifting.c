@@ -29,19 +29,17 @@ static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, Pet
     for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
 }
 
-/* The largest |u_b - u_a| of the neighbours b, whose u the row has. */
-static PetscReal RelativeSpeed(const Row *restrict row, const PetscReal u[DIM])
+/* The largest |u_b - u_a| of a's neighbours b. */
+static PetscReal RelativeSpeed(const Row *row, PetscInt a, const PetscReal u[])
 {
-  const PetscInt  m  = RowLanes(row);
-  const PetscReal ux = u[0], uy = u[1], uz = u[2];
-  PetscReal       speed2 = 0;
+  const Triple own    = TripleLoad(u + DIM * a);
+  PetscReal    speed2 = 0;
 
-  SIMD_LOOP(reduction(max : speed2))
-  for (PetscInt k = 0; k < m; k++) {
-    const PetscReal wx = row->v[4 * k] - ux, wy = row->v[4 * k + 1] - uy, wz = row->v[4 * k + 2] - uz,
-                    w2 = wx * wx + wy * wy + wz * wz;
+  for (PetscInt k = 0; k < row->n; k++) {
+    const Triple w  = TripleLoad(u + DIM * row->index[k]) - own;
+    const Triple w2 = TripleDot(w, w);
 
-    speed2 = w2 > speed2 ? w2 : speed2;
+    speed2 = w2[0] > speed2 ? w2[0] : speed2;
   }
   return PetscSqrtReal(speed2);
 }
@@ -60,40 +58,25 @@ static PetscErrorCode Wishes(Stepper stepper, PetscReal dt)
     dr[0] = dr[1] = dr[2] = 0;
     if (a >= cloud->n_fluid || cloud->field[SHARE][a] <= 0) continue;
     RowLoad(cloud, a, &row);
-    RowGather(&row, a, u, row.v);
-    Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
+    Wish(stepper, dt, a, RelativeSpeed(&row, a, u), dr);
   }
   PetscCall(CloudUpdate(cloud, SHIFT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a; the row has positions and u. */
-static void Taylor(Stepper stepper, PetscInt a, Row *restrict row, const PetscReal dr[DIM], PetscReal change[DIM])
+/* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a. */
+static void Taylor(Stepper stepper, PetscInt a, Row *row, const PetscReal dr[DIM], PetscReal change[DIM])
 {
-  Cloud            cloud = stepper->cloud;
-  const PetscReal *u = cloud->field[FIELD_PREDICTED] + DIM * a, *p = cloud->field[FIELD_POSITION] + DIM * a;
-  const PetscReal  px = p[0], py = p[1], pz = p[2], ux = u[0], uy = u[1], uz = u[2];
-  const PetscInt   m  = RowLanes(row);
-  PetscReal        gx = 0, gy = 0, gz = 0, along[DIM], scale_w, scale_f, inverse_h2;
+  Cloud     cloud = stepper->cloud;
+  PetscReal along[DIM], G[DIM][DIM], scale_w, scale_f, inverse_h2;
 
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, dr[0], dr[1], dr[2], along);
-  for (PetscInt d = 0; d < DIM; d++) along[d] *= cloud->domain->volume * scale_f;
-  if (OperatorsNearWall(cloud, p))
+  if (OperatorsNearWall(cloud, cloud->field[FIELD_POSITION] + DIM * a))
     for (PetscInt k = 0; k < row->n; k++)
       if (cloud->integer[INT_LAYER][row->index[k]]) row->f[k] = 0;
-  SIMD_LOOP(reduction(+ : gx, gy, gz))
-  for (PetscInt k = 0; k < m; k++) {
-    const PetscReal c = row->f[k] * (along[0] * (px - row->x[4 * k]) + along[1] * (py - row->x[4 * k + 1]) +
-                                     along[2] * (pz - row->x[4 * k + 2]));
-
-    gx += c * (row->v[4 * k] - ux);
-    gy += c * (row->v[4 * k + 1] - uy);
-    gz += c * (row->v[4 * k + 2] - uz);
-  }
-  change[0] = gx;
-  change[1] = gy;
-  change[2] = gz;
+  OperatorsVelocityGradient(cloud, row, a, cloud->field[FIELD_PREDICTED], G);
+  for (PetscInt d = 0; d < DIM; d++) change[d] = cloud->domain->volume * scale_f * Dot(G[d], along);
 }
 
 /* Pass 2: the displacement dr_a - sum_b s_b W_ab dr_b, s the shares, so that the mass moved has no sum, is added to x;
@@ -124,7 +107,6 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
       const PetscReal dr[DIM] = {sx, sy, sz};
 
       RowLoad(cloud, a, &row);
-      RowGather(&row, a, cloud->field[FIELD_PREDICTED], row.v);
       Taylor(stepper, a, &row, dr, change + DIM * a);
       for (PetscInt d = 0; d < DIM; d++) {
         x[DIM * a + d] += dr[d];
@@ -149,8 +131,7 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
     if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
     RowLoad(cloud, a, &row);
-    RowGather(&row, a, u, row.v);
-    Wish(stepper, dt, a, RelativeSpeed(&row, u + DIM * a), dr);
+    Wish(stepper, dt, a, RelativeSpeed(&row, a, u), dr);
     Taylor(stepper, a, &row, dr, change + DIM * a);
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
   }

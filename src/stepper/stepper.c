@@ -371,7 +371,7 @@ PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
-  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(CloudBegin(cloud, PETSC_FALSE));
   PetscCall(OperatorsMoments(cloud));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
@@ -392,7 +392,7 @@ PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
   char      why[1];
 
   PetscFunctionBegin;
-  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(CloudBegin(cloud, PETSC_FALSE));
   PetscCall(OperatorsMoments(cloud));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, PETSC_FALSE, &attempted));
