@@ -137,11 +137,28 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
   return PETSC_TRUE;
 }
 
+/* No memory: the rank that has none says so and ends all, since the others wait for it. PETSc 3.18 knows it by the
+   function only, the code is another. */
+static PetscBool ReportMemory(const char function[], PetscErrorCode code)
+{
+  static const char message[] = "out of memory: take a larger -spacing, a smaller box or more machines";
+  PetscMPIInt       size      = 1;
+
+  if (code != PETSC_ERR_MEM &&
+      (!function || (strcmp(function, "PetscMallocAlign") && strcmp(function, "PetscReallocAlign"))))
+    return PETSC_FALSE;
+  Say(message, (int)strlen(message), "");
+  (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  if (size > 1) (void)MPI_Abort(PETSC_COMM_WORLD, 1);
+  return PETSC_TRUE;
+}
+
 /* An error that starts anew is PETSc's; the repeats of a user error, one a PetscCall on the way up, are not printed. */
 static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                        PetscErrorCode code, PetscErrorType type, const char *message, void *context)
 {
-  if (type == PETSC_ERROR_INITIAL) UserErrorRaised = ReportBadValue(function, code, message);
+  if (type == PETSC_ERROR_INITIAL)
+    UserErrorRaised = (PetscBool)(ReportMemory(function, code) || ReportBadValue(function, code, message));
   if (UserErrorRaised) return code;
   return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, context);
 }

@@ -6,6 +6,7 @@
   200000 /* of the partition: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all */
 #define CELL_GROWTH     1.05  /* step of the search for a cell size that keeps to CELLS_MAX */
 #define LENGTH_ROUNDING 1e-12 /* relative; a box exactly one reach wide is allowed */
+#define DUMMY_LAYERS    20    /* of wall particles on both sides of the box, at most */
 
 const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
@@ -107,6 +108,8 @@ static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
 /* What follows from dimension, spacing and corners. */
 static PetscErrorCode CheckBox(Domain domain)
 {
+  PetscReal places = 1;
+
   PetscFunctionBegin;
   domain->volume = PetscPowRealInt(domain->spacing, (int)domain->dim);
   if (domain->dim == 2) {
@@ -119,7 +122,13 @@ static PetscErrorCode CheckBox(Domain domain)
                    "the box must be at least one -spacing (%g m) wide in %s: -box_upper %g m is not that far above "
                    "-box_lower %g m",
                    (double)domain->spacing, AxisNames[d], (double)domain->upper[d], (double)domain->lower[d]);
+    if (d < domain->dim) places *= (domain->upper[d] - domain->lower[d]) / domain->spacing + DUMMY_LAYERS;
   }
+  PetscCheckUser(
+    places < PETSC_MAX_INT, domain->comm,
+    "-spacing %g m is too small for the box: there is room for %.2g particles with those of its walls, and "
+    "this build of PETSc can number %.2g",
+    (double)domain->spacing, (double)places, (double)PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,7 +23,7 @@ static PetscInt Merge(PetscInt n, Piece piece[])
 {
   PetscInt count = 0;
 
-  qsort(piece, (size_t)n, sizeof(*piece), CompareLabels);
+  if (n) qsort(piece, (size_t)n, sizeof(*piece), CompareLabels);
   for (PetscInt k = 0; k < n; k++) {
     Piece *to = &piece[count - 1];
 
@@ -73,6 +73,6 @@ PetscErrorCode DropletsFind(Output output, PetscInt *count, Piece **piece)
       (*piece)[k].place[d] /= (*piece)[k].particles;
       (*piece)[k].velocity[d] /= (*piece)[k].particles;
     }
-  qsort(*piece, (size_t)*count, sizeof(**piece), CompareSizes);
+  if (*count) qsort(*piece, (size_t)*count, sizeof(**piece), CompareSizes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /* The class: types, options, and how samples become particles. */
 #include "types.h"
+#include <unistd.h>
 
 static PetscFunctionList PackingList = NULL;
 
@@ -282,6 +283,65 @@ static PetscErrorCode Measure(Packing packing, PackingReport *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define PARTICLE_LEAST                                                                                                 \
+  500              /* bytes a particle takes, at least: 1.2 kB in two dimensions, 2.2 kB in three by default           \
+                    */
+#define SAMPLES 16 /* points a direction at which a body is probed */
+
+/* How many particles the bodies (to a few percent) and the box's walls will have. */
+static PetscReal Estimate(Packing packing)
+{
+  const Domain    domain = packing->cloud->domain;
+  const PetscInt  deep   = domain->dim == DIM ? SAMPLES : 1;
+  const PetscReal layers = (PetscReal)PackingWallLayers(packing->cloud);
+  PetscReal       count = 0, box = 1, walled = 1;
+
+  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++) {
+    const Body body   = SceneBody(packing->cloud->scene, b);
+    PetscReal  volume = 1 / domain->volume, inside = 0, lower[DIM], upper[DIM], x[DIM];
+
+    BodyBounds(body, lower, upper);
+    for (PetscInt d = 0; d < domain->dim; d++) volume *= upper[d] - lower[d];
+    for (PetscInt k = 0; k < SAMPLES * SAMPLES * deep; k++) {
+      const PetscInt at[DIM] = {k % SAMPLES, (k / SAMPLES) % SAMPLES, k / (SAMPLES * SAMPLES)};
+
+      for (PetscInt d = 0; d < DIM; d++)
+        x[d] = lower[d] + (upper[d] - lower[d]) * (at[d] + 0.5) / (d < 2 ? SAMPLES : deep);
+      inside += BodyContains(body, x) ? 1 : 0;
+    }
+    count += volume * inside / (SAMPLES * SAMPLES * deep);
+  }
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal places = (domain->upper[d] - domain->lower[d]) / domain->spacing;
+
+    box *= places;
+    walled *= places + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
+  }
+  return count + walled - box;
+}
+
+/* Whether the machines of the ranks have the memory: Linux gives more away than there is and ends the run later. */
+static PetscErrorCode CheckMemory(Packing packing)
+{
+  const MPI_Comm comm  = packing->cloud->comm;
+  const double   bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE), count = Estimate(packing);
+  double         room;
+  PetscMPIInt    neighbors;
+  MPI_Comm       machine;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  PetscCallMPI(MPI_Comm_size(machine, &neighbors));
+  PetscCallMPI(MPI_Comm_free(&machine));
+  room = bytes / neighbors;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_DOUBLE, MPI_SUM, comm));
+  PetscCheckUser(bytes <= 0 || count * PARTICLE_LEAST <= room, comm,
+                 "-spacing %g m is too small for the memory: about %.2g particles take more than %.3g GB, there are "
+                 "%.3g GB",
+                 (double)packing->cloud->domain->spacing, count, count * PARTICLE_LEAST / 1e9, room / 1e9);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PackingRun(Packing packing, PackingReport *report)
 {
   const Cloud cloud = packing->cloud;
@@ -290,6 +350,7 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
   PetscCall(PetscMemzero(report, sizeof(*report)));
+  PetscCall(CheckMemory(packing));
   if (packing->ops.setup) PetscCall(packing->ops.setup(packing, report));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));

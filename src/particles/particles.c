@@ -307,7 +307,7 @@ PetscErrorCode ParticlesSort(Particles particles, PetscReal cell_size)
     keys[a].id    = arrays.integer[INT_ID][a];
     keys[a].place = a;
   }
-  qsort(keys, (size_t)arrays.n, sizeof(*keys), CompareKeys);
+  if (arrays.n) qsort(keys, (size_t)arrays.n, sizeof(*keys), CompareKeys);
   for (PetscInt a = 0; a < arrays.n; a++) order[a] = keys[a].place;
   PetscCall(Rearrange(&arrays, arrays.n, order));
   PetscCall(PetscFree2(keys, order));

@@ -17,6 +17,7 @@ import csv
 import math
 import os
 import sys
+from re import search
 from typing import NamedTuple
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -257,6 +258,43 @@ def units(folder, scales):
     return lines
 
 
+# --- where a growing step breaks a scene, beside what -spectrum predicts ---
+
+FULL = ("-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_y periodic -bodies a "
+        "-a_viscosity 1e5 -a_velocity_type taylor_green -a_taylor_green_amplitude 1 -packing_jitter 0.05 -shifting 0 "
+        "-viscosity_solver explicit ")
+ROUND = ("-dimension 2 -spacing 1e-4 -box_lower -1.2e-3,-1.2e-3 -box_upper 1.2e-3,1.2e-3 -bodies a -a_shape sphere "
+         "-a_center 0,0 -a_radius 8e-4 -a_viscosity 0 -a_tension 0.07 ")
+TRUST = 0.7, 1.4  # step that breaks over the predicted one
+
+
+def broken(scene, step, folder):
+    """Whether 100 fixed steps put kinetic energy into what should lose it, or into a drop at rest, 0.01 of its
+    surface's, or throw particles away."""
+    options = f"{scene} -time_step {step!r} -steps_max 100 -energy_max 0 -displacement_max 1e9 -density_max 1e9 "
+    process = runs.start(options + f"-output_dir {folder} -output_overwrite -progress_interval 0", 1, 600)
+    if process.returncode:
+        return True
+    s = runs.series(folder)
+    most = 1.01 * s["kinetic_energy"][0] + 0.01 * s["surface_energy"][0]
+    return s["lost"][-1] > 0 or not s["kinetic_energy"].max() <= most
+
+
+def limits(folder):
+    """The smallest step, in steps of a tenth of the predicted limit, that breaks each scene."""
+    lines = []
+    for name, scene, word in (("viscosity", FULL, "2/lambda"), ("tension", ROUND, "2/omega")):
+        text = runs.start(f"{scene} -steps_max 3 -spectrum -output_dir {folder}_{name} -progress_interval 0").stdout
+        predicted = float(search(name + f".*{word} = ([0-9.e+-]+) s", text).group(1))
+        own = float(search(r"time step ([0-9.e+-]+) s", text).group(1))
+        share = next((k / 10 for k in range(5, 20) if broken(scene, k / 10 * predicted, f"{folder}_{name}_run")), 2)
+        good = TRUST[0] <= share <= TRUST[1] and own < share * predicted
+        lines.append({"axis": "step over limit", "value": name, "outcome": "works" if good else "FAILED", "steps": 100,
+                      "remark": f"breaks at {share * predicted:.3g} s, {share:g} of SLEPc's {word} {predicted:.3g} s; "
+                                f"the run takes {own:.3g} s"})
+    return lines
+
+
 def picture(lines, path):
     """The stability map: a row for each axis, a cell for each value, its outcome as colour."""
     import matplotlib
@@ -296,6 +334,10 @@ def main():
         for line in units(runs.scratch(""), SCALES if arguments.all else (SCALES[0], 1e-6)):
             lines.append(line)
             runs.check(line["outcome"] != "FAILED", f"units_{line['value']}", line["remark"])
+    if arguments.all and arguments.only in "step over limit":
+        for line in limits(runs.scratch("limits")):
+            lines.append(line)
+            runs.check(line["outcome"] != "FAILED", f"step_over_limit_{line['value']}", line["remark"])
     print(f"\n{'axis':16s} {'value':26s} {'outcome':8s} {'steps':>5s} {'mean step':>10s} {'energy':>8s} {'density':>8s}"
           "  remark")
     for line in lines:

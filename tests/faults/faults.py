@@ -40,7 +40,7 @@ def count(what, outcome):
 def launch(options, ranks=1, **kwargs):
     """Starts the program in a session of its own."""
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [runs.PROGRAM] + options.split()
-    return subprocess.Popen(command, cwd=runs.ROOT, env=runs.environment(), stdin=subprocess.DEVNULL,
+    return subprocess.Popen(command, cwd=runs.ROOT, env=runs.environment(ranks), stdin=subprocess.DEVNULL,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
                             start_new_session=True, **kwargs)
 

@@ -3,7 +3,7 @@
 
     tests/long/long_run.py [STEPS]        (default 100 000; make long-run: a million)
 
-A film 0.5 m wide, 0.1 m deep, of 0.02 m spacing with a drop of its own liquid laid into it; judged between the tenth
+A film 0.2 m wide, 0.08 m deep, of 0.02 m spacing with a drop of its own liquid floating on it; judged between the tenth
 part of the run, when it has come to rest, and the end."""
 import os
 import sys
@@ -14,10 +14,10 @@ import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
 STEPS = int(sys.argv[1]) if len(sys.argv) > 1 else 100000
-SCENE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 0.5,0.3 -box_x periodic -box_ymin wall -gravity 0,-9.81
- -bodies film,drop -film_upper 0.5,0.1 -film_viscosity 1 -drop_shape sphere -drop_radius 0.05 -drop_center 0.25,0.16
+SCENE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 0.2,0.3 -box_x periodic -box_ymin wall -gravity 0,-9.81
+ -bodies film,drop -film_upper 0.2,0.08 -film_viscosity 1 -drop_shape sphere -drop_radius 0.04 -drop_center 0.1,0.13
  -drop_viscosity 1 -progress_interval 0 -time_step 2e-4 """
-DEPTH = 0.1  # m
+DEPTH = 0.08  # m
 folder = runs.scratch("long")
 command = SCENE + f"-steps_max {STEPS} -series_interval {2e-4 * STEPS / 200} -output_dir {folder}"
 process = runs.subprocess.Popen([runs.PROGRAM] + command.split(), cwd=runs.ROOT, env=runs.environment(),

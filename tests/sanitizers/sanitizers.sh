@@ -25,12 +25,12 @@ clean() { # name, command ...: exit code 0 and nothing said by a sanitizer or ab
 
 [ -x $build/isph ] || { echo "FAIL sanitizers: $build/isph is not built; make sanitized"; exit 1; }
 for program in $build/tests/unit/*; do
-  [ -f "$program" ] && [ -x "$program" ] && clean "$(basename "$program")" "$program" -malloc_debug -malloc_dump
+  [ -f "$program" ] && [ -x "$program" ] && clean "$(basename "$program")" "$program" -malloc_dump
 done
 for ranks in 1 2 3; do
   folder=$scratch/run_$ranks
   run="mpiexec -n $ranks $build/isph -options_file tests/sanitizers/scene.opts -output_dir $folder"
-  run="$run -malloc_debug -malloc_dump"
+  run="$run -malloc_dump"
   # shellcheck disable=SC2086
   clean "impact_$ranks" $run -steps_max 6
   # shellcheck disable=SC2086
