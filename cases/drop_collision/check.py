@@ -38,8 +38,8 @@ def check(folder):
     count = (piece >= 0.01 * len(start["id"])).sum()
     pieces = (physics.absolute("pieces of a hundredth of the liquid or more", count, 1, 0) if equal else
               physics.shown("pieces of a hundredth of the liquid or more", count))
-    results = [physics.at_most("change of momentum over sum m|v|", np.linalg.norm(p1 - p0) / scale, 0.02),
-               physics.at_most("change of angular momentum over R sum m|v|", (l1 - l0) / reach, 0.02),
+    results = [physics.at_most("change of momentum over the sum of m v", np.linalg.norm(p1 - p0) / scale, 0.02),
+               physics.at_most("change of angular momentum over R the sum of m v", abs(l1 - l0) / reach, 0.02),
                pieces,
                physics.shown("largest height over the start's", widest / np.ptp(start["position"][:, 1])),
                physics.at_most("particles lost over all", 1 - len(end["id"]) / len(start["id"]), 0.01)]

@@ -20,6 +20,11 @@ PetscErrorCode MonitorSetFromOptions(Sim sim)
   if (!set || !sim->monitor) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscObjectTypeCompare((PetscObject)sim->monitor, PETSCVIEWERDRAW, &sim->monitor_draw));
   sim->monitor_csv = (PetscBool)(format == PETSC_VIEWER_ASCII_CSV);
+  if (sim->monitor_draw) { /* opens the window now: its own options, -draw_pause and so on, are read with the others */
+    PetscDraw draw;
+
+    PetscCall(PetscViewerDrawGetDraw(sim->monitor, 0, &draw));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,13 +33,15 @@ static PetscErrorCode DrawParticles(Sim sim)
   const Domain    domain = sim->domain;
   const PetscInt  up     = domain->dim - 1;
   const PetscReal middle = 0.5 * (domain->lower[1] + domain->upper[1]);
+  const PetscReal side   = PetscMax(domain->upper[0] - domain->lower[0], domain->upper[up] - domain->lower[up]);
   PetscDraw       draw;
   ParticleArrays  arrays;
 
   PetscFunctionBegin;
   PetscCall(PetscViewerDrawGetDraw(sim->monitor, 0, &draw));
   PetscDrawCollectiveBegin(draw);
-  PetscCall(PetscDrawSetCoordinates(draw, domain->lower[0], domain->lower[up], domain->upper[0], domain->upper[up]));
+  PetscCall(PetscDrawSetCoordinates(draw, domain->lower[0], domain->lower[up], domain->lower[0] + side,
+                                    domain->lower[up] + side)); /* the same scale on both axes of the square window */
   PetscCall(PetscDrawPointSetSize(draw, DOT));
   PetscCall(PetscDrawClear(draw));
   PetscCall(ParticlesOpen(sim->particles, &arrays));
