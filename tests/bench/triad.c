@@ -18,9 +18,9 @@ int main(void)
     struct timespec begin, end;
     double          seconds;
 
-    clock_gettime(CLOCK_MONOTONIC, &begin);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
     for (size_t k = 0; k < LENGTH; k++) a[k] = b[k] + 3 * c[k];
-    clock_gettime(CLOCK_MONOTONIC, &end);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
     seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
     if (BYTES * LENGTH / seconds > best) best = BYTES * LENGTH / seconds;
     b[pass] = a[pass];
