@@ -2,7 +2,7 @@
 #   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
-#   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/
+#   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/; extremes-readme: README's
 #   make long-run                   a million steps of a small scene: nothing drifts
 #   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
@@ -128,7 +128,7 @@ test-ci: isph $(UNIT) $(COMPARE) sanitized
 
 SANITIZED = output/sanitized
 sanitized:
-	@$(MAKE) BUILD=$(SANITIZED) PROGRAM=$(SANITIZED)/isph LDFLAGS="$(LDFLAGS)" \
+	@$(MAKE) -j2 BUILD=$(SANITIZED) PROGRAM=$(SANITIZED)/isph LDFLAGS="$(LDFLAGS)" \
 	  CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined" sanitized-programs
 
 sanitized-programs: $(PROGRAM) $(UNIT)
@@ -161,6 +161,9 @@ faults: isph
 extremes: isph
 	@$(PYTHON) tests/extremes/extremes.py --all
 
+extremes-readme:
+	@$(PYTHON) tests/extremes/extremes.py --readme
+
 long-run: isph
 	@$(PYTHON) tests/long/long_run.py 1000000
 
@@ -188,5 +191,5 @@ clean:
 .PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
 
 .PHONY: pictures film mesh install
-.PHONY: faults fuzz extremes long-run test-ci sanitized sanitized-programs
+.PHONY: faults fuzz extremes extremes-readme long-run test-ci sanitized sanitized-programs
 .PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force

@@ -2,10 +2,11 @@
 """Runs at the extremes of what a scene may ask for. Each one works, is handled by a mechanism that the table names, is
 refused with a sentence before the first step, or is stopped by a watch with a sentence and a checkpoint.
 
-    tests/extremes/extremes.py [--all] [--only NAME] [--folder output/extremes]
+    tests/extremes/extremes.py [--all] [--only NAME] [--folder output/extremes] [--readme]
 
 With --all (make extremes) every run, a table, and the stability map as extremes.csv and extremes.png in the folder;
-without, the short part in make test. A run works when it ends with code 0 and, judged by its series,
+without, the short part in make test; with --readme (make extremes-readme) the table of README.md and the map beside
+this file, from the folder. A run works when it ends with code 0 and, judged by its series,
   - all values are numbers and no particle was lost (unless the scene throws some out),
   - kinetic, potential and (as far as it is measured) surface energy together never rise above their lowest sum so far
     by more than ENERGY of what the scene has at hand, SURFACE where it has tension,
@@ -22,6 +23,7 @@ from typing import NamedTuple
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import numpy as np  # noqa: E402
+import report  # noqa: E402
 import runs  # noqa: E402
 
 ENERGY = 0.05  # of the energy at hand
@@ -295,35 +297,15 @@ def limits(folder):
     return lines
 
 
-def picture(lines, path):
-    """The stability map: a row for each axis, a cell for each value, its outcome as colour."""
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    colors = {"works": "#5aa469", "handled": "#b9d77c", "refused": "#9fb8d6", "stopped": "#e9b44c", "FAILED": "#d1495b"}
-    axes = list(dict.fromkeys(line["axis"] for line in lines))
-    figure, plot = plt.subplots(figsize=(13, 0.52 * len(axes) + 1))
-    for row, axis in enumerate(axes):
-        cells = [line for line in lines if line["axis"] == axis]
-        for k, line in enumerate(cells):
-            plot.barh(-row, 0.98 / len(cells), left=k / len(cells), height=0.9, color=colors[line["outcome"]])
-            plot.text((k + 0.49) / len(cells), -row, line["value"], ha="center", va="center", fontsize=6.5)
-    plot.set_yticks([-row for row in range(len(axes))], axes)
-    plot.set_xticks([])
-    plot.set_xlim(0, 1)
-    plot.set_frame_on(False)
-    plot.legend([plt.Rectangle((0, 0), 1, 1, color=c) for c in colors.values()], colors, ncol=5, loc="upper center",
-                bbox_to_anchor=(0.5, 1.08), frameon=False)
-    figure.tight_layout()
-    figure.savefig(path, dpi=110)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--only", default="", help="runs whose axis or value contains this")
     parser.add_argument("--folder", default=os.path.join(runs.ROOT, "output", "extremes"))
+    parser.add_argument("--readme", action="store_true", help="write README.md's table and the map")
     arguments = parser.parse_args()
+    if arguments.readme:
+        sys.exit(report.readme(arguments.folder, runs.ROOT))
     lines = []
     for number, trial in enumerate(TRIALS):
         if (trial.short or arguments.all) and arguments.only in f"{trial.axis} {trial.value}":
@@ -353,7 +335,7 @@ def main():
             writer = csv.DictWriter(file, list(lines[0]))
             writer.writeheader()
             writer.writerows(lines)
-        picture(lines, os.path.join(arguments.folder, "extremes.png"))
+        report.picture(lines, os.path.join(arguments.folder, "extremes.png"))
     runs.done()
 
 
