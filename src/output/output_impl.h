@@ -129,15 +129,17 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state);
  */
 const char *GaugeUnit(Output output, const char unit[]);
 
-/* --- snapshot.c --- */
+/* --- content.c --- */
 /* SnapshotSetFromOptions - inside an options block; SnapshotCheck - refuses bad values, after it. Collective. */
 PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject);
 PetscErrorCode SnapshotCheck(Output output);
 PetscErrorCode SnapshotView(Output output, PetscViewer viewer);
-/* SnapshotFieldAt - field f of 0 .. SNAPSHOT_FIELDS - 1. SnapshotName - the name of the file with an index. Not
-   collective. */
+/* SnapshotFieldAt - field f of 0 .. SNAPSHOT_FIELDS - 1. Not collective. */
 SnapshotField SnapshotFieldAt(PetscInt f);
-void          SnapshotName(PetscInt index, char name[64]);
+
+/* --- snapshot.c --- */
+/* SnapshotName - the name of the file with an index. Not collective. */
+void SnapshotName(PetscInt index, char name[64]);
 /* SnapshotScan - finds the snapshots of the folder up to a step and removes later ones. Collective. */
 PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
 PetscErrorCode SnapshotWrite(Output output, const StepState *state);

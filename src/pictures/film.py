@@ -51,6 +51,7 @@ def main():
     if not shutil.which("ffmpeg"):
         raise tables.RunError("a film needs ffmpeg; on Debian: apt-get install ffmpeg")
     run = data.Run(arguments.folder)
+    run.need(arguments.color)
     some = [run.read(path) for _, path in run.moments()]
     ends = views.limits(some, arguments.color)
     arguments.window = pictures.window(run, some)

@@ -81,7 +81,9 @@ def surface_of(run, state, least):
     points, cells = points[used], index.reshape(-1, 3)
     mesh = polydata(points, cells)
     values = fluid.values(points - 0.5 * run.spacing * normals[used]) if len(points) else np.zeros((0, 3))
-    attach(mesh, speed=values[:, 0], pressure=values[:, 1], body=values[:, 2])
+    found = {"speed": values[:, 0], "pressure": values[:, 1], "body": values[:, 2]}
+    source = {"speed": "velocity", "pressure": "pressure", "body": "body"}
+    attach(mesh, **{name: column for name, column in found.items() if source[name] in run.fields})
     return mesh
 
 
@@ -107,7 +109,8 @@ def main():
         if arguments.particles:
             clouds.append((time, os.path.join(folder, f"particles_{number}.vtp")))
             points = polydata(state.points)
-            attach(points, velocity=state.velocity, pressure=state.pressure, body=state.body)
+            fields = {"velocity": state.velocity, "pressure": state.pressure, "body": state.body}
+            attach(points, **{name: field for name, field in fields.items() if name in run.fields})
             write(points, clouds[-1][1])
     if arguments.format == "vtp":
         series(folder, "surface", meshes)

@@ -165,6 +165,7 @@ def main():
     arguments = parser.parse_args()
     plt.rcParams["savefig.dpi"] = arguments.dpi
     run = data.Run(arguments.folder)
+    run.need(arguments.color)
     states = [run.read(path) for _, path in run.moments(arguments.times, max(1, arguments.count))]
     folder = os.path.join(arguments.folder, "figures")
     os.makedirs(folder, exist_ok=True)

@@ -44,7 +44,7 @@ class Run:
         self.files.sort()
         self.options = tables.read_options(folder)
         with h5py.File(self.files[0][1], "r") as file:
-            head = dict(file.attrs)
+            head, self.fields = dict(file.attrs), set(file)
         self.dim = int(np.ravel(head["dimension"])[0])
         self.up = self.dim - 1
         self.spacing = float(np.ravel(head["spacing"])[0])
@@ -120,6 +120,12 @@ class Run:
             times = [first + (last - first) * k / (count - 1) for k in range(count)] if count > 1 else [last]
         nearest = [min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times]
         return sorted(set(nearest))
+
+    def need(self, color):
+        """Refuses to colour by what the snapshots do not hold."""
+        field = {"speed": "velocity"}.get(color, color)
+        if field != "body" and field not in self.fields:
+            raise RunError(f"the snapshots of {self.folder} hold no {field} (-snapshot_fields).")
 
     def names(self):
         """Names of the bodies for the legend."""

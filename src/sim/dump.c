@@ -69,9 +69,10 @@ static void CutManual(char *help)
 /* One line of help, "  -name <now value : formerly default>: help (manual)" in several forms, as lines of the file. */
 static PetscErrorCode WriteOption(FILE *file, char *line)
 {
-  char *name = line + 2, *name_end = name + strcspn(name, " :"), *open = strchr(name_end, '<'), *close, *value, *help;
-  char  text[PETSC_MAX_PATH_LEN] = "";
-  PetscBool set, array;
+  char       *name = line + 2, *name_end = name + strcspn(name, " :"), *open = strchr(name_end, '<'), *close, *help;
+  const char *value;
+  char        text[PETSC_MAX_PATH_LEN] = "";
+  PetscBool   set, array;
 
   PetscFunctionBegin;
   if (!open || !(close = strchr(open, '>'))) PetscFunctionReturn(PETSC_SUCCESS);
@@ -82,6 +83,7 @@ static PetscErrorCode WriteOption(FILE *file, char *line)
   if (!strncmp(value, "now ", 4)) value += 4;
   array = (PetscBool)!strstr(value, " : "); /* of which PETSc shows one number only */
   if (!array) *strstr(value, " : ") = 0;
+  if (!strcmp(value, "nan.")) value = "nan"; /* PETSc does not read what it writes */
   PetscCall(PetscOptionsGetString(NULL, NULL, name, text, sizeof(text), &set));
   if (!strcmp(name, "-dump_options") || !strcmp(name, "-dry_run")) PetscFunctionReturn(PETSC_SUCCESS);
   if (set)

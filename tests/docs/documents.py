@@ -108,6 +108,17 @@ folder = runs.scratch("my")
 process = runs.start(f"-options_file {scene} -dry_run -output_dir {folder}")
 estimated = process.returncode == 0 and "time:" in process.stdout and os.path.exists(folder + ".svg")
 runs.check(estimated, "tutorial_dry_run", process.stderr[:300])
+# -dump_options: with every default typed out the scene is the same
+everything, typed = runs.scratch("all.opts"), runs.scratch("typed.opts")
+runs.start(f"-options_file {scene} -dump_options {everything}")
+with open(everything, encoding="utf-8") as file, open(typed, "w", encoding="utf-8") as out:
+    lines = [re.sub(r"^# (?=-[a-z][a-z0-9_]* \S)", "", line) for line in file]
+    out.write("".join(line for line in lines if re.match(r"-\S+ \S", line)))
+again = runs.start(f"-options_file {typed} -dry_run -output_dir {folder}")
+wanted = re.findall(r"^ .*(?:m2|bound|speed|force|viscosity|tension).*$", process.stdout, re.M)
+runs.check(again.returncode == 0 and wanted and wanted == re.findall(
+    r"^ .*(?:m2|bound|speed|force|viscosity|tension).*$", again.stdout, re.M), "dump_options_typed_out",
+           again.stderr[:300] or again.stdout[-600:])
 process = runs.start(f"-options_file {scene} -output_dir {folder} -time_end 0.6e-3 -snapshot_interval 0.2e-3")
 runs.check(process.returncode == 0, "tutorial_run", process.stderr[:300])
 process = runs.start(f"-options_file {scene} -output_dir {folder} -time_end 0.8e-3 -restart "

@@ -95,19 +95,25 @@ runs.check(len(full["id"]) == len(whole[0]["id"]) and "lambda" in full, "checkpo
 runs.run(SCENE + PART + f" -steps_max 3 -snapshot_fields none -restart {state}", "part")
 after = check_series(part, "continued")
 runs.check([len(f) for f in after] == [5, 5, 3], "continued_with_other_fields", [sorted(f) for f in after])
+bare = runs.run(SCENE + " -snapshot_fields none", "bare")
 empty = runs.run(SCENE + " -snapshot_lower -2,-2,-2 -snapshot_upper -1.5,-1.5,-1.5", "empty")
 runs.check([len(f["id"]) for f in check_series(empty, "empty")] == [0, 0], "empty_region", "particles in it")
+
+done = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/pictures.py"), "--color", "speed", bare],
+                      stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+runs.check(done.returncode == 1 and "hold no velocity" in done.stdout, "no_colour_without_field", done.stdout[-300:])
 
 # every column with a unit has it in the head of its table
 BARE = {"step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "rejected",
         "droplets", "spray", "line"}
+UNITS = ("s", "m", "m3", "J", "N", "Pa", "m/s")
 GAUGES = " -gauge_points 0,0,0 -gauge_heights 0,0 -gauge_lines 0,0,0,1,0,0 -gauge_forces -gauge_droplets -box_zmin wall"
 tables = runs.run(SCENE + GAUGES, "gauges")
 for name in ("series.csv", "lines.csv", "droplets.csv"):
     with open(os.path.join(tables, name), encoding="utf-8") as file:
         columns = file.readline().strip().split(",")
-    bare = [c for c in columns if c not in BARE and c.rsplit("_", 1)[-1] not in ("s", "m", "m3", "J", "N", "Pa", "m/s")]
-    runs.check(not bare and len(columns) > 5, f"units_of_{name}", f"no unit: {bare}")
+    unitless = [c for c in columns if c not in BARE and c.rsplit("_", 1)[-1] not in UNITS]
+    runs.check(not unitless and len(columns) > 5, f"units_of_{name}", f"no unit: {unitless}")
 
 mesh = os.path.join(runs.ROOT, "src/pictures/mesh.py")
 for extra in ([], ["--format", "ply"]):

@@ -21,7 +21,8 @@ def late(folder, name):
     return column[len(column) // 2:].mean()
 
 
-wall = runs.run(TANK + "-water_upper 1,0.4 -gauge_points 0.5,0.01 -gauge_heights 0.3", "wall")
+LINE = " -gauge_lines 0.5,0.05,0.5,0.35 -gauge_line_points 7"
+wall = runs.run(TANK + "-water_upper 1,0.4 -gauge_points 0.5,0.01 -gauge_heights 0.3" + LINE, "wall")
 floor = runs.run(TANK + "-water_upper 1,0.6 -solids floor -floor_upper 1,0.2 -gauge_points 0.5,0.21 -gauge_heights 0.3",
                  "floor")
 pressures = [late(folder, "point_1_pressure_Pa") for folder in (wall, floor)]
@@ -33,6 +34,30 @@ SPHERE = "-solids ball -ball_shape sphere -ball_center 0.5,0.2 -ball_radius 0.1"
 ball = runs.run(TANK + "-water_upper 1,0.4 " + SPHERE, "ball")
 runs.check_within(late(ball, "force_ball_y_Nm") / (HEAD * np.pi * 0.01), 0.93, 1.07, "buoyancy")
 runs.check(os.path.exists(os.path.join(ball, "solids.h5")), "solids_file", "missing")
+
+# lines, droplets and budgets: pressure along a vertical, two drops that fly off a pool, their energy and volume
+rows = np.genfromtxt(os.path.join(wall, "lines.csv"), delimiter=",", names=True)
+rows = rows[rows["step"] == rows["step"].max()]
+runs.check(len(rows) == 7 and np.allclose(rows["y_m"], np.linspace(0.05, 0.35, 7)), "line_points", rows["y_m"])
+runs.check_below(np.abs(rows["pressure_Pa"] / (HEAD * (0.4 - rows["y_m"])) - 1).max(), 0.05, "pressure_along_line")
+runs.check_within(runs.series(wall)["volume"][-1] / 0.4, 0.9999, 1.0001, "volume")
+runs.check_within(runs.series(wall)["potential_energy"][-1] / (HEAD * 0.4**2 / 2), 0.99, 1.01, "potential_energy")
+FLY = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_ymin wall -packing_jitter 0
+ -bodies water,left,right -water_upper 1,0.2 -left_lower 0.1,0.5 -left_upper 0.3,0.6 -left_velocity 0.3,0.1
+ -right_lower 0.6,0.6 -right_upper 0.7,0.7 -right_velocity 0,0.2 -time_end 0.05 -time_step 0.005
+ -gauge_droplets -right_density 1100 -checkpoint_interval 0"""
+fly = runs.run(FLY, "fly", ranks=2)
+table, s = np.genfromtxt(os.path.join(fly, "droplets.csv"), delimiter=",", names=True), runs.series(fly)
+table = table[table["step"] == table["step"].max()]
+runs.check(s["droplets"][-1] == 2 and s["spray"][-1] == 0 and len(table) == 2, "droplets_counted", s["droplets"][-1])
+runs.check(np.allclose(table["volume_m2"], (0.02, 0.01), rtol=1e-3), "droplet_volumes", table["volume_m2"])
+runs.check(np.allclose(s["droplet_volume_m2"][-1], 0.03, rtol=1e-3) and np.allclose(s["largest_droplet_m2"][-1], 0.02,
+                                                                                     rtol=1e-3), "droplet_columns", "")
+velocity = np.column_stack([table["velocity_x_ms"], table["velocity_y_ms"]])
+runs.check_below(np.abs(velocity - ((0.3, 0.1), (0, 0.2))).max(), 2e-3, "droplet_velocities")
+places = np.column_stack([table["x_m"], table["y_m"]])
+runs.check_below(np.abs(places - ((0.215, 0.555), (0.65, 0.66))).max(), 2e-3, "droplet_places")
+runs.check_within(s["kinetic_energy"][-1] / (1000 * 0.02 * 0.05 + 1100 * 0.01 * 0.02), 0.98, 1.02, "kinetic_energy")
 
 corners = [(x, y, z) for z in (-50, 50) for y in (0, 200) for x in (400, 600)]
 path = runs.scratch("cube.stl")

@@ -1,0 +1,130 @@
+/* What goes into the snapshots: -snapshot_fields, -snapshot_lower and so on. */
+#include "output_impl.h"
+
+#define DEFLATE      1 /* default: halves the files; 4 or 9 gain a hundredth more */
+#define DEFLATE_MOST 9
+
+/* Integer fields of a snapshot. */
+static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};
+
+SnapshotField SnapshotFieldAt(PetscInt f)
+{
+  if (f < FIELD_STORED_COUNT)
+    return (SnapshotField){Fields[f].name, Fields[f].unit, Fields[f].meaning, Fields[f].width, -1};
+  if (f < SNAPSHOT_FIELDS - 1) {
+    const IntFieldId id = int_fields[f - FIELD_STORED_COUNT];
+
+    return (SnapshotField){IntFieldNames[id], "1", IntFieldMeanings[id], 1, (PetscInt)id};
+  }
+  return (SnapshotField){"color", "1", "colour of the body; -1 for a wall", 1, INT_COUNT};
+}
+
+/* What every snapshot has: without it a particle is not to be told from others. */
+static PetscBool Always(PetscInt f)
+{
+  const PetscInt integer = SnapshotFieldAt(f).integer;
+
+  return (PetscBool)(f == FIELD_POSITION || integer == INT_ID || integer == INT_BODY);
+}
+
+PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject)
+{
+  const Domain   domain  = output->cloud->domain;
+  SnapshotSetup *content = &output->content;
+  PetscBool      set[2];
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsBool("-snapshot_walls", "Wall particles in the snapshots too", "OutputStep", content->walls,
+                             &content->walls, NULL));
+  PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", content->precise,
+                             &content->precise, NULL));
+  content->names       = SNAPSHOT_FIELDS + 1;
+  content->compression = DEFLATE;
+  PetscCall(PetscOptionsStringArray("-snapshot_fields",
+                                    "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
+                                    "lambda, surface, layer (of walls), color; default: all; none",
+                                    "OutputStep", content->name, &content->names, NULL));
+  for (PetscInt d = 0; d < DIM; d++) {
+    content->corner[0][d] = domain->lower[d];
+    content->corner[1][d] = domain->upper[d];
+  }
+  content->numbers[0] = content->numbers[1] = domain->dim + 1;
+  PetscCall(PetscOptionsRealArray("-snapshot_lower", "Lower corner of what snapshots hold (m); default: the box's",
+                                  "OutputStep", content->corner[0], &content->numbers[0], &set[0]));
+  PetscCall(PetscOptionsRealArray("-snapshot_upper", "Upper corner of what snapshots hold (m); default: the box's",
+                                  "OutputStep", content->corner[1], &content->numbers[1], &set[1]));
+  for (PetscInt side = 0; side < 2; side++)
+    if (!set[side]) content->numbers[side] = domain->dim;
+  content->region = (PetscBool)(set[0] || set[1]);
+  PetscCall(PetscOptionsInt("-snapshot_compression", "Deflate level of the snapshots, 0 (none) to 9 (smallest, slow)",
+                            "OutputStep", content->compression, &content->compression, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The bits of the fields that the user named. */
+static PetscErrorCode CheckFields(Output output)
+{
+  SnapshotSetup *content = &output->content;
+  PetscBool      none    = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  content->fields = 0;
+  if (content->names == 1) PetscCall(PetscStrcmp(content->name[0], "none", &none));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
+    if (Always(f) || (content->names == 0 && (SnapshotFieldAt(f).integer != INT_LAYER || content->walls)))
+      content->fields |= 1U << f;
+  for (PetscInt k = 0; k < content->names && !none; k++) {
+    PetscBool found = PETSC_FALSE;
+
+    for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !found; f++) {
+      PetscCall(PetscStrcmp(content->name[k], SnapshotFieldAt(f).name, &found));
+      if (found) content->fields |= 1U << f;
+    }
+    PetscCheckUser(found, output->comm,
+                   "-snapshot_fields names %s; there are velocity, pressure, density, lambda, surface, layer and "
+                   "color, or none.",
+                   content->name[k]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotCheck(Output output)
+{
+  static const char *const option[2] = {"-snapshot_lower", "-snapshot_upper"};
+  const Domain             domain    = output->cloud->domain;
+  const SnapshotSetup     *content   = &output->content;
+
+  PetscFunctionBegin;
+  PetscCall(CheckFields(output));
+  for (PetscInt side = 0; side < 2; side++)
+    PetscCheckUser(content->numbers[side] == domain->dim, output->comm, "%s has %d numbers; it needs %d.", option[side],
+                   (int)content->numbers[side], (int)domain->dim);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal lower = content->corner[0][d], upper = content->corner[1][d];
+
+    PetscCheckUser(
+      lower < upper && lower < domain->upper[d] && upper > domain->lower[d], output->comm,
+      "-snapshot_lower and -snapshot_upper leave %c from %g to %g m; there must be a part of the box, which "
+      "goes from %g to %g m.",
+      'x' + (int)d, (double)lower, (double)upper, (double)domain->lower[d], (double)domain->upper[d]);
+  }
+  PetscCheckUser(content->compression >= 0 && content->compression <= DEFLATE_MOST, output->comm,
+                 "-snapshot_compression is %d; it must be from 0 to %d.", (int)content->compression, DEFLATE_MOST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotView(Output output, PetscViewer viewer)
+{
+  const SnapshotSetup *content = &output->content;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "    of"));
+  PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
+    if (content->fields & 1U << f) PetscCall(PetscViewerASCIIPrintf(viewer, " %s", SnapshotFieldAt(f).name));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s, %s precision, compression %d\n",
+                                   content->region ? " in a part of the box" : "",
+                                   content->precise ? "double" : "single", (int)content->compression));
+  PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
