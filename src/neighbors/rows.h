@@ -53,12 +53,11 @@ static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
 {
   const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first;
   const float *restrict from = cloud->slope + first;
-  PetscReal *restrict f      = row->f;
 
   row->n     = n;
   row->index = cloud->list + first;
   SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) f[k] = from[k];
+  for (PetscInt k = 0; k < n; k++) row->f[k] = from[k];
 }
 
 #endif
