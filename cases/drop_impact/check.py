@@ -88,7 +88,8 @@ def check(folder):
     if reference["time"]:
         depth, right = (curve(table, "crater_depth") for table in (series, reference))
         width, right_width = (curve(table, "crater_diameter") for table in (series, reference))
-        boxed = curve(rundata.read_reference(box=True), "crater_diameter")
+        pool = rundata.read_reference(box=True)
+        boxed = curve(pool, "crater_diameter")
         for name, worst, limit, judged in (
                 ("D(t) 2 to 35 ms, largest error over the largest D", np.abs(depth - right).max() / right.max(),
                  5 if fine else 10, middle),
@@ -109,6 +110,11 @@ def check(folder):
                       make=physics.absolute),
                 judge("jet passes the level", compare.jet_rise(series), compare.jet_rise(reference), 2.0, "ms", 1e-3,
                       make=physics.absolute)]
+    if reference["time"]:
+        results += [physics.shown("half D, reference in a pool with the area of the box", 1e3 * half(series),
+                                  1e3 * half(pool), "ms"),
+                    physics.shown("jet, reference in a pool with the area of the box",
+                                  1e3 * compare.jet_rise(series), 1e3 * compare.jet_rise(pool), "ms")]
     for t in (5e-3, 10e-3, 15e-3):
         results.append(judge(f"kinetic energy at {1e3 * t:g} ms", compare.at(series, "kinetic_energy", t),
                              compare.at(reference, "kinetic_energy", t), 0.15, "uJ", 1e-6))
