@@ -60,6 +60,10 @@ PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
         nearest  = known[l];
       }
     }
+    PetscCheckUser(distance, comm,
+                   "nothing reads the option -%s here: it belongs to a choice that this scene does not make; -help "
+                   "lists all options",
+                   names[k]);
     PetscCheckUser(PETSC_FALSE, comm, "nothing reads the option -%s%s%s%s; -help lists all options", names[k],
                    distance <= 4 ? " (did you mean -" : "", distance <= 4 ? nearest : "", distance <= 4 ? "?)" : "");
   }
