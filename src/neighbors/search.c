@@ -2,7 +2,7 @@
 #include "search.h"
 
 #define CELLS_AROUND 27
-#define LANES        8   /* of the vector that compares candidates */
+#define LANES        16  /* of the vector that compares candidates */
 #define CHUNK        256 /* candidates compared before they are kept */
 #define ROW_GUESS    72  /* neighbours a particle, to begin with */
 
@@ -70,58 +70,128 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to list and s those of 'count' points whose squared distance s (in h^2) is below 'limit', point a itself
-   excluded; returns how many. order: local indices, x, y, z: places (h), p: place of a. May write LANES - 1 entries
-   behind the last. This loop sees every candidate. */
-#if defined(__AVX512F__) && defined(__AVX512VL__) && !defined(PETSC_USE_64BIT_INDICES)
+/* Places are compared as whole numbers of a unit, sixteen at a time. The unit is the same on every rank and the box is
+   2^n of them, 2^30 if it is not narrow: differences are exact, and the same for both particles of a pair, also across
+   a periodic face or a mirror. It is a billionth of the box, so that a place is as exact as the single precision of the
+   factors. */
+#define BOX_BITS 30
+#define OUTSIDE  1.5 /* box lengths from the middle that the numbers reach, and so many times the largest support: */
+#define REACHES  4
+
+typedef struct {
+  PetscReal center[DIM], inverse[DIM]; /* m; 1/m */
+  float     unit[DIM];                 /* over h */
+} Units;
+
+static Units ChooseUnits(Cloud cloud)
+{
+  const Domain domain = cloud->domain;
+  Units        units  = {{0}, {0}, {0}};
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal length = domain->upper[d] - domain->lower[d], needed = OUTSIDE * length + REACHES * cloud->reach;
+    int             bits = BOX_BITS;
+
+    while (PetscPowRealInt(2, 31 - bits) * length < needed) bits--;
+    units.center[d]  = 0.5 * (domain->lower[d] + domain->upper[d]);
+    units.inverse[d] = PetscPowRealInt(2, bits) / length;
+    units.unit[d]    = (float)(1 / (units.inverse[d] * KernelSmoothingLength(cloud->kernel)));
+  }
+  return units;
+}
+
+static inline PetscReal Place(const Units *units, PetscInt d, PetscReal x)
+{
+  return rint((x - units->center[d]) * units->inverse[d]);
+}
+
+/* Places of the points in the grid's order: [3][n]. */
+static PetscErrorCode SortPlaces(Cloud cloud, const Units *units, int32_t sorted[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const PetscInt   n = cloud->n_total;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal *p = x + DIM * cloud->grid.order[k];
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal place = Place(units, d, p[d]);
+
+      PetscCheck(PetscAbsReal(place) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+                 "a particle at (%g, %g, %g) m is further from the box than that is long", (double)p[0], (double)p[1],
+                 (double)p[2]);
+      sorted[d * n + k] = (int32_t)place;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends to list and s those of 'count' points whose squared distance s = r2/h2 is below 'limit', point a itself
+   excluded; returns how many. order: local indices, x, y, z: places, p: place of a, unit: over h. May write LANES - 1
+   entries behind the last. This loop sees every candidate. */
+#if defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
   #include <immintrin.h>
 
-static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const PetscReal *restrict x,
-                                const PetscReal *restrict y, const PetscReal *restrict z, const PetscReal p[DIM],
-                                PetscReal limit, PetscInt a, PetscInt *restrict list, float *restrict s)
+/* (p - x)/h of the lanes */
+static inline __m512 Difference(__mmask16 valid, __m512i p, const int32_t *x, __m512 unit)
 {
-  const __m512d px = _mm512_set1_pd(p[0]), py = _mm512_set1_pd(p[1]), pz = _mm512_set1_pd(p[2]),
-                end   = _mm512_set1_pd(limit);
-  const __m256i self  = _mm256_set1_epi32(a);
-  PetscInt      found = 0;
+  return _mm512_mul_ps(unit, _mm512_cvtepi32_ps(_mm512_sub_epi32(p, _mm512_maskz_loadu_epi32(valid, x))));
+}
+
+static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const int32_t *restrict x,
+                                const int32_t *restrict y, const int32_t *restrict z, const int32_t p[DIM],
+                                const float unit[DIM], float limit, PetscInt a, PetscInt *restrict list,
+                                float *restrict s)
+{
+  const __m512i px = _mm512_set1_epi32(p[0]), py = _mm512_set1_epi32(p[1]), pz = _mm512_set1_epi32(p[2]),
+                self = _mm512_set1_epi32(a);
+  const __m512 end = _mm512_set1_ps(limit), ux = _mm512_set1_ps(unit[0]), uy = _mm512_set1_ps(unit[1]),
+               uz = _mm512_set1_ps(unit[2]);
+  PetscInt found  = 0;
 
   for (PetscInt k = 0; k < count; k += LANES) {
-    const __mmask8 valid = (__mmask8)(count - k >= LANES ? 0xff : (1 << (count - k)) - 1);
-    const __m512d  dx    = _mm512_sub_pd(px, _mm512_maskz_loadu_pd(valid, x + k)),
-                  dy     = _mm512_sub_pd(py, _mm512_maskz_loadu_pd(valid, y + k)),
-                  dz     = _mm512_sub_pd(pz, _mm512_maskz_loadu_pd(valid, z + k));
-    const __m512d  r2    = _mm512_fmadd_pd(dz, dz, _mm512_fmadd_pd(dy, dy, _mm512_mul_pd(dx, dx)));
-    const __m256i  b     = _mm256_maskz_loadu_epi32(valid, order + k);
-    const __mmask8 keep =
-      _mm512_mask_cmp_pd_mask(valid, r2, end, _CMP_LT_OQ) & _mm256_mask_cmpneq_epi32_mask(valid, b, self);
+    const __mmask16 valid = (__mmask16)(count - k >= LANES ? 0xffff : (1 << (count - k)) - 1);
+    const __m512    dx    = Difference(valid, px, x + k, ux);
+    const __m512    dy    = Difference(valid, py, y + k, uy);
+    const __m512    dz    = Difference(valid, pz, z + k, uz);
+    const __m512    s2    = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
+    const __m512i   b     = _mm512_maskz_loadu_epi32(valid, order + k);
+    const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(valid, b, self);
+    const __mmask16 keep  = _mm512_mask_cmp_ps_mask(other, s2, end, _CMP_LT_OQ);
 
-    _mm256_storeu_si256((__m256i *)(list + found), _mm256_maskz_compress_epi32(keep, b));
-    _mm256_storeu_ps(s + found, _mm512_cvtpd_ps(_mm512_maskz_compress_pd(keep, r2)));
+    _mm512_storeu_si512(list + found, _mm512_maskz_compress_epi32(keep, b));
+    _mm512_storeu_ps(s + found, _mm512_maskz_compress_ps(keep, s2));
     found += __builtin_popcount(keep);
   }
   return found;
 }
 #else
-static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const PetscReal *restrict x,
-                                const PetscReal *restrict y, const PetscReal *restrict z, const PetscReal p[DIM],
-                                PetscReal limit, PetscInt a, PetscInt *restrict list, float *restrict s)
+static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const int32_t *restrict x,
+                                const int32_t *restrict y, const int32_t *restrict z, const int32_t p[DIM],
+                                const float unit[DIM], float limit, PetscInt a, PetscInt *restrict list,
+                                float *restrict s)
 {
-  const PetscReal px = p[0], py = p[1], pz = p[2];
-  PetscReal       r2[CHUNK];
-  PetscInt        found = 0;
+  const int32_t px = p[0], py = p[1], pz = p[2];
+  float         s2[CHUNK];
+  PetscInt      found = 0;
 
   for (PetscInt begin = 0; begin < count; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, count - begin);
 
     SIMD_LOOP()
-    for (PetscInt k = 0; k < m; k++)
-      r2[k] = PetscSqr(px - x[begin + k]) + PetscSqr(py - y[begin + k]) + PetscSqr(pz - z[begin + k]);
+    for (PetscInt k = 0; k < m; k++) {
+      const float dx = unit[0] * (float)(px - x[begin + k]), dy = unit[1] * (float)(py - y[begin + k]),
+                  dz = unit[2] * (float)(pz - z[begin + k]);
+
+      s2[k] = dx * dx + dy * dy + dz * dz;
+    }
     for (PetscInt k = 0; k < m; k++) { /* without a branch */
       const PetscInt b = order[begin + k];
 
       list[found] = b;
-      s[found]    = (float)r2[k];
-      found += (r2[k] < limit) & (b != a);
+      s[found]    = s2[k];
+      found += (s2[k] < limit) & (b != a);
     }
   }
   return found;
@@ -130,8 +200,8 @@ static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, 
 
 /* The neighbours of point a among sorted points: appends their indices to list and squared distances to s, returns
  * their number. sorted: [3][n], in the grid's order. */
-static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal *restrict sorted,
-                              const PetscReal p[DIM], PetscInt a, PetscReal limit, PetscInt *restrict list,
+static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const int32_t *restrict sorted, const int32_t p[DIM],
+                              PetscInt a, const float unit[DIM], float limit, PetscInt *restrict list,
                               float *restrict s)
 {
   const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
@@ -144,7 +214,7 @@ static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const PetscReal 
       const PetscInt line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0],
                      count = grid->start[line + x1 + 1] - begin;
 
-      found += KeepNear(count, grid->order + begin, sorted + begin, sorted + n + begin, sorted + 2 * n + begin, p,
+      found += KeepNear(count, grid->order + begin, sorted + begin, sorted + n + begin, sorted + 2 * n + begin, p, unit,
                         limit, a, list + found, s + found);
     }
   return found;
@@ -173,28 +243,16 @@ static void PairFactors(Kernel kernel, PetscInt n, const float *restrict s, floa
   for (PetscInt k = 0; k < n; k++) laplacian[k] = -slope[k] * s[k] / (s[k] + eta2);
 }
 
-/* Places over h in the grid's order: [3][n]. */
-static void SortPlaces(Cloud cloud, PetscReal inverse_h, PetscReal sorted[])
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION];
-  const PetscInt   n = cloud->n_total;
-
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal *p = x + DIM * cloud->grid.order[k];
-
-    for (PetscInt d = 0; d < DIM; d++) sorted[d * n + k] = p[d] * inverse_h;
-  }
-}
-
 PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
 {
   const PetscInt   n      = cloud->n_total;
   const PetscReal *x      = cloud->field[FIELD_POSITION];
-  const PetscReal  radius = KernelSupport(cloud->kernel), inverse_h = 1 / KernelSmoothingLength(cloud->kernel),
-                  limit = PetscSqr(radius * inverse_h);
-  PetscReal *sorted;
-  PetscInt   used = 0, most, longest = 0;
-  float     *s, w[ROW_CAPACITY];
+  const Units      units  = ChooseUnits(cloud);
+  const PetscReal  radius = KernelSupport(cloud->kernel);
+  const float      limit  = (float)PetscSqr(radius / KernelSmoothingLength(cloud->kernel));
+  PetscInt         used = 0, most, longest = 0;
+  int32_t         *sorted;
+  float           *s, w[ROW_CAPACITY];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
@@ -203,15 +261,16 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
     longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
   most = CELLS_AROUND * longest + LANES;
   PetscCall(PetscMalloc2(DIM * n, &sorted, most, &s));
-  SortPlaces(cloud, inverse_h, sorted);
+  PetscCall(SortPlaces(cloud, &units, sorted));
   cloud->first[0] = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal p[DIM] = {x[DIM * a] * inverse_h, x[DIM * a + 1] * inverse_h, x[DIM * a + 2] * inverse_h};
-    PetscInt        found;
+    const int32_t p[DIM] = {(int32_t)Place(&units, 0, x[DIM * a]), (int32_t)Place(&units, 1, x[DIM * a + 1]),
+                            (int32_t)Place(&units, 2, x[DIM * a + 2])};
+    PetscInt      found;
 
     if (used + most > cloud->list_capacity)
       PetscCall(ReserveList(cloud, used, PetscMax(most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + most));
-    found = FindNeighbors(&cloud->grid, n, sorted, p, a, limit, cloud->list + used, s);
+    found = FindNeighbors(&cloud->grid, n, sorted, p, a, units.unit, limit, cloud->list + used, s);
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);

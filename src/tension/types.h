@@ -12,7 +12,7 @@
 #define LIQUID_WIDTH 9
 /* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
    the particles of one share the work of collecting them. */
-#define LIQUID_CELLS 3
+#define LIQUID_CELLS 2
 typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m */
