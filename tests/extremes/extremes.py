@@ -14,7 +14,6 @@ this file, from the folder. A run works when it ends with code 0 and, judged by 
 It is 'handled' when, besides, steps were rolled back or the viscosity was implicit where an explicit one would have
 needed shorter steps."""
 import argparse
-import csv
 import math
 import os
 import sys
@@ -330,12 +329,7 @@ def main():
     kinds = ("works", "handled", "refused", "stopped", "FAILED")
     print(", ".join(f"{outcomes.count(kind)} {kind}" for kind in kinds), f"of {len(lines)}")
     if arguments.all and not arguments.only:
-        os.makedirs(arguments.folder, exist_ok=True)
-        with open(os.path.join(arguments.folder, "extremes.csv"), "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(lines[0]))
-            writer.writeheader()
-            writer.writerows(lines)
-        report.picture(lines, os.path.join(arguments.folder, "extremes.png"))
+        report.keep(lines, arguments.folder, runs.ROOT)
     runs.done()
 
 

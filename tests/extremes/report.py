@@ -57,13 +57,27 @@ def table(lines):
     return rows + (["", "Failed:", ""] + failed if failed else [])
 
 
+def keep(lines, folder, root):
+    """Writes the table, the map and the version of the program."""
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, "extremes.csv"), "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(lines[0]))
+        writer.writeheader()
+        writer.writerows(lines)
+    version = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=root, stdout=subprocess.PIPE,
+                             universal_newlines=True, check=False).stdout.strip()
+    with open(os.path.join(folder, "version.txt"), "w", encoding="utf-8") as file:
+        file.write(version + "\n")
+    picture(lines, os.path.join(folder, "extremes.png"))
+
+
 def readme(folder, root):
     """Writes the table between the markers of README.md, and the map beside this file."""
     path = os.path.join(root, "README.md")
     with open(os.path.join(folder, "extremes.csv"), newline="", encoding="utf-8") as file:
         lines = list(csv.DictReader(file))
-    version = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=root, stdout=subprocess.PIPE,
-                             universal_newlines=True, check=False).stdout.strip()
+    with open(os.path.join(folder, "version.txt"), encoding="utf-8") as file:
+        version = file.read().strip()
     with open(path, encoding="utf-8") as file:
         text = file.read()
     begin, end = text.index(MARKERS[0]) + len(MARKERS[0]), text.index(MARKERS[1])
