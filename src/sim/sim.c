@@ -227,8 +227,8 @@ PetscErrorCode SimRun(Sim sim)
   }
   OutputCheckpointName(sim->state.step, checkpoint);
   if (interrupted || sim->progress_interval > 0)
-    PetscCall(PetscPrintf(sim->comm, "Results are in %s; to go on%s: -restart %s/%s\n", OutputFolder(sim->output),
-                          interrupted ? "" : ", with a later -time_end", OutputFolder(sim->output), checkpoint));
+    PetscCall(PetscPrintf(sim->comm, "Results are in %s; continue with%s -restart %s/%s\n", OutputFolder(sim->output),
+                          interrupted ? "" : " a later -time_end and", OutputFolder(sim->output), checkpoint));
   PetscCall(PetscLogStagePop());
   if (SpectrumWanted(sim->spectrum)) {
     SpectrumStep step = {.iterations = sim->state.iterations, .form = StepperViscosityForm(sim->stepper)};
