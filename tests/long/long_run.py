@@ -35,7 +35,7 @@ s = runs.series(folder)
 rest = s[s["step"] >= STEPS / 10]
 scale = abs(rest["potential_energy"][0]) + rest["kinetic_energy"][0]
 quarter = len(memory) // 4
-early, late = np.median(memory[quarter:2 * quarter]), np.median(memory[3 * quarter:])  # the last file takes more for once
+early, late = np.median(memory[quarter:2 * quarter]), np.median(memory[3 * quarter:])  # not the last file's
 print(f"{int(s['step'][-1])} steps in {s['wall_time'][-1]:.0f} s; after a tenth of them: kinetic energy "
       f"{rest['kinetic_energy'][0] / scale:.1e} to {rest['kinetic_energy'][-1] / scale:.1e}, potential energy "
       f"{rest['potential_energy'].max() / scale - rest['potential_energy'].min() / scale:.1e} apart, of their sum; "
