@@ -17,8 +17,8 @@ def check(folder):
     states = list(physics.snapshots(folder))
     last, d0 = states[-1][2]["position"], float(states[-1][1]["spacing"])
     wave = np.pi * R**2 * U / F
-    share = QUARTER * d["volume_m3"] / wave
-    settled = d[(d["time_s"] > 0.02) & (share > 0.5) & (share < 1.5)]
+    whole = QUARTER * d["volume_m3"]
+    settled = d[(d["time_s"] > 0.02) & (whole > 0.5 * wave) & (whole < 1.5 * wave)]
     size = np.bincount(physics.components(last, 1.25 * d0))
     attached = last[physics.components(last, 1.25 * d0) == np.argmax(size)]
     volume = QUARTER * np.median(settled["volume_m3"])

@@ -78,8 +78,10 @@ static PetscErrorCode PoolListDestroy(PoolList *list)
 /* Centre x (m) of a column in the components of the position; the vertical one is untouched. */
 static void ColumnCentre(const GaugeGrid *grid, PetscInt column, PetscReal x[DIM])
 {
-  x[grid->component[0]] = grid->lower[0] + (column % grid->n[0] - 0.5) * grid->size;
-  x[grid->component[1]] = grid->lower[1] + (column / grid->n[0] - 0.5) * grid->size;
+  const PetscInt along = column % grid->n[0], across = column / grid->n[0];
+
+  x[grid->component[0]] = grid->lower[0] + (along - 0.5) * grid->size;
+  x[grid->component[1]] = grid->lower[1] + (across - 0.5) * grid->size;
 }
 
 /* The surface of the pool that the sky sees: for each column its distance from the axis (m), whether it is inside the

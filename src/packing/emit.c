@@ -101,7 +101,7 @@ static PetscErrorCode Hold(Packing packing, PetscReal time)
 PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted)
 {
   const Scene scene    = packing->cloud->scene;
-  PetscInt    first_id = EMITTED_ID, most = 0, emitters = 0, number = 0;
+  PetscInt    first_id = EMITTED_ID, most = 1, emitters = 0, number = 0;
 
   PetscFunctionBegin;
   *emitted = 0;
@@ -120,7 +120,7 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
     wanted = BodyEmissions(SceneBody(scene, b), time);
     for (; emission->done < wanted; emission->done++) {
       if (resumed) continue;
-      PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * emitters), packing->cloud->comm,
+      PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), packing->cloud->comm,
                      "the emitter %s has brought as many particles as this build of PETSc can number",
                      BodyName(SceneBody(scene, b)));
       PetscCall(Emit(packing, b, emission->done, first_id + (emission->done * emitters + number) * most, time));

@@ -234,7 +234,7 @@ static PetscErrorCode Picture(Sim sim)
 PetscErrorCode SimDryRun(Sim sim)
 {
   PetscInt64 snapshots, bytes, checkpoint;
-  PetscReal  step_time;
+  PetscReal  step_time = 0;
 
   PetscFunctionBegin;
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));

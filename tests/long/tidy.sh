@@ -6,7 +6,8 @@ command -v clang-tidy >/dev/null || { echo "ok clang_tidy (not installed, not ru
 flags="-std=c11 -D_POSIX_C_SOURCE=200809L -Ioutput/build"
 flags="$flags $(pkg-config --cflags SLEPc PETSc hdf5-openmpi) $(mpicc --showme:compile)"
 # shellcheck disable=SC2086
-log=$(clang-tidy --quiet src/*.c src/*/*.c -- $flags 2>/dev/null | grep -E ': (error|warning):' | sort -u)
+log=$(printf '%s\n' src/*.c src/*/*.c | xargs -P 2 -I {} clang-tidy --quiet {} -- $flags 2>/dev/null |
+  grep -E ': (error|warning):' | sort -u)
 if [ -z "$log" ]; then echo "ok clang_tidy"; else echo "FAIL clang_tidy: $(wc -l <<<"$log") findings"; echo "$log"; fi
 if make -s CC="env OMPI_CC=clang mpicc" BUILD=output/clang PROGRAM=output/clang/isph output/clang/isph; then
   echo "ok clang_builds_without_warnings"
