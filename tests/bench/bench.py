@@ -90,9 +90,9 @@ def measure(folder, size, ranks, state, solver, tolerance):
     choice = OPTIONS.get(solver, (["-pc_type", solver],) * 2)[ranks > 1]
     clock = built(folder, "cputime", "-shared", "-fPIC")
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [
-        "env", f"LD_PRELOAD={clock}", os.path.join(ROOT, "isph"), *states.scene(os.path.join(folder, "states"), state), "-spacing",
-        str(SIZES[size]), *choice, "-ksp_rtol", str(tolerance), "-restart", start, "-time_end",
-        "1", "-steps_max", str(STEPS[size]), "-output_dir",
+        "env", f"LD_PRELOAD={clock}", os.path.join(ROOT, "isph"),
+        *states.scene(os.path.join(folder, "states"), state), "-spacing", str(SIZES[size]), *choice,
+        "-ksp_rtol", str(tolerance), "-restart", start, "-time_end", "1", "-steps_max", str(STEPS[size]), "-output_dir",
         os.path.join(folder, "run"), "-output_overwrite", "-series_interval", "1", "-snapshot_interval", "1",
         "-checkpoint_interval", "1", "-log_view", ":" + log]
     bandwidth = triad(folder, ranks)
