@@ -2,6 +2,7 @@
 #include "types.h"
 
 #define VISCOUS_LIMIT   0.08 /* dt <= this h^2/nu: 0.125 is marginal for the form of Morris et al. */
+#define LAST_LONGER     1e-3 /* a last step may be longer by this share of it */
 #define CAPILLARY_LIMIT 0.25 /* dt <= this sqrt(rho h^3/(2 pi sigma)) (Brackbill et al. 1992) */
 #define FORCE_LIMIT     0.03 /* dt <= this sqrt(h/|g|): a jittered film at rest is stable at 0.03, not at 0.045 */
 #define SPRAY_LAMBDA    0.2  /* at most: a particle almost alone, which meets no pressure */
@@ -76,8 +77,9 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
     step = stepper->step_fixed;
     (void)Viscosity(stepper, step, stepper->bounds.viscosity);
   }
-  /* no tiny last step: the last two share what is left */
-  if (left <= step * (1 + 1e-9))
+  /* no tiny last step, whose pressure would be noise over dt: it takes what round-off has left in the sum of a million
+     steps; of steps that may be chosen the last two share what is left */
+  if (left <= step * (1 + LAST_LONGER))
     step = left;
   else if (left < 2 * step && stepper->step_fixed == 0)
     step = 0.5 * left;

@@ -8,7 +8,8 @@
    which is pairwise and central: momentum and angular momentum are kept. A sheet of one particle pulls its edge back
    with 2 sigma per unit of length (cases/retracting_sheet). Where curvature.c sees the sides nothing may be added: phi
    is then that of the flat surface which |grad phi| tells of, and S' is faded out with what phi lacks to that. It stays
-   as at THICKNESS_SPRAY below it, where particles are nearly alone: pairs and threads attract each other weakly. No
+   as at THICKNESS_SPRAY below it, where particles are nearly alone. In threads there is none: phi does not tell a
+   thread from a thinner sheet, whose pull is half as much again, and with it threads would not break (Rayleigh). No
    reference; forces from a function of the density are those of many-body dissipative particle dynamics (Pagonabarraga
    and Frenkel 2001).
 
@@ -28,6 +29,8 @@
 #define THICKNESS_SPRAY 0.41 /* over the spacing; below, S would be more than that of a sphere: a constant slope */
 #define LACK_NONE       0.2  /* of phi to the flat surface that grad phi tells of; below: none of S' */
 #define LACK_ALL        0.65 /* above: all of it */
+#define FLAT_NONE       0.2  /* second over largest moment of the neighbours; below: a thread, none of S' */
+#define FLAT_ALL        0.5  /* above: a sheet, all of it */
 
 PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient)
 {
@@ -38,6 +41,39 @@ PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal
                   t    = PetscMin(1, PetscMax(0, (flat - phi - LACK_NONE) / (LACK_ALL - LACK_NONE)));
 
   return -2 * volume * tension->plane / (low * low) * t * t * (3 - 2 * t);
+}
+
+/* How flat the neighbourhood of the particle at place p is: the second over the largest eigenvalue of sum W r (x) r,
+   1 in a sheet and at its edge, small in a thread, faded to 0 for threads and 1 for sheets. */
+static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
+{
+  const Liquid   *liquid = &tension->liquid;
+  const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
+                            liquid->sorted[2 * liquid->count + p]};
+  PetscReal       M[6]   = {0, 0, 0, 0, 0, 0}, opposite[6], largest, t;
+
+  if (tension->dim == 2) return 1;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal d[DIM] = {liquid->near[k] - x[0], liquid->near[liquid->stride + k] - x[1],
+                              liquid->near[2 * liquid->stride + k] - x[2]},
+                    r2     = Dot(d, d);
+    PetscReal W;
+
+    if (r2 >= PetscSqr(liquid->support)) continue;
+    KernelEvaluate(tension->kernel, 1, &r2, &W, NULL);
+    M[0] += W * d[0] * d[0];
+    M[1] += W * d[1] * d[1];
+    M[2] += W * d[2] * d[2];
+    M[3] += W * d[0] * d[1];
+    M[4] += W * d[0] * d[2];
+    M[5] += W * d[1] * d[2];
+  }
+  for (PetscInt d = 0; d < 6; d++) opposite[d] = -M[d];
+  largest = -SymmetricSmallestEigenvalue(DIM, opposite);
+  if (largest <= 0) return 0; /* alone */
+  t = (M[0] + M[1] + M[2] - SymmetricSmallestEigenvalue(DIM, M) - largest) / largest;
+  t = PetscMin(1, PetscMax(0, (t - FLAT_NONE) / (FLAT_ALL - FLAT_NONE)));
+  return t * t * (3 - 2 * t);
 }
 
 /* The pull of thin particle b at place p on all n collected candidates, and theirs on it. */
@@ -71,25 +107,30 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
 
 PetscErrorCode SheetPull(Tension tension, Cloud cloud)
 {
-  Liquid          *liquid = &tension->liquid;
-  const CellGrid  *grid   = &liquid->grid;
-  const PetscReal *slope  = cloud->field[FIELD_CAPILLARY];
+  Liquid         *liquid = &tension->liquid;
+  const CellGrid *grid   = &liquid->grid;
+  PetscReal      *slope  = cloud->field[FIELD_CAPILLARY];
 
   PetscFunctionBegin;
-  PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
   for (PetscInt k = 0; k < liquid->count; k++)
     liquid->sorted[DIM * liquid->count + k] = (PetscReal)LiquidParticle(liquid, k);
-  for (PetscInt c = 0; c < grid->count; c++) {
-    PetscInt n = -1;
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt c = 0; c < grid->count; c++) {
+      PetscInt n = -1;
 
-    for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-      const PetscReal pull = slope[LiquidParticle(liquid, p)];
+      for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
+        const PetscInt a = LiquidParticle(liquid, p);
 
-      if (pull == 0) continue;
-      if (n < 0) PetscCall(LiquidCollect(liquid, c, DIM + 1, 1, &n));
-      Pull(tension, cloud, p, n, pull);
+        if (slope[a] == 0 || (pass == 0 && a >= cloud->n_owned)) continue;
+        if (n < 0) PetscCall(LiquidCollect(liquid, c, DIM + 1, 1, &n));
+        if (pass == 0)
+          slope[a] *= Flatness(tension, p, n);
+        else
+          Pull(tension, cloud, p, n, slope[a]);
+      }
     }
+    if (pass == 0) PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
   }
-  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_total));
+  PetscCall(PetscArrayzero(slope, cloud->n_total));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
