@@ -147,6 +147,11 @@ runs.check(done.returncode == 0 and re.match(r"\S+ \(\d+, 3\) \S+", done.stdout)
 
 # an installed program runs an installed case, and its pictures are drawn, away from the sources
 prefix = runs.scratch("prefix")
+for driver in ("tests/tradeoff/tradeoff.py", "tests/bench/bench.py", "tests/verify/runner.py"):
+    done = subprocess.run([sys.executable, driver, "--help"], cwd=runs.ROOT, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False)
+    runs.check(done.stdout.startswith("usage:"), f"help_{os.path.basename(driver)}", done.stdout[:200])
+
 done = subprocess.run(["make", "-s", "install", f"PREFIX={prefix}"], cwd=runs.ROOT, stdout=subprocess.PIPE,
                       stderr=subprocess.STDOUT, universal_newlines=True, check=False)
 if runs.check(done.returncode == 0, "install", done.stdout[-300:]):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What each choice costs and what error it makes: runs a case over the axes of scenes.py, one choice at a time.
+"""What each choice costs and what error it makes: runs a case over the axes of sweeps.py, one choice at a time.
 
     tradeoff.py --case CASE [--axis NAME ...] [--fresh] [--readme]     make tradeoff CASE=...
 
@@ -28,7 +28,7 @@ import cases  # noqa: E402
 import chart  # noqa: E402
 import runner  # noqa: E402
 import runs  # noqa: E402
-import scenes  # noqa: E402
+import sweeps  # noqa: E402
 
 OUTPUT = os.path.join(runs.ROOT, "output", "tradeoff")
 COLUMNS = ("axis", "label", "options", "error", "cpu", "yard", "steps", "iterations", "reason", "version")
@@ -175,7 +175,7 @@ def sweep(case, scene, only, fresh):
     has = {word: any(name.endswith("_" + word) and float(value) > 0 for name, value in used.items())
            for word in ("tension", "viscosity")}
     viscous = has["viscosity"] or not any(name.endswith("_viscosity") for name in used)  # water is the default
-    for axis, label, options in scenes.axes(scene, float(used["-spacing"]), step, has["tension"], viscous):
+    for axis, label, options in sweeps.axes(scene, float(used["-spacing"]), step, has["tension"], viscous):
         path = options.split("-options_file ")[-1] if "-options_file" in options else ""
         if (not only or axis in only) and (not path or os.path.exists(os.path.join(runs.ROOT, path))):
             take(axis, label, options)
@@ -194,7 +194,7 @@ def main():
     entry = next((e for e in cases.ENTRIES if e.case == case), None)
     if not entry:
         sys.exit(f"tradeoff.py: CASE={case} is no case; there are {', '.join(sorted({e.case for e in cases.ENTRIES}))}")
-    scene = scenes.SCENES.get(case, scenes.Scene(entry.options, file=entry.file, spacings=(2, 1.5)))
+    scene = sweeps.SCENES.get(case, sweeps.Scene(entry.options, file=entry.file, spacings=(2, 1.5)))
     if not arguments.readme:
         sweep(case, scene, arguments.axis, arguments.fresh)
     rows = read(case)
