@@ -64,9 +64,11 @@ BLOCKS = {1: "0.01,0.01,0.01", 2: "0.02,0.01,0.01", 8: "0.02,0.02,0.02", 27: "0.
 
 ENTRIES = []
 # free fall: to round-off
+# The symmetry that keeps 27 is that of pair factors in single precision; see the case's README.
+UNEVEN = ("distance fallen by the centre of mass", "parabola, error over the distance", "momentum, error over m v")
 for n, upper in BLOCKS.items():
     ENTRIES += both("free_fall", f"{n} particles", "", TEST, LOOSE, shared="-a_upper " + upper, file="block.opts",
-                    twin_size=TEST)
+                    twin_size=TEST if n < 27 else SHORT, misses=UNEVEN if n == 27 else ())
 ENTRIES += both("free_fall", "2000 particles", CONSERVED, TEST)
 
 # viscosity and walls
