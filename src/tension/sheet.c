@@ -121,7 +121,7 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud)
       for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
         const PetscInt a = LiquidParticle(liquid, p);
 
-        if (slope[a] == 0 || (pass == 0 && a >= cloud->n_owned)) continue;
+        if ((pass == 0 && a >= cloud->n_owned) || slope[a] == 0) continue;
         if (n < 0) PetscCall(LiquidCollect(liquid, c, DIM + 1, 1, &n));
         if (pass == 0)
           slope[a] *= Flatness(tension, p, n);
