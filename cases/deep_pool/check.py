@@ -22,18 +22,8 @@ def crater(times, steps=4000):
         growth = -1.5 * u * u / a - 2 / (WE * a * a) - z / (FR * a) + 1.75 * w * w / a - 4 * u / (RE * a * a)
         return np.array([u, w, growth, -3 * u * w / a - 4.5 * w * w / a - 2 / FR - 12 * w / (RE * a * a)])
 
-    y, tau, out = np.array([0.77 + 0.17 * START, -0.77 + 0.27 * START, 0.17, 0.27]), START, []
-    for time in times:
-        h = (time - tau) / steps
-        for _ in range(steps):
-            k1 = slope(y)
-            k2 = slope(y + h / 2 * k1)
-            k3 = slope(y + h / 2 * k2)
-            k4 = slope(y + h * k3)
-            y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        tau = time
-        out.append(y[0] + y[1])
-    return np.array(out)
+    return physics.integrate(slope, [0.77 + 0.17 * START, -0.77 + 0.27 * START, 0.17, 0.27], START, times,
+                             steps)[:, :2].sum(axis=1)
 
 
 def check(folder):

@@ -267,6 +267,28 @@ static PetscErrorCode TestUnevenSheet(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Threads of one particle are not pulled as sheets are: their ends stay. */
+static PetscErrorCode TestThread(void)
+{
+  const PetscInt  row[DIM] = {28, 1, 1};
+  const PetscReal any[]    = {0, 1000};
+  const PetscInt  n        = Fill(InShell, any, row, origin, 0);
+  PetscReal       half     = 0;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupFill(OPEN, n, points, 0, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    if (s.cloud->field[FIELD_POSITION][DIM * a] > 0)
+      half += s.cloud->rest_density[a] * s.cloud->field[FIELD_ACCELERATION][DIM * a];
+  PetscCall(SetupClose(&s));
+  CHECK_CLOSE(SetupSum(half), 0, 1e-12, "thread_not_pulled");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A circle that meets the floor under the contact angle has the same curvature everywhere, the foot not excepted. */
 static PetscErrorCode TestContact(void)
 {
@@ -298,6 +320,7 @@ int main(int argc, char **argv)
   PetscCall(TestExtremes());
   PetscCall(TestSheet());
   PetscCall(TestUnevenSheet());
+  PetscCall(TestThread());
   PetscCall(TestContact());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

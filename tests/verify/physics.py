@@ -119,14 +119,10 @@ def shear(folder, exact, scale, places):
             at_most("largest velocity error over U, last time", largest[-1], 0.01)]
 
 
-def ellipse(strain, rate, times, steps=4000):
-    """Semi-axes a (x), b (y) at the times, of a circle of radius 1 with v = strain (x, -y) in the force -rate^2
-    x: a' = s a, b' = -s b, s' = (s^2 + rate^2)(b^2 - a^2)/(a^2 + b^2)."""
-    def slope(y):
-        s, a, b = y
-        return np.array([(s * s + rate * rate) * (b * b - a * a) / (a * a + b * b), s * a, -s * b])
-
-    y, t, out = np.array([strain, 1.0, 1.0]), 0.0, []
+def integrate(slope, start, begin, times, steps):
+    """The solution of y' = slope(y), start at begin, at each of the rising times: classical Runge-Kutta, so many steps
+    between two."""
+    y, t, out = np.array(start, dtype=float), begin, []
     for time in times:
         h = (time - t) / steps
         for _ in range(steps if h > 0 else 0):
@@ -136,8 +132,18 @@ def ellipse(strain, rate, times, steps=4000):
             k4 = slope(y + h * k3)
             y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
         t = time
-        out.append(y[1:].copy())
+        out.append(y)
     return np.array(out)
+
+
+def ellipse(strain, rate, times, steps=4000):
+    """Semi-axes a (x), b (y) at the times, of a circle of radius 1 with v = strain (x, -y) in the force -rate^2
+    x: a' = s a, b' = -s b, s' = (s^2 + rate^2)(b^2 - a^2)/(a^2 + b^2)."""
+    def slope(y):
+        s, a, b = y
+        return np.array([(s * s + rate * rate) * (b * b - a * a) / (a * a + b * b), s * a, -s * b])
+
+    return integrate(slope, [strain, 1.0, 1.0], 0.0, times, steps)[:, 1:]
 
 
 def semi_axes(position):

@@ -19,6 +19,11 @@ runs.check(s["time"][-1] == 0.04, "and_the_end_is_reached", f"{s['time'][-1]} s"
 runs.check_below(s["time_step"].max() * 2 / 0.02, 0.55, "no_accepted_step_moves_too_far")
 runs.check_below(s["kinetic_energy"][-1] / s["kinetic_energy"][0], 1.5, "the_state_is_sane")
 
+# What is left is less than a thousandth of a step: the last one takes it, or its pressure would be noise over dt.
+folder = runs.run(SCENE + "-time_step 1e-4 -time_end 5.0004e-4", "last_step")
+s = runs.series(folder)
+runs.check(s["step"][-1] == 5, "no_tiny_last_step", f"{s['step'][-1]} steps, the last of {s['time_step'][-1]} s")
+
 # No step helps against a bound that the packing itself violates.
 path = runs.scratch("stuck")
 process = runs.start(SCENE + f"-steps_max 5 -density_max 1.001 -output_dir {path}")
