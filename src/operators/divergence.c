@@ -21,9 +21,10 @@ static inline void WallPart(Cloud cloud, PetscInt b, const PetscReal u[DIM], Pet
                 : 0;
 }
 
-/* Takes from the velocity gradient G (rows: components of the velocity) of fluid particle a what walls gave it by
-   sliding; without the scale of the kernel, as G. */
-static void RemoveSliding(Cloud cloud, PetscInt a, const Row *row, const PetscReal velocity[], PetscReal G[DIM][DIM])
+/* Takes from the velocity gradient G (rows: components of the velocity) of fluid particle a all that walls gave it, and
+   from its copy 'moved' what they gave it by sliding only; without the scale of the kernel, as G. */
+static void RemoveWalls(Cloud cloud, PetscInt a, const Row *row, const PetscReal velocity[], PetscReal G[DIM * DIM],
+                        PetscReal moved[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
 
@@ -35,7 +36,12 @@ static void RemoveSliding(Cloud cloud, PetscInt a, const Row *row, const PetscRe
     for (PetscInt i = 0; i < DIM; i++) u[i] = velocity[DIM * b + i] - velocity[DIM * a + i];
     WallPart(cloud, b, u, part);
     for (PetscInt i = 0; i < DIM; i++)
-      for (PetscInt j = 0; j < DIM; j++) G[i][j] -= (u[i] - part[i]) * row->f[k] * (x[DIM * a + j] - x[DIM * b + j]);
+      for (PetscInt j = 0; j < DIM; j++) {
+        const PetscReal fr = row->f[k] * (x[DIM * a + j] - x[DIM * b + j]);
+
+        G[DIM * i + j] -= u[i] * fr;
+        moved[DIM * i + j] -= (u[i] - part[i]) * fr;
+      }
   }
 }
 
@@ -57,24 +63,30 @@ static PetscReal WallDivergence(Cloud cloud, PetscInt a, const Row *row, const P
   return sum;
 }
 
-void OperatorsVelocityGradient(Cloud cloud, const Row *row, PetscInt a, const PetscReal velocity[],
-                               PetscReal G[DIM][DIM])
+/* sum (v_b - v_a)_i f r_j over the row of a, and the largest |v_b - v_a|2. */
+static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a, const PetscReal velocity[],
+                                         PetscReal G[DIM * DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *v = velocity + DIM * a;
-  const Triple     p = TripleLoad(x + DIM * a), vx = TripleSet(v[0]), vy = TripleSet(v[1]), vz = TripleSet(v[2]);
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const Triple     p = TripleLoad(x + DIM * a), v = TripleLoad(velocity + DIM * a);
   Triple           gx = TripleSet(0), gy = gx, gz = gx;
+  PetscReal        most = 0;
 
   for (PetscInt k = 0; k < row->n; k++) {
-    const PetscReal *u = velocity + DIM * row->index[k];
-    const Triple     d = TripleSet(row->f[k]) * (p - TripleLoad(x + DIM * row->index[k]));
+    const PetscInt b = DIM * row->index[k];
+    const Triple   d = TripleSet(row->f[k]) * (p - TripleLoad(x + b)), w = TripleLoad(velocity + b) - v;
+    const Triple   wx = TripleSet(w[0]), wy = TripleSet(w[1]), wz = TripleSet(w[2]),
+                 w2 = wx * wx + wy * wy + wz * wz;
 
-    gx += (TripleSet(u[0]) - vx) * d;
-    gy += (TripleSet(u[1]) - vy) * d;
-    gz += (TripleSet(u[2]) - vz) * d;
+    gx += wx * d;
+    gy += wy * d;
+    gz += wz * d;
+    most = w2[0] > most ? w2[0] : most;
   }
-  TripleStore(gx, G[0]);
-  TripleStore(gy, G[1]);
-  TripleStore(gz, G[2]);
+  TripleStore(gx, G);
+  TripleStore(gy, G + DIM);
+  TripleStore(gz, G + 2 * DIM);
+  return most;
 }
 
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[])
@@ -89,18 +101,20 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
   scale = cloud->domain->volume * scale_f;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal *B = corrected ? cloud->field[FIELD_MOMENT] + 6 * a : identity;
-    PetscReal        G[DIM][DIM];
+    PetscReal       *G = cloud->field[FIELD_GRADIENT] + DIM * DIM * a, moved[DIM * DIM];
 
     RowLoad(cloud, a, &row);
     if (cloud->integer[INT_LAYER][a]) {
-      div[a] = scale * WallDivergence(cloud, a, &row, velocity);
+      if (div) div[a] = scale * WallDivergence(cloud, a, &row, velocity);
       continue;
     }
-    /* the velocity gradient once, then B: div v = sum_ij G_ij B_ij */
-    OperatorsVelocityGradient(cloud, &row, a, velocity, G);
-    if (OperatorsNearWall(cloud, x + DIM * a)) RemoveSliding(cloud, a, &row, velocity, G);
-    div[a] = scale * (B[0] * G[0][0] + B[1] * G[1][1] + B[2] * G[2][2] + B[3] * (G[0][1] + G[1][0]) +
-                      B[4] * (G[0][2] + G[2][0]) + B[5] * (G[1][2] + G[2][1]));
+    cloud->field[FIELD_CONTRAST][a] = PetscSqrtReal(VelocityGradient(cloud, &row, a, velocity, G));
+    for (PetscInt k = 0; k < DIM * DIM; k++) moved[k] = G[k];
+    if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, moved);
+    for (PetscInt k = 0; k < DIM * DIM; k++) G[k] *= scale;
+    if (!div) continue;
+    div[a] = scale * (B[0] * moved[0] + B[1] * moved[4] + B[2] * moved[8] + B[3] * (moved[1] + moved[3]) +
+                      B[4] * (moved[2] + moved[6]) + B[5] * (moved[5] + moved[7]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

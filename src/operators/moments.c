@@ -7,28 +7,33 @@
    in half the time of the two functions. */
 #define SMALLEST_ROOT(t) (-0.5 - (t) * (0.408248290463863 - 0.0386751345948129 * (t)))
 #define NEWTON_STEPS     3
+#define SMALLEST         1e-300 /* a matrix of zeros divides nothing by it */
+
+/* The smallest eigenvalue of a symmetric matrix, or of its upper left 2 x 2 block; without branches, for many at once. */
+static inline PetscReal Smallest2(PetscReal xx, PetscReal yy, PetscReal xy)
+{
+  return 0.5 * (xx + yy) - PetscSqrtReal(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+}
 
 /* Smith, Comm. ACM 4, 168 (1961). */
+static inline PetscReal Smallest3(PetscReal xx, PetscReal yy, PetscReal zz, PetscReal xy, PetscReal xz, PetscReal yz)
+{
+  const PetscReal mean = (xx + yy + zz) / 3, a = xx - mean, b = yy - mean, c = zz - mean;
+  const PetscReal square = (a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6;
+  const PetscReal p = PetscSqrtReal(square) + PETSC_MACHINE_EPSILON * PetscAbsReal(mean) + SMALLEST;
+  const PetscReal x = xy / p, y = xz / p, z = yz / p, u = a / p, v = b / p, w = c / p;
+  const PetscReal half = 0.5 * (u * (v * w - z * z) - x * (x * w - z * y) + y * (x * z - v * y));
+  const PetscReal low = half < 1 ? half : 1, r = low > -1 ? low : -1, t = PetscSqrtReal(1 - r);
+  PetscReal       root = SMALLEST_ROOT(t);
+
+  for (PetscInt k = 0; k < NEWTON_STEPS; k++) /* at the double root -1/2 the slope is zero */
+    root -= (root * (4 * root * root - 3) - r) / (12 * root * root - 3 + PETSC_MACHINE_EPSILON);
+  return mean + 2 * p * root;
+}
+
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6])
 {
-  const PetscReal half = 0.5 * (M[0] + M[1]), plane = PetscSqrtReal(PetscSqr(0.5 * (M[0] - M[1])) + M[3] * M[3]);
-
-  if (dim == 2) return half - plane;
-  {
-    const PetscReal off = M[3] * M[3] + M[4] * M[4] + M[5] * M[5], mean = (M[0] + M[1] + M[2]) / 3;
-    const PetscReal a = M[0] - mean, b = M[1] - mean, c = M[2] - mean;
-    const PetscReal p = PetscSqrtReal((a * a + b * b + c * c + 2 * off) / 6);
-    PetscReal       determinant, r, t, root;
-
-    if (p <= PETSC_MACHINE_EPSILON * PetscAbsReal(mean)) return mean;
-    determinant = a * (b * c - M[5] * M[5]) - M[3] * (M[3] * c - M[5] * M[4]) + M[4] * (M[3] * M[5] - b * M[4]);
-    r           = PetscMax(-1.0, PetscMin(1.0, determinant / (2 * p * p * p)));
-    t           = PetscSqrtReal(1 - r);
-    root        = SMALLEST_ROOT(t);
-    if (t > 0)
-      for (PetscInt k = 0; k < NEWTON_STEPS; k++) root -= (root * (4 * root * root - 3) - r) / (12 * root * root - 3);
-    return mean + 2 * p * root;
-  }
+  return dim == 2 ? Smallest2(M[0], M[1], M[3]) : Smallest3(M[0], M[1], M[2], M[3], M[4], M[5]);
 }
 
 void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6])
@@ -86,7 +91,7 @@ static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
   const PetscReal *x = cloud->field[FIELD_POSITION], V = scales->V, scale = V * scales->scale_f, ratio = scales->ratio;
   const Triple     p      = TripleLoad(x + DIM * a);
   Triple           normal = TripleSet(0), crowd = normal, diagonal = normal, off = normal;
-  PetscReal       *B = cloud->field[FIELD_MOMENT] + 6 * a, M[6], clump[ROW_CAPACITY], sum = 0, lambda;
+  PetscReal       *M = cloud->field[FIELD_MOMENT] + 6 * a, clump[ROW_CAPACITY], sum = 0;
   Row              row;
 
   RowLoad(cloud, a, &row);
@@ -113,14 +118,29 @@ static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
   M[3]                           = scale * off[0];
   M[4]                           = scale * off[2];
   M[5]                           = scale * off[1];
-  lambda                         = SymmetricSmallestEigenvalue(cloud->domain->dim, M);
-  cloud->field[FIELD_LAMBDA][a]  = lambda;
   cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (scales->self + scales->scale_w * sum);
-  if (lambda > MOMENT_MINIMUM)
-    SymmetricInverse(cloud->domain->dim, M, B);
-  else {
-    B[0] = B[1] = B[2] = 1;
-    B[3] = B[4] = B[5] = 0;
+}
+
+/* FIELD_LAMBDA of M, which FIELD_MOMENT holds, and B in its place. */
+static void Renormalise(Cloud cloud)
+{
+  const PetscInt  n = cloud->n_owned, dim = cloud->domain->dim;
+  PetscReal      *M = cloud->field[FIELD_MOMENT], *lambda = cloud->field[FIELD_LAMBDA];
+  const PetscReal identity[6] = {1, 1, 1, 0, 0, 0};
+
+  if (dim == 2) {
+    SIMD_LOOP()
+    for (PetscInt a = 0; a < n; a++) lambda[a] = Smallest2(M[6 * a], M[6 * a + 1], M[6 * a + 3]);
+  } else {
+    SIMD_LOOP()
+    for (PetscInt a = 0; a < n; a++)
+      lambda[a] = Smallest3(M[6 * a], M[6 * a + 1], M[6 * a + 2], M[6 * a + 3], M[6 * a + 4], M[6 * a + 5]);
+  }
+  for (PetscInt a = 0; a < n; a++) {
+    PetscReal B[6];
+
+    if (lambda[a] > MOMENT_MINIMUM) SymmetricInverse(dim, M + 6 * a, B);
+    for (PetscInt k = 0; k < 6; k++) M[6 * a + k] = lambda[a] > MOMENT_MINIMUM ? B[k] : identity[k];
   }
 }
 
@@ -135,5 +155,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
   KernelEvaluate(cloud->kernel, 1, &d2, &at_spacing, NULL);
   scales.ratio = scales.scale_w / at_spacing;
   PetscCall(CloudSearch(cloud, MomentsRow, &scales));
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
+  Renormalise(cloud);
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -86,15 +86,12 @@ PetscErrorCode OperatorsShares(Cloud cloud);
    same way and took place at velocities u ([n_total][3]; no displacements: zeros). After OperatorsShares. Overwrites
    FIELD_WORK3, FIELD_STRESS. Collective. */
 PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[]);
-/* OperatorsVelocityGradient - G_ij = sum (v_b - v_a)_i f r_j over the row of a, without V and the scale of the kernel's
-   F; velocity: [n_total][3], a field of the cloud, m/s. */
-void OperatorsVelocityGradient(Cloud cloud, const Row *row, PetscInt a, const PetscReal velocity[],
-                               PetscReal G[DIM][DIM]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would
    otherwise see it approach and leave, a friction no finer spacing removes (a dam break lost a third of its energy).
-   velocity: [n_total][3], a field of the cloud. */
+   velocity: [n_total][3], a field of the cloud. On the way FIELD_GRADIENT, without B and without walls, and
+   FIELD_CONTRAST of the fluid; div may be NULL. */
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[]);
 
 #endif

@@ -13,7 +13,8 @@ typedef enum {
   PARITY_SCALAR, /* unchanged */
   PARITY_POINT,  /* shifted or mirrored as a point */
   PARITY_VECTOR, /* the component normal to the mirror changes sign */
-  PARITY_TENSOR  /* symmetric, xx yy zz xy xz yz: off-diagonals change sign with each mirror they are normal to */
+  PARITY_TENSOR, /* symmetric, xx yy zz xy xz yz: off-diagonals change sign with each mirror they are normal to */
+  PARITY_NONE    /* has no image: owned particles only */
 } Parity;
 
 #define STORED_REALS(X)                                                                                                \
@@ -40,6 +41,8 @@ typedef enum {
   X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                               \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
   X(CROWDING, "crowding", 3, PARITY_VECTOR, "1/m", "sum of V (1 + 0.2 (W/W(d0))^4) grad W: shifting goes against it")  \
+  X(GRADIENT, "gradient", 9, PARITY_NONE, "1/s", "of the velocity, sum V (v_b - v_a)_i grad_j W over liquid; of the fluid")  \
+  X(CONTRAST, "contrast", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of the neighbours; of the fluid")                 \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
   X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \

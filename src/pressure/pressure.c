@@ -145,12 +145,16 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates)
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   PetscFunctionBegin;
   PetscCall(pressure->source(pressure, dt, rhs));
-  *accumulates = (PetscBool)(pressure->source == SourceDivergence);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool PressureTakesDivergence(Pressure pressure)
+{
+  return (PetscBool)(pressure->source == SourceDivergence);
 }
 
 const PetscReal *PressureDensity(Pressure pressure)

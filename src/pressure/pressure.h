@@ -68,9 +68,11 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
  * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);
 /* PressureSource - minus the source of div(grad p/rho), rhs[n_rows] (1/s2), that PressureSolve would solve for; reads
-   what that reads. *accumulates: it is a rate of compression over dt, else the compression itself over dt^2. Not
-   collective. */
-PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[], PetscBool *accumulates);
+   what that reads. Not collective. */
+PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
+/* PressureTakesDivergence - whether the source is a rate of compression over dt, from OperatorsDivergence of
+   FIELD_PREDICTED, else the compression itself over dt^2. Not collective. */
+PetscBool PressureTakesDivergence(Pressure pressure);
 /* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_WORK3. Not collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */

@@ -49,6 +49,8 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
   if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
 
   /* Stage 2: pressure, at the same positions */
+  if (stepper->shifting && !PressureTakesDivergence(stepper->pressure))
+    PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, NULL));
   PetscCall(pressure(stepper, dt, &attempted->pressure));
   if (attempted->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureAcceleration(stepper->pressure));

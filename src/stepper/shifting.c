@@ -10,12 +10,13 @@
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
    'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
-static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, PetscReal dr[DIM])
+static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal dr[DIM])
 {
   Cloud            cloud  = stepper->cloud;
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
   const PetscReal  cap   = stepper->shifting_cap * cloud->domain->spacing,
-                  factor = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt * speed;
+                  factor = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt *
+                           cloud->field[FIELD_CONTRAST][a];
   PetscReal length;
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
@@ -29,54 +30,30 @@ static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal speed, Pet
     for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
 }
 
-/* The largest |u_b - u_a| of a's neighbours b. */
-static PetscReal RelativeSpeed(const Row *row, PetscInt a, const PetscReal u[])
-{
-  const Triple own    = TripleLoad(u + DIM * a);
-  PetscReal    speed2 = 0;
-
-  for (PetscInt k = 0; k < row->n; k++) {
-    const Triple w  = TripleLoad(u + DIM * row->index[k]) - own;
-    const Triple w2 = TripleDot(w, w);
-
-    speed2 = w2[0] > speed2 ? w2[0] : speed2;
-  }
-  return PetscSqrtReal(speed2);
-}
-
 /* Pass 1: what each particle wants. */
 static PetscErrorCode Wishes(Stepper stepper, PetscReal dt)
 {
-  Cloud            cloud = stepper->cloud;
-  const PetscReal *u     = cloud->field[FIELD_PREDICTED];
-  Row              row;
+  Cloud cloud = stepper->cloud;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     PetscReal *dr = cloud->field[SHIFT] + DIM * a;
 
     dr[0] = dr[1] = dr[2] = 0;
-    if (a >= cloud->n_fluid || cloud->field[SHARE][a] <= 0) continue;
-    RowLoad(cloud, a, &row);
-    Wish(stepper, dt, a, RelativeSpeed(&row, a, u), dr);
+    if (a < cloud->n_fluid && cloud->field[SHARE][a] > 0) Wish(stepper, dt, a, dr);
   }
   PetscCall(CloudUpdate(cloud, SHIFT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a. */
-static void Taylor(Stepper stepper, PetscInt a, Row *row, const PetscReal dr[DIM], PetscReal change[DIM])
+static void Taylor(Cloud cloud, PetscInt a, const PetscReal dr[DIM], PetscReal change[DIM])
 {
-  Cloud     cloud = stepper->cloud;
-  PetscReal along[DIM], G[DIM][DIM], scale_w, scale_f, inverse_h2;
+  const PetscReal *G = cloud->field[FIELD_GRADIENT] + DIM * DIM * a;
+  PetscReal        along[DIM];
 
-  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, dr[0], dr[1], dr[2], along);
-  if (OperatorsNearWall(cloud, cloud->field[FIELD_POSITION] + DIM * a))
-    for (PetscInt k = 0; k < row->n; k++)
-      if (cloud->integer[INT_LAYER][row->index[k]]) row->f[k] = 0;
-  OperatorsVelocityGradient(cloud, row, a, cloud->field[FIELD_PREDICTED], G);
-  for (PetscInt d = 0; d < DIM; d++) change[d] = cloud->domain->volume * scale_f * Dot(G[d], along);
+  for (PetscInt d = 0; d < DIM; d++) change[d] = Dot(G + DIM * d, along);
 }
 
 /* Pass 2: the displacement dr_a - sum_b s_b W_ab dr_b, s the shares, so that the mass moved has no sum, is added to x;
@@ -86,7 +63,6 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
   Cloud            cloud = stepper->cloud;
   const PetscReal *wish = cloud->field[SHIFT], *share = cloud->field[SHARE];
   PairRow          pairs;
-  Row              row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -106,8 +82,7 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
     {
       const PetscReal dr[DIM] = {sx, sy, sz};
 
-      RowLoad(cloud, a, &row);
-      Taylor(stepper, a, &row, dr, change + DIM * a);
+      Taylor(cloud, a, dr, change + DIM * a);
       for (PetscInt d = 0; d < DIM; d++) {
         x[DIM * a + d] += dr[d];
         if (share[a] <= 0) change[DIM * a + d] = 0;
@@ -120,9 +95,7 @@ static PetscErrorCode Displace(Stepper stepper, PetscReal x[], PetscReal change[
 /* Every particle for itself: one pass. */
 static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], PetscReal change[])
 {
-  Cloud            cloud = stepper->cloud;
-  const PetscReal *u     = cloud->field[FIELD_PREDICTED];
-  Row              row;
+  Cloud cloud = stepper->cloud;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -130,9 +103,8 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
     if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
-    RowLoad(cloud, a, &row);
-    Wish(stepper, dt, a, RelativeSpeed(&row, a, u), dr);
-    Taylor(stepper, a, &row, dr, change + DIM * a);
+    Wish(stepper, dt, a, dr);
+    Taylor(cloud, a, dr, change + DIM * a);
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);

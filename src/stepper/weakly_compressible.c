@@ -116,12 +116,12 @@ static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
   Cloud           cloud = stepper->cloud;
   const PetscReal c2    = PetscSqr(stepper->sound_speed);
   PetscReal      *p     = cloud->field[FIELD_PRESSURE], *rhs, *diffusion;
-  PetscBool       accumulates;
+  const PetscBool accumulates = PressureTakesDivergence(stepper->pressure);
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscCall(PetscMalloc2(cloud->n_rows, &rhs, cloud->n_fluid, &diffusion));
-  PetscCall(PressureSource(stepper->pressure, dt, rhs, &accumulates));
+  PetscCall(PressureSource(stepper->pressure, dt, rhs));
   if (accumulates && stepper->density_diffusion > 0)
     PetscCall(Diffusion(stepper, diffusion));
   else
