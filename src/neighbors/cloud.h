@@ -88,7 +88,8 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
 
 /* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size. In two dimensions one layer of
  * cells. Not collective. */
-PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size);
+PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
+                             PetscInt split);
 PetscErrorCode CellGridReset(CellGrid *grid);
 
 /* --- rows of pairs: what every operator's loop starts with --- */

@@ -1,7 +1,8 @@
 /* Cells over the points of the cloud, and the list of neighbours. */
 #include "search.h"
 
-#define CELLS_AROUND 27
+#define LINES_AROUND 9 /* of cells along x */
+#define SPLIT        4 /* cells along x in the kernel's support: a line is cut close, which leaves fewer candidates */
 #define LANES        16  /* of the vector that compares candidates */
 #define CHUNK        256 /* candidates compared before they are kept */
 #define ROW_GUESS    72  /* neighbours a particle, to begin with */
@@ -19,9 +20,11 @@ PetscErrorCode CellGridReset(CellGrid *grid)
 /* More cells than this many a point would cost more than they save: the cells are made larger. */
 #define CELLS_PER_POINT 4
 
-PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size)
+PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
+                             PetscInt split)
 {
-  PetscReal upper[DIM], cells = 1;
+  const PetscReal per_size[DIM] = {split, 1, 1};
+  PetscReal       upper[DIM], cells = 1;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) {
@@ -35,11 +38,11 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   for (grid->size = size;; grid->size *= 1.25) {
     cells = 1;
     for (PetscInt d = 0; d < DIM; d++)
-      cells *= d < dim ? PetscFloorReal((upper[d] - grid->lower[d]) / grid->size) + 1 : 1;
+      cells *= d < dim ? PetscFloorReal((upper[d] - grid->lower[d]) * (per_size[d] / grid->size)) + 1 : 1;
     if (cells <= CELLS_PER_POINT * (PetscReal)n + 1000) break;
   }
   for (PetscInt d = 0; d < DIM; d++)
-    grid->n[d] = d < dim ? (PetscInt)((upper[d] - grid->lower[d]) / grid->size) + 1 : 1;
+    grid->n[d] = d < dim ? (PetscInt)((upper[d] - grid->lower[d]) * (per_size[d] / grid->size)) + 1 : 1;
   grid->count = grid->n[0] * grid->n[1] * grid->n[2];
   if (grid->count + 1 > grid->capacity) {
     grid->capacity = grid->count + 1 + grid->count / 4;
@@ -59,7 +62,7 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
     PetscInt cell[DIM] = {0, 0, 0};
 
     for (PetscInt d = 0; d < dim; d++)
-      cell[d] = PetscMin(grid->n[d] - 1, (PetscInt)((x[DIM * a + d] - grid->lower[d]) / grid->size));
+      cell[d] = PetscMin(grid->n[d] - 1, (PetscInt)((x[DIM * a + d] - grid->lower[d]) * (per_size[d] / grid->size)));
     grid->of_point[a] = (cell[2] * grid->n[1] + cell[1]) * grid->n[0] + cell[0];
     grid->start[grid->of_point[a] + 1]++;
   }
@@ -206,7 +209,7 @@ static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const int32_t *r
 {
   const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
                  cz = cell / (grid->n[0] * grid->n[1]);
-  const PetscInt x0 = PetscMax(0, cx - 1), x1 = PetscMin(grid->n[0] - 1, cx + 1);
+  const PetscInt x0 = PetscMax(0, cx - SPLIT), x1 = PetscMin(grid->n[0] - 1, cx + SPLIT);
   PetscInt       found = 0;
 
   for (PetscInt kz = PetscMax(0, cz - 1); kz <= PetscMin(grid->n[2] - 1, cz + 1); kz++)
@@ -256,10 +259,10 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
-  PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius));
+  PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius, SPLIT));
   for (PetscInt c = 0; c < cloud->grid.count; c++)
     longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
-  most = CELLS_AROUND * longest + LANES;
+  most = LINES_AROUND * (2 * SPLIT + 1) * longest + LANES;
   PetscCall(PetscMalloc2(DIM * n, &sorted, most, &s));
   PetscCall(SortPlaces(cloud, &units, sorted));
   cloud->first[0] = 0;

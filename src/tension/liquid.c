@@ -30,7 +30,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const 
   PetscCall(PetscMalloc1(DIM * liquid->count, &x));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * liquid->index[k] + d];
-  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / LIQUID_CELLS));
+  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / LIQUID_CELLS, 1));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
   PetscCall(PetscFree(x));
