@@ -9,7 +9,8 @@
 #define NEWTON_STEPS     3
 #define SMALLEST         1e-300 /* a matrix of zeros divides nothing by it */
 
-/* The smallest eigenvalue of a symmetric matrix, or of its upper left 2 x 2 block; without branches, for many at once. */
+/* The smallest eigenvalue of a symmetric matrix, or of its upper left 2 x 2 block; without branches, for many at once.
+ */
 static inline PetscReal Smallest2(PetscReal xx, PetscReal yy, PetscReal xy)
 {
   return 0.5 * (xx + yy) - PetscSqrtReal(0.25 * (xx - yy) * (xx - yy) + xy * xy);
@@ -20,7 +21,7 @@ static inline PetscReal Smallest3(PetscReal xx, PetscReal yy, PetscReal zz, Pets
 {
   const PetscReal mean = (xx + yy + zz) / 3, a = xx - mean, b = yy - mean, c = zz - mean;
   const PetscReal square = (a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6;
-  const PetscReal p = PetscSqrtReal(square) + PETSC_MACHINE_EPSILON * PetscAbsReal(mean) + SMALLEST;
+  const PetscReal spread = PetscSqrtReal(square), p = spread + PETSC_MACHINE_EPSILON * PetscAbsReal(mean) + SMALLEST;
   const PetscReal x = xy / p, y = xz / p, z = yz / p, u = a / p, v = b / p, w = c / p;
   const PetscReal half = 0.5 * (u * (v * w - z * z) - x * (x * w - z * y) + y * (x * z - v * y));
   const PetscReal low = half < 1 ? half : 1, r = low > -1 ? low : -1, t = PetscSqrtReal(1 - r);
@@ -28,7 +29,7 @@ static inline PetscReal Smallest3(PetscReal xx, PetscReal yy, PetscReal zz, Pets
 
   for (PetscInt k = 0; k < NEWTON_STEPS; k++) /* at the double root -1/2 the slope is zero */
     root -= (root * (4 * root * root - 3) - r) / (12 * root * root - 3 + PETSC_MACHINE_EPSILON);
-  return mean + 2 * p * root;
+  return mean + 2 * spread * root;
 }
 
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6])
@@ -124,9 +125,8 @@ static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
 /* FIELD_LAMBDA of M, which FIELD_MOMENT holds, and B in its place. */
 static void Renormalise(Cloud cloud)
 {
-  const PetscInt  n = cloud->n_owned, dim = cloud->domain->dim;
-  PetscReal      *M = cloud->field[FIELD_MOMENT], *lambda = cloud->field[FIELD_LAMBDA];
-  const PetscReal identity[6] = {1, 1, 1, 0, 0, 0};
+  const PetscInt n = cloud->n_owned, dim = cloud->domain->dim;
+  PetscReal     *M = cloud->field[FIELD_MOMENT], *lambda = cloud->field[FIELD_LAMBDA];
 
   if (dim == 2) {
     SIMD_LOOP()
@@ -137,10 +137,10 @@ static void Renormalise(Cloud cloud)
       lambda[a] = Smallest3(M[6 * a], M[6 * a + 1], M[6 * a + 2], M[6 * a + 3], M[6 * a + 4], M[6 * a + 5]);
   }
   for (PetscInt a = 0; a < n; a++) {
-    PetscReal B[6];
+    PetscReal B[6] = {1, 1, 1, 0, 0, 0};
 
     if (lambda[a] > MOMENT_MINIMUM) SymmetricInverse(dim, M + 6 * a, B);
-    for (PetscInt k = 0; k < 6; k++) M[6 * a + k] = lambda[a] > MOMENT_MINIMUM ? B[k] : identity[k];
+    for (PetscInt k = 0; k < 6; k++) M[6 * a + k] = B[k];
   }
 }
 

@@ -63,7 +63,6 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
     new_v[k] += dt * a[k];                           /* Eq. (9) */
     new_r[k] = r[k] + 0.5 * dt * (first + new_v[k]); /* Eq. (10) */
   }
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   if (stepper->shifting)
     PetscCall(Shift(stepper, dt));
   else
