@@ -98,9 +98,10 @@ PetscErrorCode ViscousDestroy(Stepper stepper);
    the positions where moments and surface were last evaluated. Not collective. */
 PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
 /* Shift - moves FIELD_START (the new positions, m) towards an even distribution and takes FIELD_PREDICTED (the new
-   velocity, m/s) to where the particles then are: into FIELD_VELOCITY; reads what the last OperatorsDivergence summed. If shifting is conserved, centre of mass, momentum and angular momentum of the fluid stay, to
-   round-off, except what mirrors and the box's period do to them. Lists, kernels and B are those of FIELD_POSITION.
-   Overwrites FIELD_WORK1, FIELD_WORK3, FIELD_STRESS, FIELD_ACCELERATION. Collective. */
+   velocity, m/s) to where the particles then are: into FIELD_VELOCITY; reads what the last OperatorsDivergence summed.
+   If shifting is conserved, centre of mass, momentum and angular momentum of the fluid stay, to round-off, except what
+   mirrors and the box's period do to them. Lists, kernels and B are those of FIELD_POSITION. Overwrites FIELD_WORK1,
+   FIELD_WORK3, FIELD_STRESS, FIELD_ACCELERATION. Collective. */
 PetscErrorCode Shift(Stepper stepper, PetscReal dt);
 /* StepperEnergyAtHand - what a scene's liquid can turn into kinetic energy, J/kg: speeds of bodies and walls, a fall
    through the box, the surface of every particle; 0 if gravity drives it round a periodic box or it comes from
