@@ -203,12 +203,20 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, Petsc
    size.
 
    The same error is what keeps particles evenly spread, so a little of it is put back: 2 q sum V grad W of a background
-   pressure q = c h |grad p| that knows nothing of the depth. */
+   pressure q = c h |grad p| that knows nothing of the depth.
+
+   That sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012). In motion the
+   shifting outweighs it. At rest the two hold each other, and what is left is a velocity with which nothing moves: 0.01
+   sqrt(gH) in a tank. So where a body force makes the pressure, half of the shifting's term against pairing (Monaghan
+   2000) is put beside it, for the share of |grad p| that rho |g| can make. Not everywhere: its stiffness is a
+   viscosity, and Taylor-Green vortices of 50 spacings lose 3 % more of their energy. */
+#define PAIRING 0.5
+
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
   Cloud            cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), h = KernelSmoothingLength(cloud->kernel),
-                  scale = RowScale(cloud);
+  const PetscReal *density = PressureDensity(pressure), scale = RowScale(cloud),
+                  factor = 2 * pressure->regularization * KernelSmoothingLength(cloud->kernel);
   Row row;
 
   PetscFunctionBegin;
@@ -219,12 +227,15 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
     if (cloud->integer[INT_SURFACE][a])
       SymmetricRow(pressure, a, &row, scale, out);
     else {
-      const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
-      PetscReal        background;
+      const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
+      PetscReal        g[DIM], background, load;
 
       CorrectedRow(cloud, a, &row, scale, out);
-      background = 2 * pressure->regularization * h * Norm(out);
-      for (PetscInt d = 0; d < DIM; d++) out[d] = (out[d] - background * n[d]) / density[a];
+      SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
+      background = factor * Norm(out);
+      load       = PAIRING * PetscMin(background, factor * density[a] * Norm(g));
+      for (PetscInt d = 0; d < DIM; d++)
+        out[d] = (out[d] - background * n[d] - load * (crowding[d] - n[d])) / density[a];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
