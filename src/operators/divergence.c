@@ -77,7 +77,19 @@ void OperatorsVelocityGradient(Cloud cloud, const Row *row, PetscInt a, const Pe
   TripleStore(gz, G[2]);
 }
 
-PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[])
+/* tr (G B)^2 of a velocity gradient G without scale. */
+static PetscReal SquareTrace(PetscReal G[DIM][DIM], const PetscReal B[6])
+{
+  PetscReal L[DIM][DIM], trace = 0;
+
+  for (PetscInt i = 0; i < DIM; i++) TensorApply(B, G[i][0], G[i][1], G[i][2], L[i]);
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) trace += L[i][j] * L[j][i];
+  return trace;
+}
+
+PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal ahead,
+                                   PetscReal div[])
 {
   const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
   const PetscReal *x           = cloud->field[FIELD_POSITION];
@@ -101,6 +113,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
     if (OperatorsNearWall(cloud, x + DIM * a)) RemoveSliding(cloud, a, &row, velocity, G);
     div[a] = scale * (B[0] * G[0][0] + B[1] * G[1][1] + B[2] * G[2][2] + B[3] * (G[0][1] + G[1][0]) +
                       B[4] * (G[0][2] + G[2][0]) + B[5] * (G[1][2] + G[2][1]));
+    if (ahead > 0) div[a] -= ahead * scale * scale * SquareTrace(G, B);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
