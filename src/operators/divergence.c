@@ -89,7 +89,19 @@ static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a
   return most;
 }
 
-PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[])
+/* tr (G B)^2 of a velocity gradient G. */
+static PetscReal SquareTrace(const PetscReal G[DIM * DIM], const PetscReal B[6])
+{
+  PetscReal L[DIM][DIM], trace = 0;
+
+  for (PetscInt i = 0; i < DIM; i++) TensorApply(B, G[DIM * i], G[DIM * i + 1], G[DIM * i + 2], L[i]);
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) trace += L[i][j] * L[j][i];
+  return trace;
+}
+
+PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal ahead,
+                                   PetscReal div[])
 {
   const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
   const PetscReal *x           = cloud->field[FIELD_POSITION];
@@ -115,6 +127,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
     if (!div) continue;
     div[a] = scale * (B[0] * moved[0] + B[1] * moved[4] + B[2] * moved[8] + B[3] * (moved[1] + moved[3]) +
                       B[4] * (moved[2] + moved[6]) + B[5] * (moved[5] + moved[7]));
+    if (ahead > 0) div[a] -= ahead * scale * scale * SquareTrace(moved, B);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -90,8 +90,10 @@ PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscRe
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would
    otherwise see it approach and leave, a friction no finer spacing removes (a dam break lost a third of its energy).
-   velocity: [n_total][3], a field of the cloud. On the way FIELD_GRADIENT, without B and without walls, and
-   FIELD_CONTRAST of the fluid; div may be NULL. */
-PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal div[]);
+   velocity: [n_total][3], a field of the cloud. ahead (s): the fluid's divergence is that after the particles have
+   moved on for so long with these velocities, to first order: div v - ahead tr (grad v)^2. On the way FIELD_GRADIENT,
+   without B and without walls, and FIELD_CONTRAST of the fluid; div may be NULL. */
+PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal ahead,
+                                   PetscReal div[]);
 
 #endif

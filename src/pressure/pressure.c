@@ -74,6 +74,13 @@ PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureSetAhead(Pressure pressure, PetscReal ahead)
+{
+  PetscFunctionBegin;
+  pressure->ahead = ahead;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSetFromOptions(Pressure pressure)
 {
   Cloud             cloud     = pressure->cloud;

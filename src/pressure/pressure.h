@@ -37,6 +37,9 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
                                 PetscBool summed);
 /* PressureSetRelaxationTime - T (s) of the density term. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
+/* PressureSetAhead - steps (1) after the time of the positions at which the new velocity shall have no divergence: 0
+   (default), or 0.5 where forces act in the middle of a step. Not collective. */
+PetscErrorCode PressureSetAhead(Pressure pressure, PetscReal ahead);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
    -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
    -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the KSP's options act

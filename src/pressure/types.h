@@ -36,8 +36,9 @@ struct _p_Pressure {
   PetscReal   *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
   PetscInt     rows_capacity, weight_capacity;
   PetscReal    relaxation_time, relaxation_option;
-  PetscReal    lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
-  PetscReal    lattice_sum;                                        /* sum V W on a full lattice, 1 */
+  PetscReal    ahead;            /* steps from the positions to the time at which the new velocity has no divergence */
+  PetscReal    lattice_diagonal; /* Lambda_0 of a row with rest density 1 */
+  PetscReal    lattice_sum;      /* sum V W on a full lattice, 1 */
   PetscReal    surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
   PetscReal   *div;                                                /* [owned capacity] 1/s */
   PetscInt     div_capacity;

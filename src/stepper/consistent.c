@@ -50,7 +50,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
 
   /* Stage 2: pressure, at the same positions */
   if (stepper->shifting && !PressureTakesDivergence(stepper->pressure))
-    PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, NULL));
+    PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, 0, NULL));
   PetscCall(pressure(stepper, dt, &attempted->pressure));
   if (attempted->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureAcceleration(stepper->pressure));

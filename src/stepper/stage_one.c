@@ -91,7 +91,7 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
   }
   if (!divergence) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(cloud->n_owned, &div));
-  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, div));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     if (!cloud->integer[INT_SURFACE][a]) attempted->divergence2 += PetscSqr(div[a]);
   PetscCall(PetscFree(div));

@@ -173,6 +173,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCheckUser(s->relaxation_ratio > 0, comm, "-pressure_relaxation_ratio is %g; it must be positive",
                  (double)s->relaxation_ratio);
   PetscCall(PressureSetFromOptions(s->pressure));
+  PetscCall(PressureSetAhead(s->pressure, s->scheme == SchemeConsistent && s->centered ? 0.5 : 0));
   {
     const PetscReal velocity = StepperReferenceVelocity(s), h = KernelSmoothingLength(s->cloud->kernel);
 

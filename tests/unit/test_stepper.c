@@ -70,7 +70,7 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
   PetscCall(PetscArraycpy(cloud->field[FIELD_START], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_PREDICTED], before);
-  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, NULL));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, 0, NULL));
   PetscCall(Shift(stepper, DT));
   Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_VELOCITY], after);
   for (PetscInt i = 0; i < turns; i++) {
