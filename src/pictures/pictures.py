@@ -28,7 +28,7 @@ with tables.polite("pictures.py"):
     import run as data
     import views
 
-COLUMNS = 3  # of panels, fewer where they are flat
+COLUMNS = 3  # of panels, fewer where they are flat, more where they are tall
 SKIP = ("step", "wall_time", "rejected", "time")
 
 
@@ -50,7 +50,8 @@ def key(figure, axes, run, color, ends):
         if len(run.solid):
             names.append((views.SOLID_COLOR, "solid"))
         marks = [plt.Line2D([], [], marker="o", ls="", color=c, label=name) for c, name in names]
-        axes[0].legend(handles=marks, loc="upper right", fontsize=8, framealpha=0.8, handletextpad=0.2)
+        if len(marks) > 1:
+            axes[0].legend(handles=marks, loc="upper right", fontsize=8, framealpha=0.8, handletextpad=0.2)
     else:
         scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(*ends), views.MAPS[color])
         figure.colorbar(scale, ax=axes, label=views.UNITS[color], shrink=0.8)
@@ -67,9 +68,9 @@ def sections(run, states, color, ends, folder):
     lower, upper = window(run, states)
     unit, name = data.scale(upper[0] - lower[0])
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
-    columns = COLUMNS if ratio > 0.3 else 2 if ratio > 0.12 else 1
+    columns = 2 * COLUMNS if ratio > 2 else COLUMNS if ratio > 0.3 else 2 if ratio > 0.12 else 1
     width = 12.0 / columns
-    figure, axes = grid(len(states), width, min(6.0, 0.85 * width * ratio + 0.7), columns)
+    figure, axes = grid(len(states), width, min(6.0, 0.85 * width * ratio + 0.9), columns)
     for panel, state in zip(axes, states):
         views.section(panel, run, state, color, ends, unit)
         panel.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")

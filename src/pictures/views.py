@@ -64,7 +64,7 @@ def frame(axes, run, unit):
              ((x0, x1), (z0, z0), run.faces[run.up][0]), ((x0, x1), (z1, z1), run.faces[run.up][1]))
     for x, z, kind in lines:
         if kind == "wall":
-            axes.plot(x, z, color="black", lw=2, zorder=3, clip_on=False)
+            axes.plot(x, z, color="black", lw=4, zorder=3)  # its outer half is cut off
         elif kind in ("symmetry", "periodic"):
             axes.plot(x, z, color="0.6", lw=0.8, ls=(0, (4, 4)), zorder=3)
 
