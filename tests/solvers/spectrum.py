@@ -83,7 +83,7 @@ runs.check_within(errors[1], 0.0, 0.13, "(pi/2H)^2 of a film 20 spacings deep, r
 runs.check_within(errors[0] / errors[1], 1.5, 2.6, "(pi/2H)^2, the error halves with the spacing")
 
 modes = {}
-for cells in (6, 8):
+for cells in (12, 16):
     drop = report(f"{DROP} -spacing {1.5e-3 / cells:.9g}", f"drop {cells}")
     step = numbers(drop, r"tension +largest frequency N 1/s: stable up to 2/omega = N s, N times the step")
     runs.check_within(step[0] * step[1], 1.99, 2.01, f"R/d0 = {cells}, 2/omega")
@@ -91,15 +91,14 @@ for cells in (6, 8):
     modes[cells] = {int(n): (float(mean), float(low), float(high), int(count)) for n, mean, low, high, count in
                 re.findall(rf"degree (\d)  mean +{NUMBER} \(theory +\d+\), from +{NUMBER} to +{NUMBER}, (\d+) modes",
                                drop)}
-for degree, exact, tolerance in ((1, 0, None), (2, 8, 0.10), (3, 30, 0.22), (4, 72, 0.40)):
-    mean, low, high, count = modes[8][degree]
+for degree, exact, tolerance in ((1, 0, None), (2, 8, 0.03), (3, 30, 0.06), (4, 72, 0.10)):
+    mean, low, high, count = modes[16][degree]
     runs.check(count == 2 * degree + 1, f"multiplicity of degree {degree}", f"{count}, not {2 * degree + 1}")
     if degree == 1:
         runs.check(max(abs(low), abs(high)) < 0.01, "degree 1 is a translation", f"{low} to {high}")
         continue
     runs.check_within(mean / exact, 1 - tolerance, 1.02, f"omega^2 of degree {degree} over {exact} sigma/(rho R^3)")
-    # 1 to 10 % as the packing happens to be
-    runs.check_within((high - low) / mean, 0, 0.12, f"degree {degree}, spread of its modes")
-    closer = (exact - modes[8][degree][0]) / (exact - modes[6][degree][0])
-    runs.check_within(closer, 0, 0.85, f"degree {degree}, error at R/d0 = 8 over that at 6")
+    runs.check_within((high - low) / mean, 0, 0.04, f"degree {degree}, spread of its modes")
+    limit = mean + (mean - modes[12][degree][0]) / ((16 / 12)**2 - 1)  # of second order
+    runs.check_within(limit / exact, 0.97, 1.03, f"omega^2 of degree {degree}, extrapolated, over {exact}")
 runs.done()
