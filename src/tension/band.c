@@ -2,8 +2,7 @@
    on every rank and the marks are shared, so the answer does not depend on how the particles are divided. */
 #include "types.h"
 
-#define CELLS_A_RADIUS 4
-#define MAX_CELLS      (1 << 25) /* above, the cells are made larger: a bound of the memory */
+#define MAX_CELLS (1 << 25) /* above, the cells are made larger: a bound of the memory */
 
 PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal pad, Band *band)
 {
@@ -12,8 +11,7 @@ PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal pad, Band *
   PetscFunctionBegin;
   PetscCall(PetscMemzero(band, sizeof(*band)));
   band->comm   = domain->comm;
-  band->radius = radius;
-  for (band->size = radius / CELLS_A_RADIUS;; band->size *= 1.25) {
+  for (band->size = radius / BAND_CELLS;; band->size *= 1.25) {
     count = 1;
     for (PetscInt d = 0; d < domain->dim; d++)
       count *= PetscCeilReal((domain->upper[d] - domain->lower[d] + 2 * pad) / band->size);
@@ -25,6 +23,9 @@ PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal pad, Band *
       d < domain->dim ? (PetscInt)PetscCeilReal((domain->upper[d] - domain->lower[d] + 2 * pad) / band->size) : 1;
   }
   band->count = band->n[0] * band->n[1] * band->n[2];
+  band->reach = (PetscInt)(radius / band->size) + 1;
+  for (PetscInt dy = 0; dy <= band->reach; dy++)
+    for (PetscInt dz = 0; dz <= band->reach; dz++) band->along[dy][dz] = CellsAlong(band->size, radius, dy, dz);
   PetscCall(PetscMalloc2(band->count, &band->surface, band->count, &band->near));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -36,18 +37,9 @@ PetscErrorCode BandDestroy(Band *band)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many cells further along x may hold points within the radius of a cell that is dy, dz cells away; -1: none. */
-static PetscInt CellsAlong(const Band *band, PetscInt dy, PetscInt dz)
-{
-  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * band->size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * band->size,
-                  rest = band->radius * band->radius - y * y - z * z;
-
-  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / band->size) + 1 : -1;
-}
-
 PetscErrorCode BandMark(Band *band, Cloud cloud)
 {
-  const PetscInt *n = band->n, reach = (PetscInt)(band->radius / band->size) + 1;
+  const PetscInt *n = band->n, reach = band->reach;
   PetscMPIInt     size;
 
   PetscFunctionBegin;
@@ -61,15 +53,18 @@ PetscErrorCode BandMark(Band *band, Cloud cloud)
     PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, band->surface, (PetscMPIInt)band->count, MPI_UNSIGNED_CHAR, MPI_MAX, band->comm));
   for (PetscInt c = 0; c < band->count; c++) {
-    const PetscInt x = c % n[0], y = (c / n[0]) % n[1], z = c / (n[0] * n[1]);
+    PetscInt x, y, z;
 
     if (!band->surface[c]) continue;
+    x = c % n[0];
+    y = (c / n[0]) % n[1];
+    z = c / (n[0] * n[1]);
     for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, n[2] - 1 - z); dz++)
       for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, n[1] - 1 - y); dy++) {
-        const PetscInt along = CellsAlong(band, dy, dz), line = ((z + dz) * n[1] + y + dy) * n[0];
+        const PetscInt along = band->along[PetscAbsInt(dy)][PetscAbsInt(dz)], line = ((z + dz) * n[1] + y + dy) * n[0],
+                       first = PetscMax(0, x - along), last = PetscMin(n[0] - 1, x + along);
 
-        for (PetscInt k = PetscMax(0, x - along); along >= 0 && k <= PetscMin(n[0] - 1, x + along); k++)
-          band->near[line + k] = 1;
+        if (along >= 0) (void)memset(band->near + line + first, 1, (size_t)(last - first + 1));
       }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,15 +1,6 @@
 /* The liquid around a cell, in columns that the compiler can vectorise over. */
 #include "types.h"
 
-/* How many cells further along x may hold points within 'radius' of a cell that is dy, dz cells away; -1: none. */
-static PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
-{
-  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
-                  rest = radius * radius - y * y - z * z;
-
-  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
-}
-
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
 {
   const PetscInt *layer = cloud->integer[INT_LAYER];

@@ -23,6 +23,16 @@ typedef struct {
   PetscInt  *index;  /* [count] local index, before sorting: see LiquidParticle */
 } Liquid;
 
+/* CellsAlong - how many cells of a size (m) further along x may hold points within 'radius' (m) of a cell that is dy,
+   dz cells away; -1: none. */
+static inline PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
+{
+  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
+                  rest = radius * radius - y * y - z * z;
+
+  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
+}
+
 /* LiquidSort - sorts the fluid particles whose keep flag ([n_total], NULL: all) is true. Not collective. */
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[]);
 /* LiquidLoad - fills columns from a field ([n_total][width]). */
@@ -40,11 +50,14 @@ static inline PetscInt LiquidParticle(const Liquid *liquid, PetscInt place)
 
 typedef PetscErrorCode (*TensionFunction)(Tension, Cloud);
 
+#define BAND_CELLS 4 /* a radius; fewer if that were too many cells */
+
 typedef struct {
   MPI_Comm       comm;
   PetscInt       n[DIM], count;
-  PetscReal      lower[DIM], size, radius; /* m */
-  unsigned char *surface, *near;           /* [count] holds a surface particle; is within the radius of one */
+  PetscInt       reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
+  PetscReal      lower[DIM], size;                             /* m */
+  unsigned char *surface, *near; /* [count] holds a surface particle; is within the radius of one */
 } Band;
 
 /* BandCreate - cells over the box and 'pad' (m) around it, for a distance 'radius' (m). Not collective. */
