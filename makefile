@@ -188,8 +188,6 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
-.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme faults fuzz lint clean force
-
-.PHONY: pictures film mesh install
-.PHONY: faults fuzz extremes extremes-readme long-run test-ci sanitized sanitized-programs
-.PHONY: all packages run test test-long verify verify-long convergence verify-readme compare-solvers tradeoff tradeoff-readme lint clean force
+.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme \
+  faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
+  sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme

@@ -30,6 +30,7 @@ with tables.polite("pictures.py"):
 
 COLUMNS = 3  # of panels, fewer where they are flat, more where they are tall
 SKIP = ("step", "wall_time", "rejected", "time")
+OF_STEPS = ("time_step", "iterations", "solver_error")  # of the step before: the start has none
 
 
 def grid(count, width=4.0, height=3.0, columns=COLUMNS):
@@ -130,7 +131,9 @@ def curves(run, folder):
     time = np.array(table["time"])
     chosen = {}
     for name, values in table.items():
-        values = np.array(values)
+        values = np.array(values, dtype=float)
+        if name in OF_STEPS:
+            values[np.array(table["step"]) == 0] = np.nan  # no step yet
         good = np.isfinite(values)
         if name not in SKIP and good.sum() > 1 and np.ptp(values[good]) > 0:
             chosen[name] = values
@@ -140,8 +143,11 @@ def curves(run, folder):
     factor, unit = next(((f, u) for f, u in ((1, "s"), (1e3, "ms"), (1e6, "us")) if np.abs(time).max() * f >= 1),
                         (1e6, "us"))
     for panel, (name, values) in zip(axes, chosen.items()):
-        panel.plot(factor * time, values, color=views.BODY_COLORS[0], lw=1.3)
         unit_of = tables.UNITS.get(name)
+        if unit_of == "m":
+            scale, unit_of = data.scale(np.nanmax(np.abs(values)))
+            values = scale * values
+        panel.plot(factor * time, values, color=views.BODY_COLORS[0], lw=1.3)
         unit_of = {"J": "J/m", "m3": "m2"}.get(unit_of, unit_of) if run.dim == 2 else unit_of
         panel.set_title(name.replace("_", " ") + (f" ({unit_of})" if unit_of else ""), fontsize=9)
         panel.set_xlabel(f"time ({unit})", fontsize=9)
