@@ -64,7 +64,7 @@ PetscErrorCode BandMark(Band *band, Cloud cloud)
         const PetscInt along = band->along[PetscAbsInt(dy)][PetscAbsInt(dz)], line = ((z + dz) * n[1] + y + dy) * n[0],
                        first = PetscMax(0, x - along), last = PetscMin(n[0] - 1, x + along);
 
-        if (along >= 0) (void)memset(band->near + line + first, 1, (size_t)(last - first + 1));
+        if (along >= 0) (void)memset(band->near + line + first, 1, (size_t)last - (size_t)first + 1);
       }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
