@@ -179,8 +179,10 @@ compare-solvers: $(COMPARE)
 tradeoff: isph
 	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
 
+# the case's table and, with the sweeps of the five scenes at hand, that of the top README
 tradeoff-readme:
 	@$(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)" --readme
+	@$(PYTHON) tests/tradeoff/summary.py
 
 lint:
 	@tests/run.sh tests/lint

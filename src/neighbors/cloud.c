@@ -336,6 +336,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
 PetscErrorCode CloudUpdate(Cloud cloud, FieldId field)
 {
   PetscFunctionBegin;
+  PetscCheck(Fields[field].parity != PARITY_NONE, cloud->comm, PETSC_ERR_PLIB, "ghosts have no %s", Fields[field].name);
   PetscCall(HaloUpdate(cloud->halo, Fields[field].width, Fields[field].parity, cloud->field[field]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -77,7 +77,8 @@ typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], void *conte
 /* CloudSearch - the list of all particles within the kernel's support of each owned one, from the positions of the
    cloud, and the factors of the pairs. Not collective. */
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);
-/* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image. Collective. */
+/* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image; refuses fields that
+   have none. Collective. */
 PetscErrorCode CloudUpdate(Cloud cloud, FieldId field);
 /* CloudUpdateInt - the same for an integer field. Collective. */
 PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
@@ -86,8 +87,8 @@ PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
    an open face are removed; their number is added to *lost (global). Collective. */
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
 
-/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size. In two dimensions one layer of
- * cells. Not collective. */
+/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size, along x a 'split'th of it. In two
+   dimensions one layer of cells. Not collective. */
 PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
                              PetscInt split);
 PetscErrorCode CellGridReset(CellGrid *grid);

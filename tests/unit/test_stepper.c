@@ -1,5 +1,6 @@
 /* Shifting: the centre of mass, momentum and angular momentum stay, in two and three dimensions, of one and of two
-   liquids; it does move particles, and to where they are more even. Runs on any number of ranks. */
+   liquids; it does move particles, and to where they are more even; a step has what it reads. Runs on any number of
+   ranks. */
 #include "../../src/stepper/types.h"
 #include "setup.h"
 #include "check.h"
@@ -99,6 +100,28 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whatever the source of the pressure is, a step sums the speeds that its shifting reads. */
+static PetscErrorCode CheckSpeeds(const char options[], const char label[])
+{
+  Attempted attempted = {0};
+  Setup     s;
+  Stepper   stepper;
+  PetscReal unknown = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  PetscCall(PressureCreate(s.cloud, &s.pressure));
+  PetscCall(StepperCreate(s.cloud, s.tension, s.pressure, &stepper));
+  PetscCall(StepperSetFromOptions(stepper));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_CONTRAST][a] = -1;
+  PetscCall(SchemeConsistent(stepper, 1e-4, PETSC_FALSE, &attempted));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) unknown += s.cloud->field[FIELD_CONTRAST][a] < 0;
+  CHECK_CLOSE(SetupSum(unknown), 0, 0, label);
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -107,6 +130,8 @@ int main(int argc, char **argv)
   PetscCall(CheckShift(TWO, PETSC_TRUE, "two_liquids"));
   PetscCall(CheckShift(FLAT "-a_shape sphere ", PETSC_TRUE, "flat"));
   PetscCall(CheckShift(ROUND, PETSC_FALSE, "periodic"));
+  PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
+  PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
 }
