@@ -69,6 +69,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->reference));
   PetscCall(PetscFree(c->first));
+  PetscCall(PetscFree(c->laplacian_sum));
   PetscCall(PetscFree(c->list));
   PetscCall(PetscFree(c->slope));
   PetscCall(PetscFree(c->laplacian));
@@ -95,6 +96,7 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (SceneSolidCount(cloud->scene))
     PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->solid_normal));
   PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt), &cloud->first));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->laplacian_sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -39,10 +39,14 @@ typedef struct _p_Cloud {
     *solid_normal; /* [n_total][3] out of the solid, of its dummy particles (zero elsewhere); NULL without solids */
   /* Neighbours of a < n_owned: list[first[a] .. first[a+1]), local indices, the particle itself excluded. */
   PetscInt *first, *list, list_capacity;
-  /* Factors of the pairs, in the order of the list, at the positions of the last search, in single precision, the same
-     for both particles of a pair (see KernelGradient): F = W'/r over KernelScales' scale_f, and -F r2/(r2 + eta2) over
-     the same, the pair's weight in a Laplacian. */
-  float     *slope, *laplacian;
+  /* Factors of the pairs, in the order of the list, at the positions of the last search, the same for both particles of
+     a pair (see KernelGradient): slope, F = W'/r over KernelScales' scale_f; laplacian, the pair's weight in a
+     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, rounded to sixteen bits: what the solver reads in every
+     iteration should be short, and a Laplacian with 80 such weights is right to 3e-6. */
+  float     *slope;
+  uint16_t  *laplacian;
+  PetscInt  *laplacian_sum; /* [n_owned], of each row */
+  PetscReal  laplacian_unit;
   CellGrid   grid;      /* of the last search, over all n_total points */
   PetscReal  slack;     /* m, how far particles may move before the halo is built again */
   PetscReal  reach;     /* m, largest kernel support in use */
@@ -71,9 +75,9 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
-/* Called for each owned particle as soon as its row is found, while it is in the cache: w ([n]) are KernelSingle's
-   values of W. */
-typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], void *context);
+/* Called for each owned particle as soon as its row is found, while it is in the cache: s ([n]) are r2/h2, w ([n])
+   KernelSingle's values of W. */
+typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float s[], const float w[], void *context);
 /* CloudSearch - the list of all particles within the kernel's support of each owned one, from the positions of the
    cloud, and the factors of the pairs. Not collective. */
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);

@@ -1,8 +1,8 @@
 /* Cells over the points of the cloud, and the list of neighbours. */
 #include "search.h"
 
-#define LINES_AROUND 9 /* of cells along x */
-#define SPLIT        4 /* cells along x in the kernel's support: a line is cut close, which leaves fewer candidates */
+#define LINES_AROUND 9   /* of cells along x */
+#define SPLIT        4   /* cells along x in the kernel's support: a line is cut close, which leaves fewer candidates */
 #define LANES        16  /* of the vector that compares candidates */
 #define CHUNK        256 /* candidates compared before they are kept */
 #define ROW_GUESS    72  /* neighbours a particle, to begin with */
@@ -231,19 +231,27 @@ static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
   cloud->list_capacity = used + more;
   PetscCall(PetscRealloc(cloud->list_capacity * sizeof(PetscInt), &cloud->list));
   PetscCall(PetscRealloc(cloud->list_capacity * sizeof(float), &cloud->slope));
-  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(float), &cloud->laplacian));
+  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(uint16_t), &cloud->laplacian));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factors of n pairs from s = r2/h2, and w (NULL: not wanted). */
-static void PairFactors(Kernel kernel, PetscInt n, const float *restrict s, float *restrict w, float *restrict slope,
-                        float *restrict laplacian)
+/* The factors of n pairs from s = r2/h2, and w (NULL: not wanted); returns the sum of the Laplacian ones. -F is largest
+   at r = 0, so that -F r2/(r2 + eta2) is at most 'unit' times the largest number of sixteen bits. */
+static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *restrict s, float *restrict w,
+                            float *restrict slope, uint16_t *restrict laplacian)
 {
-  const float eta2 = ETA_OVER_H * ETA_OVER_H;
+  const float eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / unit;
+  PetscInt    sum = 0;
 
   KernelSingle(kernel, n, s, w, slope);
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) laplacian[k] = -slope[k] * s[k] / (s[k] + eta2);
+  SIMD_LOOP(reduction(+ : sum))
+  for (PetscInt k = 0; k < n; k++) {
+    const int32_t whole = (int32_t)(0.5f - inverse * slope[k] * s[k] / (s[k] + eta2));
+
+    laplacian[k] = (uint16_t)whole;
+    sum += whole;
+  }
+  return sum;
 }
 
 PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
@@ -255,14 +263,17 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
   const float      limit  = (float)PetscSqr(radius / KernelSmoothingLength(cloud->kernel));
   PetscInt         used = 0, most, longest = 0;
   int32_t         *sorted;
-  float           *s, w[ROW_CAPACITY];
+  float           *s, w[ROW_CAPACITY], zero = 0, unit;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius, SPLIT));
   for (PetscInt c = 0; c < cloud->grid.count; c++)
     longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
-  most = LINES_AROUND * (2 * SPLIT + 1) * longest + LANES;
+  KernelSingle(cloud->kernel, 1, &zero, NULL, &unit);
+  unit /= -(float)UINT16_MAX;
+  cloud->laplacian_unit = unit;
+  most                  = LINES_AROUND * (2 * SPLIT + 1) * longest + LANES;
   PetscCall(PetscMalloc2(DIM * n, &sorted, most, &s));
   PetscCall(SortPlaces(cloud, &units, sorted));
   cloud->first[0] = 0;
@@ -277,10 +288,11 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
-    PairFactors(cloud->kernel, found, s, visit ? w : NULL, cloud->slope + used, cloud->laplacian + used);
+    cloud->laplacian_sum[a] =
+      PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, cloud->slope + used, cloud->laplacian + used);
     used += found;
     cloud->first[a + 1] = used;
-    if (visit) visit(cloud, a, w, context);
+    if (visit) visit(cloud, a, s, w, context);
   }
   PetscCall(PetscFree2(sorted, s));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));

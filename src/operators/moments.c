@@ -83,17 +83,19 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
 /* What the rows of OperatorsMoments share. */
 typedef struct {
   PetscReal V, self, scale_w, scale_f, ratio; /* V in m^dim; W(0); of the kernel; scale_w/W(d0) */
+  PetscReal viscosity;                        /* zeta V 2 mu/rho scale_f/h2, m2/s */
 } Scales;
 
 /* One row: the sums, then what follows from them. */
-static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
+static inline void Sums(Cloud cloud, PetscInt a, const float s[], const float w[], const Scales *scales,
+                        PetscBool viscous)
 {
-  const Scales    *scales = (const Scales *)context;
-  const PetscReal *x = cloud->field[FIELD_POSITION], V = scales->V, scale = V * scales->scale_f, ratio = scales->ratio;
-  const Triple     p      = TripleLoad(x + DIM * a);
-  Triple           normal = TripleSet(0), crowd = normal, diagonal = normal, off = normal;
-  PetscReal       *M = cloud->field[FIELD_MOMENT] + 6 * a, clump[ROW_CAPACITY], sum = 0;
-  Row              row;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
+                  scale = V * scales->scale_f, ratio = scales->ratio;
+  const Triple p = TripleLoad(x + DIM * a), own = TripleLoad(v + DIM * a);
+  Triple       normal = TripleSet(0), crowd = normal, diagonal = normal, off = normal, friction = normal;
+  PetscReal   *M = cloud->field[FIELD_MOMENT] + 6 * a, clump[ROW_CAPACITY], near[ROW_CAPACITY], sum = 0;
+  Row          row;
 
   RowLoad(cloud, a, &row);
   SIMD_LOOP(reduction(+ : sum))
@@ -103,6 +105,10 @@ static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
     sum += w[k];
     clump[k] = row.f[k] * (1 + CLUMP_WEIGHT * r2 * r2);
   }
+  if (viscous) {
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < row.n; k++) near[k] = row.f[k] / (s[k] + ETA_OVER_H * ETA_OVER_H);
+  }
   for (PetscInt k = 0; k < row.n; k++) {
     const Triple d = p - TripleLoad(x + DIM * row.index[k]), fd = TripleSet(row.f[k]) * d;
 
@@ -110,6 +116,8 @@ static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
     crowd += TripleSet(clump[k]) * d;
     diagonal -= fd * d;
     off -= fd * TripleTurn(d); /* xy, yz, zx */
+    if (viscous)               /* Eq. (1) of Kuri et al. */
+      friction += TripleSet(near[k]) * TripleDot(own - TripleLoad(v + DIM * row.index[k]), d) * d;
   }
   for (PetscInt d = 0; d < DIM; d++) {
     M[d]                                      = scale * diagonal[d];
@@ -120,6 +128,18 @@ static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
   M[4]                           = scale * off[2];
   M[5]                           = scale * off[1];
   cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (scales->self + scales->scale_w * sum);
+  if (viscous)
+    for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] = scales->viscosity * friction[d];
+}
+
+static void MomentsRow(Cloud cloud, PetscInt a, const float s[], const float w[], void *context)
+{
+  Sums(cloud, a, s, w, (const Scales *)context, PETSC_FALSE);
+}
+
+static void ViscousRow(Cloud cloud, PetscInt a, const float s[], const float w[], void *context)
+{
+  Sums(cloud, a, s, w, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
 }
 
 /* FIELD_LAMBDA of M, which FIELD_MOMENT holds, and B in its place. */
@@ -144,8 +164,9 @@ static void Renormalise(Cloud cloud)
   }
 }
 
-PetscErrorCode OperatorsMoments(Cloud cloud)
+PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous)
 {
+  const Material *liquid = BodyMaterial(SceneBody(cloud->scene, 0));
   const PetscReal d2     = PetscSqr(cloud->domain->spacing);
   Scales          scales = {.V = cloud->domain->volume, .self = KernelSelf(cloud->kernel)};
   PetscReal       inverse_h2, at_spacing;
@@ -153,8 +174,10 @@ PetscErrorCode OperatorsMoments(Cloud cloud)
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scales.scale_w, &scales.scale_f, &inverse_h2);
   KernelEvaluate(cloud->kernel, 1, &d2, &at_spacing, NULL);
-  scales.ratio = scales.scale_w / at_spacing;
-  PetscCall(CloudSearch(cloud, MomentsRow, &scales));
+  scales.ratio     = scales.scale_w / at_spacing;
+  scales.viscosity = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
+                     scales.scale_f * inverse_h2;
+  PetscCall(CloudSearch(cloud, viscous ? ViscousRow : MomentsRow, &scales));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));

@@ -48,8 +48,13 @@ PetscErrorCode OperatorsDensity(Cloud cloud);
 /* OperatorsMoments - finds the neighbours and, row by row: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab;
    FIELD_LAMBDA its smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM;
    FIELD_NORMAL = sum V grad W (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where
-   particles crowd (Lind et al. 2012). Marrone et al. 2010, Randles & Libersky 1996. */
-PetscErrorCode OperatorsMoments(Cloud cloud);
+   particles crowd (Lind et al. 2012). Marrone et al. 2010, Randles & Libersky 1996. viscous: FIELD_ACCELERATION (m/s2)
+   of the fluid is what OperatorsViscosity would add to it in the form of Cleary, for half the price; for
+   OperatorsOneLiquid at its rest density only. */
+PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous);
+/* OperatorsOneLiquid - whether all bodies have one density and one viscosity, so that every pair has the same
+   coefficient. */
+PetscBool OperatorsOneLiquid(Cloud cloud);
 /* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan
    of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle
    within 1.5 spacings. Needs OperatorsMoments; updates INT_SURFACE of the ghosts. Collective. */

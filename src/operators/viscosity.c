@@ -39,12 +39,10 @@ static PetscErrorCode MirrorVelocity(Cloud cloud, const PetscReal v[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether all liquid has one density and one viscosity, so that every pair has the same coefficient. */
-static PetscBool OneLiquid(Cloud cloud, const PetscReal density[])
+PetscBool OperatorsOneLiquid(Cloud cloud)
 {
   const Material *first = BodyMaterial(SceneBody(cloud->scene, 0));
 
-  if (density != cloud->rest_density) return PETSC_FALSE;
   for (PetscInt b = 1; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 
@@ -101,15 +99,17 @@ static void ViscosityMorris(PetscInt a, const Row *row, const PetscReal v[], Pet
   TripleStore(sum, out);
 }
 
-/* Divides the row's factors F by r2 + eta2 (m2): with L = -F r2/(r2 + eta2), which the search left too, F/(r2 + eta2) =
-   (F + L)/eta2. Where the difference cancels, at the edge of the kernel, F is small; the error, the same for both
-   particles, is below 1e-5 of the largest factor. */
+/* Divides the row's factors F by r2 + eta2 (m2). */
 static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, Row *row)
 {
-  const float *slope = cloud->slope + cloud->first[a], *laplacian = cloud->laplacian + cloud->first[a];
+  const PetscReal *x = cloud->field[FIELD_POSITION], x0 = x[DIM * a], x1 = x[DIM * a + 1], x2 = x[DIM * a + 2];
 
   SIMD_LOOP()
-  for (PetscInt k = 0; k < row->n; k++) row->f[k] = (slope[k] + laplacian[k]) / eta2;
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscReal *at = x + DIM * row->index[k];
+
+    row->f[k] /= PetscSqr(x0 - at[0]) + PetscSqr(x1 - at[1]) + PetscSqr(x2 - at[2]) + eta2;
+  }
 }
 
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[])
@@ -117,7 +117,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   const PetscReal *v    = cloud->field[FIELD_VELOCITY];
   const PetscReal  eta2 = EtaSquared(cloud->kernel),
                   zeta  = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
-  const PetscBool one   = OneLiquid(cloud, density);
+  const PetscBool one   = (PetscBool)(density == cloud->rest_density && OperatorsOneLiquid(cloud));
   PetscReal      *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f,
             inverse_h2;
   Row row;

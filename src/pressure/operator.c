@@ -1,9 +1,9 @@
 /* Eq. (8) without a matrix: the sum over the pairs of the cloud's list, y_a = sum_b K_ab (p_a - p_b) + what the closure
-   adds, as a MATSHELL. A pair is eight bytes here, its number and its weight in single precision (the same for both
-   particles, so the operator is symmetric and constants have no pressure gradient to round-off); in an assembled row it
-   is twelve, and the assembly costs what six to eight products do. The weight's rounding, 6e-8, changes the pressure by
-   less than any tolerance in use. Deeper wall particles are folded into their parent (P^T A P), pairs of wall particles
-   left out. */
+   adds, as a MATSHELL. A pair is six bytes here, its number and its weight in sixteen bits (the same for both
+   particles, so the operator is symmetric and constants have no pressure gradient to round-off); in an assembled row
+   it is twelve, and the assembly costs what six to eight products do. The weight's rounding, 8e-6 of the largest,
+   changes a row by 3e-6, a thousandth of what the sum over 80 neighbours is off the Laplacian. Deeper wall particles
+   are folded into their parent (P^T A P), pairs of wall particles left out. */
 #include "types.h"
 
 /* Whether every pair has the same material: then the cloud's own factors are the weights. */
@@ -29,9 +29,9 @@ static PetscErrorCode SetWeights(Pressure pressure)
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  pressure->weight       = cloud->laplacian;
-  pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f;
-  if (OneDensity(pressure)) PetscFunctionReturn(PETSC_SUCCESS);
+  pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
+  pressure->own          = (PetscBool)!OneDensity(pressure);
+  if (!pressure->own) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16;
     PetscCall(PetscFree(pressure->own_weight));
@@ -45,10 +45,9 @@ static PetscErrorCode SetWeights(Pressure pressure)
       const PetscInt  b   = cloud->list[k];
       const PetscReal sum = rho_a + density[b];
 
-      pressure->own_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * cloud->laplacian[k];
+      pressure->own_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * (float)cloud->laplacian[k];
     }
   }
-  pressure->weight = pressure->own_weight;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,20 +68,20 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 /* The sum of weights of particle a's pairs that count. */
 static PetscReal WeightSum(Pressure pressure, PetscInt a)
 {
-  Cloud           cloud  = pressure->cloud;
-  const float    *weight = pressure->weight;
+  Cloud           cloud = pressure->cloud;
   const PetscInt *layer = cloud->integer[INT_LAYER], *list = cloud->list, *row = cloud->row;
   const PetscInt  end = cloud->first[a + 1];
   PetscReal       sum = 0;
 
   if (a >= cloud->n_fluid) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += layer[list[k]] ? 0 : weight[k];
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += layer[list[k]] ? 0 : PairWeight(pressure, k);
   } else if (MayMeetItself(cloud, a)) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[list[k]] == row[a] ? 0 : weight[k];
-  } else {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[list[k]] == row[a] ? 0 : PairWeight(pressure, k);
+  } else if (pressure->own) {
     SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += weight[k];
-  }
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += pressure->own_weight[k];
+  } else
+    sum = (PetscReal)cloud->laplacian_sum[a];
   return sum;
 }
 
@@ -134,55 +133,63 @@ static inline PetscReal Surplus(Pressure pressure, PetscInt r)
   return pressure->pairs[r] + pressure->closed[r] > 0 ? pressure->closed[r] : 1;
 }
 
-/* sum_b weight (p_a - p_b) of particle a's pairs that count. This loop is half of the solver's time. */
+/* sum_b weight (p_a - p_b) over n pairs, their weights coded or, where those are NULL, plain. This loop is half of the
+ * solver's time. */
 #if defined(__AVX512VL__) && !defined(PETSC_USE_64BIT_INDICES)
   #include <immintrin.h>
 
   #define LANES 8
 
-static inline __m512d Terms(const PetscInt *index, const float *weight, __mmask8 valid, const PetscReal *p, __m512d own,
-                            __m512d sum)
+static inline __m512d Terms(const PetscInt *index, const uint16_t *coded, const float *plain, PetscInt k,
+                            __mmask8 valid, const PetscReal *p, __m512d own, __m512d sum)
 {
-  const __m256i b = _mm256_maskz_loadu_epi32(valid, index);
-  const __m512d w = _mm512_cvtps_pd(_mm256_maskz_loadu_ps(valid, weight));
+  const __m256i b = _mm256_maskz_loadu_epi32(valid, index + k);
+  const __m512d w = coded ? _mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_maskz_loadu_epi16(valid, coded + k)))
+                          : _mm512_cvtps_pd(_mm256_maskz_loadu_ps(valid, plain + k));
 
   return _mm512_fmadd_pd(w, _mm512_sub_pd(own, _mm512_mask_i32gather_pd(own, valid, b, p, sizeof(PetscReal))), sum);
 }
 
-static inline PetscReal PairSum(const PetscInt *restrict index, const float *restrict weight, PetscInt n,
-                                const PetscReal *restrict p, PetscReal own)
+static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
+                                const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
-  const __m512d all = _mm512_set1_pd(own);
+  const __m512d all    = _mm512_set1_pd(own);
   __m512d       sum[2] = {_mm512_setzero_pd(), _mm512_setzero_pd()};
   PetscInt      k      = 0;
 
   for (; k + 2 * LANES <= n; k += 2 * LANES)
     for (PetscInt part = 0; part < 2; part++)
-      sum[part] = Terms(index + k + part * LANES, weight + k + part * LANES, 0xff, p, all, sum[part]);
+      sum[part] = Terms(index, coded, plain, k + part * LANES, 0xff, p, all, sum[part]);
   for (; k < n; k += LANES)
-    sum[0] = Terms(index + k, weight + k, (__mmask8)(n - k < LANES ? (1 << (n - k)) - 1 : 0xff), p, all, sum[0]);
+    sum[0] = Terms(index, coded, plain, k, (__mmask8)(n - k < LANES ? (1 << (n - k)) - 1 : 0xff), p, all, sum[0]);
   return _mm512_reduce_add_pd(_mm512_add_pd(sum[0], sum[1]));
 }
 #else
-static inline PetscReal PairSum(const PetscInt *restrict index, const float *restrict weight, PetscInt n,
-                                const PetscReal *restrict p, PetscReal own)
+static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
+                                const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
   PetscReal sum = 0;
 
-  SIMD_LOOP(reduction(+ : sum))
-  for (PetscInt k = 0; k < n; k++) sum += weight[k] * (own - p[index[k]]);
+  if (coded) {
+    SIMD_LOOP(reduction(+ : sum))
+    for (PetscInt k = 0; k < n; k++) sum += coded[k] * (own - p[index[k]]);
+  } else {
+    SIMD_LOOP(reduction(+ : sum))
+    for (PetscInt k = 0; k < n; k++) sum += plain[k] * (own - p[index[k]]);
+  }
   return sum;
 }
 
 #endif
 
-static PetscReal WallPairSum(Cloud cloud, const float *restrict weight, PetscInt a, const PetscReal *restrict p)
+static PetscReal WallPairSum(Pressure pressure, PetscInt a, const PetscReal *restrict p)
 {
+  const Cloud     cloud = pressure->cloud;
   const PetscInt *layer = cloud->integer[INT_LAYER];
   PetscReal       sum   = 0;
 
   for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++)
-    sum += layer[cloud->list[k]] ? 0 : weight[k] * (p[a] - p[cloud->list[k]]);
+    sum += layer[cloud->list[k]] ? 0 : PairWeight(pressure, k) * (p[a] - p[cloud->list[k]]);
   return sum;
 }
 
@@ -197,15 +204,16 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) full[a] = p[cloud->row[a] - cloud->row_start];
   PetscCall(CloudUpdate(cloud, FIELD_WORK1));
   for (PetscInt r = 0; r < cloud->n_fluid; r++) {
-    const PetscInt first = cloud->first[r];
+    const PetscInt  first = cloud->first[r], n = cloud->first[r + 1] - first, *index = cloud->list + first;
+    const PetscReal sum = pressure->own ? PairSum(index, NULL, pressure->own_weight + first, n, full, full[r])
+                                        : PairSum(index, cloud->laplacian + first, NULL, n, full, full[r]);
 
-    y[r] = scale * PairSum(cloud->list + first, pressure->weight + first, cloud->first[r + 1] - first, full, full[r]) +
-           Surplus(pressure, r) * full[r];
+    y[r] = scale * sum + Surplus(pressure, r) * full[r];
   }
   for (PetscInt r = cloud->n_fluid; r < cloud->n_rows; r++)
-    y[r] = scale * WallPairSum(cloud, pressure->weight, r, full) + Surplus(pressure, r) * full[r];
+    y[r] = scale * WallPairSum(pressure, r, full) + Surplus(pressure, r) * full[r];
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    y[cloud->row[a] - cloud->row_start] += scale * WallPairSum(cloud, pressure->weight, a, full);
+    y[cloud->row[a] - cloud->row_start] += scale * WallPairSum(pressure, a, full);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -171,7 +171,7 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s)
       }
       for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
         const PetscInt  b = cloud->list[k], c = column[b];
-        const PetscReal K = scale * pressure->weight[k];
+        const PetscReal K = scale * PairWeight(pressure, k);
 
         if (c == r || (layer[a] && layer[b])) continue;
         if (mark[c] != r) {

@@ -29,19 +29,19 @@ struct _p_Pressure {
   ClosureFunction  closure;
   GradientFunction gradient;
   PetscBool        summed;
-  /* Eq. (8) as the sum of pairs: K_ab = weight_scale weight[k] of pair k of the cloud's list, 1/kg m3/m2 */
-  const float *weight; /* the cloud's laplacian, or own_weight where liquids differ */
-  float       *own_weight;
-  PetscReal    weight_scale;
-  PetscReal   *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
-  PetscInt     rows_capacity, weight_capacity;
-  PetscReal    relaxation_time, relaxation_option;
-  PetscReal    ahead;            /* steps from the positions to the time at which the new velocity has no divergence */
-  PetscReal    lattice_diagonal; /* Lambda_0 of a row with rest density 1 */
-  PetscReal    lattice_sum;      /* sum V W on a full lattice, 1 */
-  PetscReal    surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
-  PetscReal   *div;                                                /* [owned capacity] 1/s */
-  PetscInt     div_capacity;
+  /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2 */
+  PetscBool  own; /* own_weight, where densities differ, in place of the cloud's laplacian */
+  float     *own_weight;
+  PetscReal  weight_scale;
+  PetscReal *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
+  PetscInt   rows_capacity, weight_capacity;
+  PetscReal  relaxation_time, relaxation_option;
+  PetscReal  ahead;            /* steps from the positions to the time at which the new velocity has no divergence */
+  PetscReal  lattice_diagonal; /* Lambda_0 of a row with rest density 1 */
+  PetscReal  lattice_sum;      /* sum V W on a full lattice, 1 */
+  PetscReal  surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
+  PetscReal *div;                                                /* [owned capacity] 1/s */
+  PetscInt   div_capacity;
   /* columns: column[b] < n_rows local, otherwise n_rows + place of the global row in off_row */
   PetscInt    layout, halo_builds, column_capacity, *column, off_count, *off_row;
   PetscInt   *child_first, *child, child_layout; /* deeper wall particles of each row; the layout they are of */
@@ -67,6 +67,11 @@ struct _p_Pressure {
   PetscReal rebuild_growth;
   PetscBool rebuild;
 };
+
+static inline PetscReal PairWeight(Pressure pressure, PetscInt k)
+{
+  return pressure->own ? pressure->own_weight[k] : pressure->cloud->laplacian[k];
+}
 
 /* SystemColumns - brings the column numbering up to date with the cloud's ghosts and layout. Not collective. */
 PetscErrorCode SystemColumns(Pressure pressure);

@@ -21,10 +21,12 @@ PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose, PressureStep pressure,
                               Attempted *attempted)
 {
-  Cloud      cloud = stepper->cloud;
-  PetscReal *r, *v, *new_r, *new_v, *a;
-  PetscReal  drift = 0; /* largest displacement of the first half, m */
-  PetscInt   touched;
+  Cloud           cloud = stepper->cloud;
+  PetscReal      *r, *v, *new_r, *new_v, *a;
+  PetscReal       drift = 0; /* largest displacement of the first half, m */
+  PetscInt        touched;
+  const PetscBool viscous = (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity_form == VISCOSITY_CLEARY &&
+                                        OperatorsOneLiquid(stepper->cloud));
 
   PetscFunctionBegin;
   /* Stage 1: everything but pressure, at r^n or half a step later */
@@ -41,11 +43,11 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
     r = cloud->field[FIELD_POSITION];
     v = cloud->field[FIELD_VELOCITY];
   }
-  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsMoments(cloud, viscous));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, diagnose, attempted));
   if (PressureDensity(stepper->pressure) == cloud->field[FIELD_DENSITY]) PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(StageOne(stepper, dt, cloud->rest_density, attempted));
+  PetscCall(StageOne(stepper, dt, cloud->rest_density, viscous, attempted));
   if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
 
   /* Stage 2: pressure, at the same positions */

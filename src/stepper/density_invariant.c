@@ -10,10 +10,10 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   PetscFunctionBegin;
   /* Stage 1: everything but pressure, Eqs. (1), (2), (4)-(7), at r^n */
   PetscCall(CloudBegin(cloud, PETSC_FALSE));
-  PetscCall(OperatorsMoments(cloud)); /* Eq. (4) */
+  PetscCall(OperatorsMoments(cloud, PETSC_FALSE)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], attempted));
+  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], PETSC_FALSE, attempted));
   if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
   r         = cloud->field[FIELD_POSITION];
   start     = cloud->field[FIELD_START];
@@ -23,7 +23,7 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
 
   /* Stage 2: pressure restores rho_0, Eqs. (8)-(11), at r^F */
   PetscCall(CloudMoved(cloud, PETSC_FALSE));
-  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, diagnose, attempted));

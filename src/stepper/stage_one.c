@@ -39,7 +39,13 @@ static void CapillaryWork(Cloud cloud, PetscReal dt, Attempted *attempted)
   }
 }
 
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted)
+PetscBool ViscosityIsExplicit(Stepper stepper)
+{
+  return (PetscBool)(SceneHasViscosity(stepper->cloud->scene) && !stepper->viscous.implicit);
+}
+
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous,
+                        Attempted *attempted)
 {
   Cloud      cloud        = stepper->cloud;
   PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
@@ -47,15 +53,18 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
   PetscReal before     = 0; /* power of what acts so far, W */
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
-  if (stepper->damping == 1)
-    for (PetscInt a = 0; a < cloud->n_fluid; a++)
-      SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
-  if (SceneHasViscosity(cloud->scene) && !stepper->viscous.implicit) {
-    before = Overlap(cloud, FIELD_ACCELERATION);
-    PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
-    attempted->viscous_work = dt * (Overlap(cloud, FIELD_ACCELERATION) - before);
+  if (!viscous) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
+  if (ViscosityIsExplicit(stepper)) {
+    if (!viscous) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+    attempted->viscous_work = dt * Overlap(cloud, FIELD_ACCELERATION);
   }
+  if (stepper->damping == 1)
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+      PetscReal g[DIM];
+
+      SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
+      for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += g[d];
+    }
   if (TensionReach(stepper->tension) > 0) before = Overlap(cloud, FIELD_ACCELERATION);
   PetscCall(TensionApply(stepper->tension, cloud));
   if (TensionReach(stepper->tension) > 0) {

@@ -373,10 +373,10 @@ PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
   PetscCall(CloudBegin(cloud, PETSC_FALSE));
-  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(StageOne(stepper, *dt, PressureDensity(stepper->pressure), &attempted));
+  PetscCall(StageOne(stepper, *dt, PressureDensity(stepper->pressure), PETSC_FALSE, &attempted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -394,7 +394,7 @@ PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 
   PetscFunctionBegin;
   PetscCall(CloudBegin(cloud, PETSC_FALSE));
-  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(Diagnose(stepper, PETSC_FALSE, &attempted));
   PetscCall(Judge(stepper, 0, &attempted, sums, why, sizeof(why)));
@@ -410,7 +410,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, &state, PETSC_MAX_REAL, &dt));
-  PetscCall(OperatorsMoments(cloud));
+  PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(PetscArraycpy(cloud->field[FIELD_PREDICTED], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));

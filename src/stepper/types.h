@@ -84,9 +84,13 @@ PetscErrorCode ConsistentStep(Stepper, PetscReal, PetscBool, PressureStep, Attem
 PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result);
 /* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
    FIELD_PREDICTED = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
-   viscosity divides by. Also attempted->viscous_work and tension_work. Viscosity acts at the new velocity in steps that
-   StepSize made implicit. Collective. */
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], Attempted *attempted);
+   viscosity divides by. viscous: OperatorsMoments has left the viscous term in FIELD_ACCELERATION. Also
+   attempted->viscous_work and tension_work. Viscosity acts at the new velocity in steps that StepSize made implicit.
+   Collective. */
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous,
+                        Attempted *attempted);
+/* ViscosityIsExplicit - in this step; false also without viscosity. Not collective. */
+PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
    ViscousSolve - FIELD_PREDICTED (of the fluid, without viscosity) becomes the velocity u with u = predicted + dt V u,
    ghosts included, walls with their own velocity. Overwrites FIELD_WORK1, FIELD_WORK3. Collective. */

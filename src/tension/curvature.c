@@ -254,14 +254,15 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
                    .nx    = {{qxx, qxy, qxz}, {qyx, qyy, qyz}, {qzx, qzy, qzz}}};
 }
 
-/* kappa (1/m) of the free surface from the sums around a particle with normal n. */
-static PetscReal Curvature(Tension tension, const Moments *m, const PetscReal n[DIM])
+/* What a linear fit to values at the collected places with normals that look the same way needs to know of these. */
+static void FitPlaces(Tension tension, const Moments *m, NormalFit *fit)
 {
-  const PetscReal limit = (tension->dim - 1) / tension->spacing;
-  PetscReal M[6], B[6], G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM],
-                                                  nKn = 0;
+  PetscReal M[6];
 
-  if (m->count < FEWEST) return 0;
+  fit->enough    = (PetscBool)(m->count >= FEWEST);
+  fit->inverse_w = m->w > 0 ? 1 / m->w : 0;
+  for (PetscInt d = 0; d < DIM; d++) fit->x[d] = m->x[d] * fit->inverse_w;
+  if (!fit->enough) return;
   M[0] = m->xx[0] - m->x[0] * m->x[0] / m->w;
   M[1] = m->xx[1] - m->x[1] * m->x[1] / m->w;
   M[2] = m->xx[2] - m->x[2] * m->x[2] / m->w;
@@ -272,11 +273,20 @@ static PetscReal Curvature(Tension tension, const Moments *m, const PetscReal n[
     const PetscReal small = REGULARITY * (M[0] + M[1] + M[2]);
 
     for (PetscInt d = 0; d < DIM; d++) M[d] += small;
-    SymmetricInverse(tension->dim, M, B);
+    SymmetricInverse(tension->dim, M, fit->B);
   }
+}
+
+/* kappa (1/m) of the free surface from the sums around a particle with normal n. */
+static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal n[DIM])
+{
+  const PetscReal limit = (tension->dim - 1) / tension->spacing;
+  PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
+
+  if (!fit->enough) return 0;
   for (PetscInt i = 0; i < DIM; i++)
-    for (PetscInt j = 0; j < DIM; j++) G[i][j] = m->nx[i][j] - m->n[i] * m->x[j] / m->w;
-  for (PetscInt i = 0; i < DIM; i++) TensorApply(B, G[i][0], G[i][1], G[i][2], K[i]);
+    for (PetscInt j = 0; j < DIM; j++) G[i][j] = m->nx[i][j] - m->n[i] * fit->x[j];
+  for (PetscInt i = 0; i < DIM; i++) TensorApply(fit->B, G[i][0], G[i][1], G[i][2], K[i]);
   for (PetscInt i = 0; i < DIM; i++) {
     Kn[i] = nK[i] = 0;
     for (PetscInt j = 0; j < DIM; j++) {
@@ -302,17 +312,16 @@ static PetscReal Curvature(Tension tension, const Moments *m, const PetscReal n[
 }
 
 /* Mean of column 6 over the collected values whose normals look the same way, and its slope along the surface. */
-static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM], PetscReal slope[DIM])
+static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM], const NormalFit *fit,
+                      PetscReal slope[DIM])
 {
   const PetscInt stride        = tension->liquid.stride;
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict value = nz + stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       M[6], B[6], scale_w, scale_f, inverse_h2;
+  PetscReal       scale_w, scale_f, inverse_h2, along, f = 0, fx = 0, fy = 0, fz = 0;
   float           s[CHUNK], W[CHUNK];
-  PetscReal       count = 0, sw = 0, f = 0, sx = 0, sy = 0, sz = 0, fx = 0, fy = 0, fz = 0;
-  PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
@@ -320,48 +329,24 @@ static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const
 
     Distances(tension, begin, l, x, inverse_h2, s);
     KernelSingle(tension->kernel, l, s, W, NULL);
-    SIMD_LOOP(reduction(+ : count, sw, f, sx, sy, sz, fx, fy, fz, xx, yy, zz, xy, xz, yz))
+    SIMD_LOOP(reduction(+ : f, fx, fy, fz))
     for (PetscInt k = 0; k < l; k++) {
-      const PetscInt  b = begin + k;
-      const PetscReal w = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? W[k] : 0, v = value[b];
-      const PetscReal dx = cx[b] - x0, dy = cy[b] - y0, dz = cz[b] - z0, wx = w * dx, wy = w * dy, wz = w * dz;
+      const PetscInt  b  = begin + k;
+      const PetscReal wv = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? W[k] * value[b] : 0;
 
-      count += w > 0 ? 1 : 0;
-      sw += w;
-      f += w * v;
-      sx += wx;
-      sy += wy;
-      sz += wz;
-      fx += wx * v;
-      fy += wy * v;
-      fz += wz * v;
-      xx += wx * dx;
-      yy += wy * dy;
-      zz += wz * dz;
-      xy += wx * dy;
-      xz += wx * dz;
-      yz += wy * dz;
+      f += wv;
+      fx += wv * (cx[b] - x0);
+      fy += wv * (cy[b] - y0);
+      fz += wv * (cz[b] - z0);
     }
   }
   slope[0] = slope[1] = slope[2] = 0;
-  if (count < FEWEST) return sw > 0 ? f / sw : 0;
-  M[0] = xx - sx * sx / sw;
-  M[1] = yy - sy * sy / sw;
-  M[2] = zz - sz * sz / sw;
-  M[3] = xy - sx * sy / sw;
-  M[4] = xz - sx * sz / sw;
-  M[5] = yz - sy * sz / sw;
-  {
-    const PetscReal small = REGULARITY * (M[0] + M[1] + M[2]);
-    PetscReal       along;
-
-    for (PetscInt d = 0; d < DIM; d++) M[d] += small;
-    SymmetricInverse(tension->dim, M, B);
-    TensorApply(B, fx - f * sx / sw, fy - f * sy / sw, fz - f * sz / sw, slope);
+  if (fit->enough) {
+    TensorApply(fit->B, fx - f * fit->x[0], fy - f * fit->x[1], fz - f * fit->x[2], slope);
     along = Dot(slope, n);
     for (PetscInt d = 0; d < DIM; d++) slope[d] -= along * n[d];
   }
-  return f / sw;
+  return f * fit->inverse_w;
 }
 
 static inline PetscReal Sigma(Cloud cloud, PetscInt a)
@@ -412,10 +397,11 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
         Moments m;
 
         SumNormals(tension, n, x, normal + DIM * a, &m);
-        scalar[a] = Sigma(cloud, a) * Curvature(tension, &m, normal + DIM * a);
+        FitPlaces(tension, &m, &tension->fit[p]);
+        scalar[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], normal + DIM * a);
       } else
         cloud->field[FIELD_CAPILLARY][a] =
-          Mean(tension, n, x, normal + DIM * a, cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+          Mean(tension, n, x, normal + DIM * a, &tension->fit[p], cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -449,7 +435,8 @@ PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscBool      *keep;
 
   PetscFunctionBegin;
-  PetscCall(TensionBand(tension, cloud, KernelSmoothingLength(tension->kernel) + tension->spacing));
+  /* |grad phi| H is below the threshold 0.9 H deep; surface particles are half a spacing deep */
+  PetscCall(TensionBand(tension, cloud, KernelSmoothingLength(tension->kernel)));
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_WORK1], cloud->n_owned));
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
@@ -462,6 +449,11 @@ PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
     keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0);
   PetscCall(LiquidSort(&tension->liquid, cloud, support, keep));
   PetscCall(PetscFree(keep));
+  if (tension->liquid.count > tension->fit_capacity) {
+    tension->fit_capacity = tension->liquid.count + tension->liquid.count / 4;
+    PetscCall(PetscFree(tension->fit));
+    PetscCall(PetscMalloc1(tension->fit_capacity, &tension->fit));
+  }
   LiquidLoad(&tension->liquid, DIM, DIM, normal);
   LiquidLoad(&tension->liquid, 2 * DIM, 1, cloud->field[FIELD_WORK1]);
   PetscCall(Pass(tension, cloud, PASS_CURVATURE));

@@ -163,6 +163,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->kernel));
   PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(LiquidReset(&(*tension)->liquid));
+  PetscCall(PetscFree((*tension)->fit));
   if ((*tension)->has_band) PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -77,6 +77,13 @@ static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
   return (cell[2] * band->n[1] + cell[1]) * band->n[0] + cell[0];
 }
 
+/* A linear fit to values at the places around a particle whose normals look the same way: weighted mean place relative
+   to it (m), inverse of the second moments about that mean (1/m2) if there are enough, 1/sum W. */
+typedef struct {
+  PetscReal B[6], x[DIM], inverse_w;
+  PetscBool enough;
+} NormalFit;
+
 struct _p_Tension {
   MPI_Comm        comm;
   PetscBool       active;
@@ -95,6 +102,8 @@ struct _p_Tension {
   PetscReal       fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
   PetscReal       plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
   Liquid          liquid;
+  NormalFit      *fit; /* [fit_capacity], by place in the sorted liquid */
+  PetscInt        fit_capacity;
   Band            band_cells;
   PetscBool       has_band, sheets; /* sheet.c is used */
 };

@@ -80,7 +80,7 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
 static inline PetscErrorCode SetupMoments(Setup *s)
 {
   PetscFunctionBegin;
-  PetscCall(OperatorsMoments(s->cloud));
+  PetscCall(OperatorsMoments(s->cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(s->cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(s->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

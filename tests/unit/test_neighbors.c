@@ -181,13 +181,15 @@ static PetscErrorCode CompareLists(Cloud cloud, PetscInt wrong[2], PetscInt *pai
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest relative error of the factors that stand beside the lists: F from KernelGradient, and its Laplacian form. */
-static PetscReal FactorError(Cloud cloud)
+/* Largest errors of the factors that stand beside the lists: of F from KernelGradient, relative, and of its Laplacian
+ * form, in units. */
+static void FactorErrors(Cloud cloud, PetscReal *relative, PetscReal *units)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], eta2 = PetscSqr(ETA_OVER_H * KernelSmoothingLength(cloud->kernel));
-  PetscReal        scale_w, scale_f, inverse_h2, error = 0, largest = 0;
+  PetscReal        scale_w, scale_f, inverse_h2, unit, error = 0, coded = 0, largest = 0;
 
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  unit = scale_f * cloud->laplacian_unit;
   for (PetscInt a = 0; a < cloud->n_owned; a++)
     for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       PetscReal r2 = 0, F;
@@ -196,9 +198,10 @@ static PetscReal FactorError(Cloud cloud)
       KernelGradient(cloud->kernel, 1, &r2, &F);
       largest = PetscMax(largest, PetscAbsReal(F));
       error   = PetscMax(error, PetscAbsReal(scale_f * cloud->slope[k] - F));
-      error   = PetscMax(error, PetscAbsReal(scale_f * cloud->laplacian[k] + F * r2 / (r2 + eta2)));
+      coded   = PetscMax(coded, PetscAbsReal(cloud->laplacian[k] + F * r2 / (r2 + eta2) / unit));
     }
-  return SetupMax(error) / SetupMax(largest);
+  *relative = SetupMax(error) / SetupMax(largest);
+  *units    = SetupMax(coded);
 }
 
 /* A number that belongs to particle and component. */
@@ -294,7 +297,7 @@ static PetscErrorCode TestBox(const char label[], PetscInt dim, const char faces
 {
   const char box3[]            = "-box_lower -2,-3,0 -box_upper 7,7,8 ",
              box2[]            = "-dimension 2 -box_lower -7,-8 -box_upper 18,19 ";
-  PetscReal x[DIM * PARTICLES] = {0};
+  PetscReal x[DIM * PARTICLES] = {0}, relative, units;
   PetscInt  wrong[2], bad = 0, far = 0, signs = 0, pairs, total = 0, lost = 0, n;
   Setup     s;
   char      options[512], name[96];
@@ -314,7 +317,10 @@ static PetscErrorCode TestBox(const char label[], PetscInt dim, const char faces
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_lists", label));
   CHECK(wrong[0] == 0 && pairs > 10 * PARTICLES, name);
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_factors", label));
-  CHECK_CLOSE(FactorError(s.cloud), 0, 2e-6, name);
+  FactorErrors(s.cloud, &relative, &units);
+  CHECK_CLOSE(relative, 0, 2e-6, name);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_laplacian", label));
+  CHECK_CLOSE(units, 0, 0.6, name);
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_reach", label));
   CHECK(wrong[1] == 0, name);
   PetscCall(ParticlesGlobalSize(s.particles, &n));
