@@ -41,8 +41,8 @@ typedef struct _p_Cloud {
   PetscInt *first, *list, list_capacity;
   /* Factors of the pairs, in the order of the list, at the positions of the last search, the same for both particles of
      a pair (see KernelGradient): slope, F = W'/r over KernelScales' scale_f; laplacian, the pair's weight in a
-     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, rounded to sixteen bits: what the solver reads in every
-     iteration should be short, and a Laplacian with 80 such weights is right to 3e-6. */
+     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, 0 between two wall particles, rounded to sixteen bits:
+     what the solver reads in every iteration should be short, and a Laplacian with 80 such weights is right to 3e-6. */
   float     *slope;
   uint16_t  *laplacian;
   PetscInt  *laplacian_sum; /* [n_owned], of each row */

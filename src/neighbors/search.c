@@ -254,6 +254,18 @@ static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *
   return sum;
 }
 
+/* Pairs of wall particles have no weight: nothing flows between them. Returns the sum of the others'. */
+static PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[], uint16_t laplacian[])
+{
+  PetscInt sum = 0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    if (layer[list[k]]) laplacian[k] = 0;
+    sum += laplacian[k];
+  }
+  return sum;
+}
+
 PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
 {
   const PetscInt   n      = cloud->n_total;
@@ -290,6 +302,9 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
     cloud->laplacian_sum[a] =
       PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, cloud->slope + used, cloud->laplacian + used);
+    if (a >= cloud->n_fluid)
+      cloud->laplacian_sum[a] =
+        DropWallPairs(cloud->integer[INT_LAYER], found, cloud->list + used, cloud->laplacian + used);
     used += found;
     cloud->first[a + 1] = used;
     if (visit) visit(cloud, a, s, w, context);

@@ -69,14 +69,11 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 static PetscReal WeightSum(Pressure pressure, PetscInt a)
 {
   Cloud           cloud = pressure->cloud;
-  const PetscInt *layer = cloud->integer[INT_LAYER], *list = cloud->list, *row = cloud->row;
-  const PetscInt  end = cloud->first[a + 1];
+  const PetscInt *row = cloud->row, end = cloud->first[a + 1];
   PetscReal       sum = 0;
 
-  if (a >= cloud->n_fluid) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += layer[list[k]] ? 0 : PairWeight(pressure, k);
-  } else if (MayMeetItself(cloud, a)) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[list[k]] == row[a] ? 0 : PairWeight(pressure, k);
+  if (a < cloud->n_fluid && MayMeetItself(cloud, a)) {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[cloud->list[k]] == row[a] ? 0 : PairWeight(pressure, k);
   } else if (pressure->own) {
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = cloud->first[a]; k < end; k++) sum += pressure->own_weight[k];
@@ -182,15 +179,14 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
 
 #endif
 
-static PetscReal WallPairSum(Pressure pressure, PetscInt a, const PetscReal *restrict p)
+/* The same of all pairs of particle a, whose weights are the cloud's or own ones. */
+static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[])
 {
-  const Cloud     cloud = pressure->cloud;
-  const PetscInt *layer = cloud->integer[INT_LAYER];
-  PetscReal       sum   = 0;
+  const Cloud    cloud = pressure->cloud;
+  const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first, *index = cloud->list + first;
 
-  for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++)
-    sum += layer[cloud->list[k]] ? 0 : PairWeight(pressure, k) * (p[a] - p[cloud->list[k]]);
-  return sum;
+  return pressure->own ? PairSum(index, NULL, pressure->own_weight + first, n, p, p[a])
+                       : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
 }
 
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[])
@@ -203,17 +199,10 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   PetscCall(PetscArraycpy(full, p, cloud->n_rows));
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) full[a] = p[cloud->row[a] - cloud->row_start];
   PetscCall(CloudUpdate(cloud, FIELD_WORK1));
-  for (PetscInt r = 0; r < cloud->n_fluid; r++) {
-    const PetscInt  first = cloud->first[r], n = cloud->first[r + 1] - first, *index = cloud->list + first;
-    const PetscReal sum = pressure->own ? PairSum(index, NULL, pressure->own_weight + first, n, full, full[r])
-                                        : PairSum(index, cloud->laplacian + first, NULL, n, full, full[r]);
-
-    y[r] = scale * sum + Surplus(pressure, r) * full[r];
-  }
-  for (PetscInt r = cloud->n_fluid; r < cloud->n_rows; r++)
-    y[r] = scale * WallPairSum(pressure, r, full) + Surplus(pressure, r) * full[r];
+  for (PetscInt r = 0; r < cloud->n_rows; r++)
+    y[r] = scale * RowSum(pressure, r, full) + Surplus(pressure, r) * full[r];
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    y[cloud->row[a] - cloud->row_start] += scale * WallPairSum(pressure, a, full);
+    y[cloud->row[a] - cloud->row_start] += scale * RowSum(pressure, a, full);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

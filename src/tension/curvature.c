@@ -110,21 +110,6 @@ static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], P
   return n;
 }
 
-#define CHUNK 512
-
-/* s[k] = |x - c_k|^2/H^2 of m <= CHUNK collected candidates from 'begin' on. */
-static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], PetscReal inverse_h2,
-                             float *restrict s)
-{
-  const PetscReal *restrict cx = tension->liquid.near + begin, *restrict cy = cx + tension->liquid.stride,
-                            *restrict cz = cy + tension->liquid.stride;
-  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
-
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < m; k++)
-    s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
-}
-
 /* Adds phi and grad phi of the collected candidates first to n - 1 at x, without V. */
 static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
                      PetscReal gradient[DIM])

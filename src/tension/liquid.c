@@ -57,9 +57,13 @@ static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt width)
         const PetscInt begin  = grid->start[line + PetscMax(0, x - along)],
                        length = grid->start[line + PetscMin(grid->n[0] - 1, x + along) + 1] - begin;
 
-        for (PetscInt w = 0; w < width; w++)
-          for (PetscInt k = 0; k < length; k++)
-            liquid->near[w * liquid->stride + n + k] = liquid->sorted[w * liquid->count + begin + k];
+        for (PetscInt w = 0; w < width; w++) {
+          PetscReal *restrict to         = liquid->near + w * liquid->stride + n;
+          const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin;
+
+          SIMD_LOOP()
+          for (PetscInt k = 0; k < length; k++) to[k] = from[k];
+        }
         n += length;
       }
     }

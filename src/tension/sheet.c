@@ -47,27 +47,34 @@ PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal
    1 in a sheet and at its edge, small in a thread, faded to 0 for threads and 1 for sheets. */
 static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
 {
-  const Liquid   *liquid = &tension->liquid;
-  const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
-                            liquid->sorted[2 * liquid->count + p]};
-  PetscReal       M[6]   = {0, 0, 0, 0, 0, 0}, opposite[6], largest, t;
+  const Liquid   *liquid       = &tension->liquid;
+  const PetscReal x[DIM]       = {liquid->sorted[p], liquid->sorted[liquid->count + p],
+                                  liquid->sorted[2 * liquid->count + p]};
+  const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
+  PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, opposite[6], largest, t, scale_w, scale_f, inverse_h2;
+  float     s[CHUNK], W[CHUNK];
 
   if (tension->dim == 2) return 1;
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal d[DIM] = {liquid->near[k] - x[0], liquid->near[liquid->stride + k] - x[1],
-                              liquid->near[2 * liquid->stride + k] - x[2]},
-                    r2     = Dot(d, d);
-    PetscReal W;
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
+    const PetscInt m = PetscMin(CHUNK, n - begin);
 
-    if (r2 >= PetscSqr(liquid->support)) continue;
-    KernelEvaluate(tension->kernel, 1, &r2, &W, NULL);
-    M[0] += W * d[0] * d[0];
-    M[1] += W * d[1] * d[1];
-    M[2] += W * d[2] * d[2];
-    M[3] += W * d[0] * d[1];
-    M[4] += W * d[0] * d[2];
-    M[5] += W * d[1] * d[2];
+    Distances(tension, begin, m, x, inverse_h2, s);
+    KernelSingle(tension->kernel, m, s, W, NULL);
+    SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz))
+    for (PetscInt k = 0; k < m; k++) {
+      const PetscReal dx = cx[begin + k] - x[0], dy = cy[begin + k] - x[1], dz = cz[begin + k] - x[2];
+
+      xx += W[k] * dx * dx;
+      yy += W[k] * dy * dy;
+      zz += W[k] * dz * dz;
+      xy += W[k] * dx * dy;
+      xz += W[k] * dx * dz;
+      yz += W[k] * dy * dz;
+    }
   }
+  const PetscReal M[6] = {xx, yy, zz, xy, xz, yz};
+
   for (PetscInt d = 0; d < 6; d++) opposite[d] = -M[d];
   largest = -SymmetricSmallestEigenvalue(DIM, opposite);
   if (largest <= 0) return 0; /* alone */
@@ -83,22 +90,30 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
   const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
                             liquid->sorted[2 * liquid->count + p]};
   const PetscInt  b      = LiquidParticle(liquid, p);
-  PetscReal      *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0};
+  PetscReal      *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, scale_w, scale_f, core_f, inverse_h2,
+            core_h2;
+  float s[CHUNK], F[CHUNK], core[CHUNK];
 
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt  a      = (PetscInt)liquid->near[DIM * liquid->stride + k];
-    const PetscReal d[DIM] = {liquid->near[k] - x[0], liquid->near[liquid->stride + k] - x[1],
-                              liquid->near[2 * liquid->stride + k] - x[2]},
-                    r2     = Dot(d, d);
-    PetscReal F, core;
+  KernelScales(tension->core, &scale_w, &core_f, &core_h2);
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
+    const PetscInt m = PetscMin(CHUNK, n - begin);
 
-    if (r2 >= PetscSqr(liquid->support)) continue;
-    KernelGradient(tension->kernel, 1, &r2, &F);
-    KernelGradient(tension->core, 1, &r2, &core);
-    F += F - SHEET_CORE * core;
-    for (PetscInt e = 0; e < DIM; e++) {
-      sum[e] += slope * F * d[e];
-      if (a < cloud->n_owned) out[DIM * a + e] -= slope * F * d[e] / cloud->rest_density[a];
+    Distances(tension, begin, m, x, core_h2, s);
+    KernelSingle(tension->core, m, s, NULL, core);
+    Distances(tension, begin, m, x, inverse_h2, s);
+    KernelSingle(tension->kernel, m, s, NULL, F);
+    for (PetscInt k = 0; k < m; k++) {
+      const PetscInt  a = (PetscInt)liquid->near[DIM * liquid->stride + begin + k];
+      const PetscReal f = slope * (2 * scale_f * F[k] - SHEET_CORE * core_f * core[k]);
+
+      if (F[k] == 0) continue;
+      for (PetscInt e = 0; e < DIM; e++) {
+        const PetscReal pull = f * (liquid->near[e * liquid->stride + begin + k] - x[e]);
+
+        sum[e] += pull;
+        if (a < cloud->n_owned) out[DIM * a + e] -= pull / cloud->rest_density[a];
+      }
     }
   }
   if (b < cloud->n_owned)

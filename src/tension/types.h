@@ -108,6 +108,21 @@ struct _p_Tension {
   PetscBool       has_band, sheets; /* sheet.c is used */
 };
 
+#define CHUNK 512 /* candidates a loop takes at once */
+
+/* s[k] = |x - c_k|^2/H^2 of m <= CHUNK collected candidates from 'begin' on. */
+static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], PetscReal inverse_h2,
+                             float *restrict s)
+{
+  const PetscReal *restrict cx = tension->liquid.near + begin, *restrict cy = cx + tension->liquid.stride,
+                            *restrict cz = cy + tension->liquid.stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < m; k++)
+    s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
+}
+
 /* TensionBand - brings band_cells up to date: cells within the radius (m) of a surface particle. Collective. */
 PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius);
 /* CurvatureSetUp - the tables of the depth. */

@@ -36,11 +36,11 @@ KEPT = {"twolevel": 10, "jacobi": 10}  # steps a preconditioner is kept; all oth
 KEPT_DEAR = 50
 EVENTS = ("Neighbors", "Surface", "Viscosity", "Tension", "Source", "Assemble", "Solve", "Gradient", "Shift",
           "Halo", "Migrate", "Guard")
-# Bytes a step must move: a neighbour is a number and a factor, read by four loops over pairs and by each product,
-# written with a second factor by the search; a vector of the solver is eight bytes a particle, some twelve pass in each
-# iteration.
+# Bytes a step must move: a neighbour is a number and a factor, read by two loops over pairs (source and gradient) and
+# written with a second factor of two bytes by the search; each product reads the number and the second factor. A vector
+# of the solver is eight bytes a particle, some twelve pass in each iteration.
 NEIGHBOURS = 80
-PAIR_LOOPS, PAIR_BYTES, SEARCH_BYTES = 4, 8, 12
+PAIR_LOOPS, PAIR_BYTES, PRODUCT_BYTES, SEARCH_BYTES = 2, 8, 6, 10
 VECTOR_BYTES = 12 * 8
 
 
@@ -109,7 +109,8 @@ def measure(folder, size, ranks, state, solver, tolerance):
     setup, setups = seconds(text, "PCSetUp")
     once = setup / max(setups, 1)
     amortised = once / KEPT.get(solver, KEPT_DEAR)
-    limit = NEIGHBOURS * (SEARCH_BYTES + PAIR_BYTES * (PAIR_LOOPS + iterations + 1)) + VECTOR_BYTES * iterations
+    limit = (NEIGHBOURS * (SEARCH_BYTES + PAIR_BYTES * PAIR_LOOPS + PRODUCT_BYTES * (iterations + 1)) +
+             VECTOR_BYTES * iterations)
     row = {"size": size, "particles": particles, "ranks": ranks, "state": state, "solver": solver,
            "tolerance": tolerance, "iterations": iterations,
            "step": scale * ((total - setup) / steps + amortised), "setup": scale * once,

@@ -182,7 +182,7 @@ static PetscErrorCode CompareLists(Cloud cloud, PetscInt wrong[2], PetscInt *pai
 }
 
 /* Largest errors of the factors that stand beside the lists: of F from KernelGradient, relative, and of its Laplacian
- * form, in units. */
+ * form, in units; the sums of the latter that are wrong count too. */
 static void FactorErrors(Cloud cloud, PetscReal *relative, PetscReal *units)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], eta2 = PetscSqr(ETA_OVER_H * KernelSmoothingLength(cloud->kernel));
@@ -190,7 +190,9 @@ static void FactorErrors(Cloud cloud, PetscReal *relative, PetscReal *units)
 
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   unit = scale_f * cloud->laplacian_unit;
-  for (PetscInt a = 0; a < cloud->n_owned; a++)
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    PetscInt sum = 0;
+
     for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       PetscReal r2 = 0, F;
 
@@ -198,8 +200,12 @@ static void FactorErrors(Cloud cloud, PetscReal *relative, PetscReal *units)
       KernelGradient(cloud->kernel, 1, &r2, &F);
       largest = PetscMax(largest, PetscAbsReal(F));
       error   = PetscMax(error, PetscAbsReal(scale_f * cloud->slope[k] - F));
-      coded   = PetscMax(coded, PetscAbsReal(cloud->laplacian[k] + F * r2 / (r2 + eta2) / unit));
+      if (cloud->integer[INT_LAYER][a] && cloud->integer[INT_LAYER][cloud->list[k]]) F = 0; /* has no weight */
+      coded = PetscMax(coded, PetscAbsReal(cloud->laplacian[k] + F * r2 / (r2 + eta2) / unit));
+      sum += cloud->laplacian[k];
     }
+    coded += sum != cloud->laplacian_sum[a];
+  }
   *relative = SetupMax(error) / SetupMax(largest);
   *units    = SetupMax(coded);
 }
