@@ -95,7 +95,7 @@ ENTRIES += [Entry("film_at_rest", "film, 1 mm, 0.6 s", SHALLOW, TEST)]
 ENTRIES += both("film_at_rest", "film", spacings=(1e-3, 2e-3 / 3, 0.5e-3))
 ENTRIES += [Entry("film_at_rest", "film, quintic spline", QUINTIC),
             Entry("film_at_rest", "film, dt 4e-5 s", SHALLOW + " -time_step 4e-5"),
-            Entry("film_at_rest", "film, dt 1e-6 s", SHALLOW + " -time_step 1e-6", LONG)]
+            Entry("film_at_rest", "film, dt 1e-6 s", SHALLOW + " -time_end 1 -time_step 1e-6", LONG)]
 ENTRIES += [Entry("film_at_rest", "tank, 0.05", REGULAR + " -spacing 0.05", TEST, file="tank.opts"),
             Entry("film_at_rest", "tank, 0.05, 60 s", REGULAR + " -spacing 0.05 -time_end 60", file="tank.opts")]
 ENTRIES += both("film_at_rest", "tank", REGULAR, shared="-spacing 0.025", file="tank.opts",
