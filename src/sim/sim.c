@@ -163,9 +163,9 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
 static PetscErrorCode Checkpoint(Sim sim)
 {
   PetscFunctionBegin;
+  PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
   PetscCall(CloudResync(sim->cloud));
   PetscCall(StepperForget(sim->stepper));
-  PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
   PetscCall(OutputCheckpoint(sim->output, &sim->state));
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -156,6 +156,42 @@ static PetscErrorCode TestWrap(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A square pool with air above and a hole whose place changes: the parts keep their places and numbers. */
+static PetscErrorCode TestPartition(void)
+{
+  PetscInt    count, moved = 0, full = 0, *weight;
+  PetscMPIInt rank, size, *before;
+  Domain      d;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(ReadAndSetUp("-spacing 0.1 -box_lower 0,0,0 -box_upper 5,5,5 -box_x periodic -box_y periodic", 0.26, &d));
+  count = d->cells[0] * d->cells[1] * d->cells[2];
+  PetscCall(PetscMalloc2(count, &weight, count, &before));
+  for (PetscInt step = 0; step < 8; step++) {
+    for (PetscInt c = 0; c < count; c++) {
+      const PetscReal x    = (c % d->cells[0] + 0.5) / d->cells[0],
+                      y    = (c / d->cells[0] % d->cells[1] + 0.5) / d->cells[1];
+      const PetscBool air  = (PetscBool)(c / (d->cells[0] * d->cells[1]) > d->cells[2] / 4);
+      const PetscBool hole = (PetscBool)(PetscSqr(x - 0.5 - 0.01 * step) + PetscSqr(y - 0.5 + 0.01 * step) < 0.02);
+
+      weight[c] = rank || air || hole ? 0 : 18 + (c + step) % 3;
+      full += weight[c] > 0;
+    }
+    PetscCall(DomainPartition(d, 1, weight));
+    for (PetscInt c = 0; c < count; c++) {
+      if (step > 0) moved += weight[c] > 0 && before[c] != d->cell_rank[c];
+      before[c] = d->cell_rank[c];
+    }
+  }
+  PetscCall(PetscFree2(weight, before));
+  PetscCall(DomainDestroy(&d));
+  /* on 2 to 4 ranks 0.4 to 14 %; without favourite axis and numbers of the parts 26 to 39 % */
+  if (rank == 0) CHECK(moved < 0.2 * (PetscReal)full, "partition_stays");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -167,6 +203,7 @@ int main(int argc, char **argv)
   PetscCall(TestRefusals());
   PetscCall(TestCells());
   PetscCall(TestWrap());
+  PetscCall(TestPartition());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
