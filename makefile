@@ -2,6 +2,7 @@
 #   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
 #   make verify-readme              writes the table of README.md from the last runs
+#   make reference CASE=thin_film   the volume-of-fluid computations that some checks compare with, anew (needs gerris)
 #   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/; extremes-readme: README's
 #   make long-run                   a million steps of a small scene: nothing drifts
 #   make test-ci                    make test with the compiler's sanitizers besides
@@ -154,6 +155,11 @@ convergence: isph
 verify-readme:
 	@$(VERIFY) --readme
 
+# Independent computations by volume of fluid that the checks read, cases/*/reference*.csv: ten minutes each; Debian's gerris
+reference:
+	@tests/packages.sh reference
+	@$(PYTHON) tests/verify/reference.py $(CASE)
+
 # Runs stopped, disks filled, files damaged, options mutated: all of it; make test has a short part of each.
 faults: isph
 	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
@@ -190,6 +196,6 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
-.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme \
+.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme

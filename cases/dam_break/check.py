@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Dam break: front and height of the column against Martin and Moyce; of a run with points, the pressure of the impact
-against Lobovsky et al.
+against Lobovsky et al.; both against volume-of-fluid computations, which start as the runs do.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -15,8 +15,11 @@ G, A, H = 9.81, 57.15e-3, 0.3  # m/s2; widths of Martin and Moyce, height of Lob
 
 
 def experiment(name):
-    with open(os.path.join(HERE, f"experiment_{name}.csv")) as file:
-        return np.genfromtxt([line for line in file if line[0] != "#"], delimiter=",", names=True)
+    return physics.table(os.path.join(HERE, f"experiment_{name}.csv"))
+
+
+def reference(name):
+    return physics.table(os.path.join(HERE, f"reference_{name}.csv"))
 
 
 def reach(s, spacing):
@@ -51,6 +54,10 @@ def collapse(folder):
     measured = np.polyfit(e["T"][3:], e["front"][3:], 1)[0]
     height = np.interp(c["t"], t * np.sqrt(G / A), h)
     passed = np.argmin(np.abs(z - 4))
+    right = reference("collapse")
+    there = np.interp(e["T"][2:] * np.sqrt(A / (2 * G)), right["time"], right["front"])
+    here = np.interp(e["T"][2:], scaled, z)
+    beside = np.interp(right["time"], t, h) - right["height"] / 2
     return [physics.at_most("front, largest relative deviation from T = 1.19 on", off[0], 0.05),
             physics.at_most("front, largest relative deviation, times less the lag", min(off), 0.05),
             physics.shown("lag of the experiment, T", lags[np.argmin(off)]),
@@ -59,15 +66,20 @@ def collapse(folder):
                             0.05),
             physics.shown("height of the column, largest relative deviation",
                           np.abs(height / c["height"] - 1).max()),
+            physics.at_most("front beside the reference, largest relative deviation from T = 1.19 on",
+                            np.abs(here / there - 1).max(), 0.05),
+            physics.at_most("height beside the reference, largest deviation over 2 a", np.abs(beside).max(), 0.05),
+            physics.shown("front of the reference beside the experiment", np.abs(there / e["front"][2:] - 1).max()),
             physics.at_most("energy, relative change until x/a = 4", energy[passed] - 1, 0.02)]
 
 
 def impact(folder):
     """Against Lobovsky et al.: pressures after a running mean of 1 ms."""
-    s, e = runs.series(folder), experiment("pressure")
+    s, e, right = runs.series(folder), experiment("pressure"), reference("impact")
     t = np.arange(0, s["time"][-1], 1e-4)
     p = np.interp(t, s["time"], s["point_1_pressure_Pa"]) / (1000 * G * H)
     p, scaled = np.convolve(p, np.full(10, 0.1), "same"), t * np.sqrt(G / H)
+    there = np.interp(t, right["time"], right["pressure"]) / (1000 * G * H)
     if scaled[-1] < e["t"][-1]:
         raise ValueError(f"the run ends at t sqrt(g/H) = {scaled[-1]:.3g}")
     chosen = (scaled >= e["t"][0]) & (scaled <= e["t"][-1])
@@ -77,7 +89,11 @@ def impact(folder):
     return [physics.at_least("share of the samples in the band", ((p >= low) & (p <= high))[chosen].mean(), 0.8),
             physics.relative("first peak over rho g H", p[peak], 1.871, 0.2),
             physics.absolute("time of the peak, t sqrt(g/H)", scaled[peak], 2.599, 0.12),
-            physics.relative("mean from 3.5 to 5 over rho g H", p[later].mean(), median[later].mean(), 0.2)]
+            physics.relative("mean from 3.5 to 5 over rho g H", p[later].mean(), median[later].mean(), 0.2),
+            physics.relative("the same beside the reference", p[later].mean(), there[later].mean(), 0.1),
+            physics.shown("first peak beside the reference", p[peak], there[scaled < 3.1].max()),
+            physics.shown("share of the reference's samples in the band",
+                          ((there >= low) & (there <= high))[chosen].mean())]
 
 
 def check(folder):

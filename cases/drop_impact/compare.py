@@ -94,8 +94,8 @@ def main():
     arguments = parser.parse_args()
 
     series = rundata.read_series(arguments.folder)
-    applies = rundata.reference_applies(arguments.folder)
-    reference = rundata.read_reference() if applies else {"time": []}
+    speed = rundata.reference_speed(arguments.folder)
+    reference = rundata.read_reference(speed)
     rows = [(name, unit, run, wanted, deviation(run, wanted))
             for (name, unit, run), (_, _, wanted) in zip(quantities(series), quantities(reference))]
     if arguments.json:
@@ -105,8 +105,9 @@ def main():
                  for name, unit, run, wanted, percent in rows]
         print(json.dumps(dict(run=arguments.folder, end_time=max(series["time"]), quantities=plain), indent=1))
         return
-    if not applies:
-        print(f"The reference is for {rundata.REFERENCE_SPEED} m/s; this run has another speed and stands alone.")
+    if speed is None:
+        known = " and ".join(f"{v} m/s" for v in rundata.REFERENCES)
+        print(f"There are references for {known}; this run has another speed and stands alone.")
     print(f"{'':24}{'run':>10}{'reference':>12}{'deviation':>12}")
     for name, (factor, unit), run, wanted, percent in rows:
         words = ["-" if math.isnan(x) else f"{x / factor:.2f}" for x in (run, wanted)]

@@ -124,9 +124,11 @@ def figure_2(folders, path):
     names = ("crown_height", "crater_depth", "crater_diameter")
     labels = ("crown height H (mm)", "crater depth D (mm)", "crater diameter $\\phi$ (mm)")
     curves = []
-    if any(rundata.reference_applies(folder) for folder in folders):
-        curves.append((rundata.read_reference(), dict(color="black", lw=1.6, label="reference (axisymmetric VOF)")))
-        curves.append((rundata.read_reference(box=True),
+    speeds = {rundata.reference_speed(folder) for folder in folders} - {None}
+    for speed in sorted(speeds, reverse=True)[:1]:
+        curves.append((rundata.read_reference(speed),
+                       dict(color="black", lw=1.6, label="reference (axisymmetric VOF)")))
+        curves.append((rundata.read_reference(speed, "_box"),
                        dict(color="0.45", lw=1.2, ls=(0, (5, 2)), label="reference, pool of the box's area")))
     for i, folder in enumerate(folders):
         label = os.path.basename(os.path.abspath(folder))

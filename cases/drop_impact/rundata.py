@@ -8,13 +8,14 @@ sys.path.insert(0, os.path.join(HERE, "..", "..", "src", "pictures"))
 from tables import (RunError, number, polite, read_options, read_series, read_table,  # noqa: E402,F401
                     vector)
 
-REFERENCE_SPEED = 3.13  # m/s, of reference.csv and reference_box.csv
+REFERENCES = {3.13: "reference", 2.42: "reference_242"}  # m/s: the first part of the file's name
 GRAVITY = 9.81  # m/s2
 
 
-def read_reference(box=False):
-    """The reference curves; box: those of a pool as small as the paper's."""
-    return read_table(os.path.join(HERE, "reference_box.csv" if box else "reference.csv"))
+def read_reference(speed, kind=""):
+    """The reference curves of a speed in REFERENCES; kind "_box": of a pool as small as the paper's; "_second" (3.13
+    m/s only): by another program; none of a speed of None."""
+    return {"time": []} if speed is None else read_table(os.path.join(HERE, REFERENCES[speed] + kind + ".csv"))
 
 
 def impact_speed(options):
@@ -26,7 +27,10 @@ def impact_speed(options):
     return math.sqrt(velocity[2] ** 2 + 2 * GRAVITY * max(0.0, center[2] - radius))
 
 
-def reference_applies(folder):
-    """Whether the reference is of the run's case, as far as its options tell."""
+def reference_speed(folder):
+    """The speed in REFERENCES that is the run's, as far as its options tell (3.13 if they do not); None if there is
+    none."""
     speed = impact_speed(read_options(folder))
-    return math.isnan(speed) or abs(speed - REFERENCE_SPEED) < 0.01 * REFERENCE_SPEED
+    if math.isnan(speed):
+        return 3.13
+    return next((known for known in REFERENCES if abs(speed - known) < 0.01 * known), None)

@@ -1,14 +1,17 @@
 #!/usr/bin/python3
-"""Dry wall: the largest spread against Laan et al. (2014), the height at the end against a cap of the contact angle.
+"""Dry wall: spread and height against a volume-of-fluid computation, the largest spread also against Laan et al. 2014,
+the height at the end against a cap of the contact angle.
 check.py RUN_FOLDER"""
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "..", "tests", "verify"))
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
 
 D, U, RHO, MU, SIGMA = 2e-3, 1.0, 1190.0, 36e-3, 0.065
+SINKING = np.linspace(0.25e-3, 1.5e-3, 26)  # s
 WE, RE = RHO * U * U * D / SIGMA, RHO * U * D / MU
 
 
@@ -26,15 +29,21 @@ def cap(angle):
 
 
 def check(folder):
-    spread, height, count = [], [], []
-    for _, head, f in physics.snapshots(folder):
+    times, spread, height, count = [], [], [], []
+    for time, head, f in physics.snapshots(folder):
         x, d0 = f["position"], float(head["spacing"])
         whole = physics.components(x, 1.5 * d0) == 0
+        times.append(time)
         spread.append(2 * np.hypot(x[whole, 0], x[whole, 1]).max() + d0)
         height.append(x[whole, 2].max() + d0 / 2)
         count.append(whole.sum())
     angle = float(physics.options(head)["-wall_contact_angle"])
-    return [physics.relative("largest diameter over D", max(spread) / D, laan(), 0.1),
+    reference = physics.table(os.path.join(HERE, "reference.csv"))
+    there = np.interp(SINKING, reference["time"], reference["height"])
+    return [physics.at_most("height from 0.25 to 1.5 ms beside the reference, largest deviation",
+                            np.abs(np.interp(SINKING, times, height) / there - 1).max(), 0.05),
+            physics.relative("largest diameter over D", max(spread) / D, reference["diameter"].max() / D, 0.1),
+            physics.shown("the same, fit of experiments by Laan et al.", max(spread) / D, laan()),
             physics.relative("height at the end", 1e3 * height[-1], 1e3 * cap(angle), 0.1, "mm"),
             physics.at_most("liquid that came off", 1 - count[-1] / len(f["id"]), 0.01)]
 

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""Thin film: the radius of the crown against Yarin and Weiss (1995).
+"""Thin film: the radius of the crown against a volume-of-fluid computation and Yarin and Weiss (1995).
 check.py RUN_FOLDER"""
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "..", "tests", "verify"))
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
 
@@ -25,13 +26,26 @@ def crown(folder):
     return np.array(tau), np.array(radius)
 
 
+def growth(tau, radius):
+    """C and tau0 of radius = C sqrt(tau - tau0)."""
+    slope, start = np.polyfit(tau, radius**2, 1)
+    return np.sqrt(slope), -start / slope
+
+
 def check(folder):
     tau, radius = crown(folder)
-    slope, start = np.polyfit(tau, radius**2, 1)  # r^2/D^2 = C^2 (tau - tau0)
-    exponent = np.polyfit(np.log(tau + start / slope), np.log(radius), 1)[0]
+    factor, start = growth(tau, radius)
+    reference = physics.table(os.path.join(HERE, "reference.csv"))
+    then, there = reference["time"] * U / D, reference["radius"] / D
+    chosen = (then >= TIMES[0]) & (then <= TIMES[1])
+    right, right_start = growth(then[chosen], there[chosen])
+    exponent = np.polyfit(np.log(tau - start), np.log(radius), 1)[0]
     first, last = (f["id"] for _, _, f in (list(physics.snapshots(folder))[k] for k in (0, -1)))
-    return [physics.relative("crown, C in r/D = C sqrt(tau - tau0)", np.sqrt(slope), (2 * D / (3 * DEPTH))**0.25, 0.15),
-            physics.shown("tau0", -start / slope), physics.shown("exponent about tau0", exponent, 0.5),
+    return [physics.at_most("radius of the crown beside the reference, largest deviation",
+                            np.abs(radius / np.interp(tau, then, there) - 1).max(), 0.05),
+            physics.relative("crown, C in r/D = C sqrt(tau - tau0)", factor, right, 0.05),
+            physics.shown("C of the theory without losses", factor, (2 * D / (3 * DEPTH))**0.25),
+            physics.shown("tau0", start, right_start), physics.shown("exponent about tau0", exponent, 0.5),
             physics.at_most("particles lost over all", 1 - len(last) / len(first), 0.01)]
 
 

@@ -24,6 +24,7 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->slack         = domain->spacing;
   c->rebalance     = 1.2;
   c->sort_interval = 100;
+  for (PetscInt k = 0; k <= WALL_FACTORS; k++) c->wall_factor[k] = 1;
   PetscCall(HaloCreate(domain, &c->halo));
   *cloud = c;
   PetscFunctionReturn(PETSC_SUCCESS);

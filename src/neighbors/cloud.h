@@ -11,6 +11,8 @@
 #include "../particles/particles.h"
 #include "../scene/scene.h"
 
+#define WALL_FACTORS 64
+
 typedef struct _p_Halo *Halo;
 
 /* Cells over a set of points: the points of cell c are order[start[c] .. start[c+1]); cells are row-major, x fastest.
@@ -43,10 +45,13 @@ typedef struct _p_Cloud {
      a pair (see KernelGradient): slope, F = W'/r over KernelScales' scale_f; laplacian, the pair's weight in a
      Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, 0 between two wall particles, rounded to sixteen bits:
      what the solver reads in every iteration should be short, and a Laplacian with 80 such weights is right to 3e-6. */
-  float     *slope;
-  uint16_t  *laplacian;
-  PetscInt  *laplacian_sum; /* [n_owned], of each row */
-  PetscReal  laplacian_unit;
+  float    *slope;
+  uint16_t *laplacian;
+  PetscInt *laplacian_sum; /* [n_owned], of each row */
+  PetscReal laplacian_unit;
+  /* What pairs of the fluid with walls count for in the viscous term, at distances k/WALL_FACTORS of the kernel's
+     support from the wall (1); see OperatorsNoSlip. */
+  PetscReal  wall_factor[WALL_FACTORS + 1];
   CellGrid   grid;      /* of the last search, over all n_total points */
   PetscReal  slack;     /* m, how far particles may move before the halo is built again */
   PetscReal  reach;     /* m, largest kernel support in use */

@@ -178,6 +178,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous)
   scales.viscosity = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
                      scales.scale_f * inverse_h2;
   PetscCall(CloudSearch(cloud, viscous ? ViscousRow : MomentsRow, &scales));
+  if (viscous) PetscCall(OperatorsWallFriction(cloud, scales.viscosity / inverse_h2));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));

@@ -62,21 +62,28 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud);
 /* Forms of the viscous term. */
 typedef enum {
   VISCOSITY_CLEARY, /* Eq. (1) of Kuri et al. (Cleary & Ha), zeta = dim + 2 (5 in 3-d as in the paper, whose 5 would be
-                       25 % too viscous in 2-d): along the line of centres, keeps angular momentum; walls have their own
-                       velocity */
-  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum; walls
-                       have the  mirrored velocity of the fluid, 2 v_wall - its mean there (Adami et al. 2012) */
+                       25 % too viscous in 2-d): along the line of centres, keeps angular momentum */
+  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum */
 } ViscosityForm;
 
+/* OperatorsNoSlip - from now on the pairs of the fluid with walls count wall_factor times in the viscous term: as if
+   the velocity went on straight behind the wall's face, where the liquid sticks (Morris et al. 1997), instead of
+   stopping there. A dummy particle that is at rest as a whole, as the paper's, puts the place of no slip behind the
+   face, and the first layer of particles slides. The factor depends on the particle's distance from the wall only, and
+   no less than a quarter of a spacing: the term stays one of pairs, symmetric, and takes energy. Before it the factors
+   are 1. Not collective. */
+PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
-   have the viscosity of their neighbour. Overwrites FIELD_WORK1 and FIELD_WORK3. Collective. */
+   have their own velocity and the viscosity of their neighbour. Overwrites FIELD_WORK1. Not collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
+/* OperatorsWallFriction - adds to FIELD_ACCELERATION what wall_factor makes of the walls' part of the form of Cleary in
+   excess of 1; scale: what multiplies slope v_ab.r_ab/(r2 + eta2) r_ab (m^dim+2/s). Not collective. */
+PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale);
 /* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
    each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair
    v_ab. Overwrites FIELD_WORK1. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity field (owned
-   particles, m/s), whose ghosts it updates; overwrites FIELD_WORK3; collective. OperatorsViscosityDiagonal - the
-   operator's diagonal
-   ([n_fluid][3], 1/s, not positive), the mirrors of morris left out. */
+   particles, m/s), whose ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal
+   ([n_fluid][3], 1/s, not positive). */
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[]);
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], FieldId velocity,
                                        PetscReal out[]);

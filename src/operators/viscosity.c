@@ -1,5 +1,8 @@
 #include "operators.h"
 
+#define PLANE   64   /* points of an integral over a layer of dummies */
+#define CLOSEST 0.25 /* spacings: the friction grows no further nearer to a wall */
+
 /* Viscosity of each particle, Pa s; -1 marks walls, which take their neighbour's. */
 static PetscErrorCode CollectViscosity(Cloud cloud, PetscReal mu[])
 {
@@ -12,31 +15,55 @@ static PetscErrorCode CollectViscosity(Cloud cloud, PetscReal mu[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Velocity u of wall particles for a no-slip wall between them and the fluid: 2 v_wall - the fluid's mean there (Adami
- * et al. 2012); of the fluid its own. */
-static PetscErrorCode MirrorVelocity(Cloud cloud, const PetscReal v[], PetscReal u[])
+/* How much more a wall rubs than dummies with its own velocity would (see operators.h), at each of the table's
+   distances of a flat wall whose layers of dummies begin half a spacing behind its face: 1 + <depth>/distance, the mean
+   of the layers' depths weighted with their part in the viscous term of a flow along the wall. */
+PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form)
 {
-  PairRow row;
+  const PetscReal spacing = cloud->domain->spacing, support = KernelSupport(cloud->kernel),
+                  eta2 = EtaSquared(cloud->kernel);
+  PetscReal r2[PLANE], F[PLANE];
 
   PetscFunctionBegin;
-  PetscCall(PetscArraycpy(u, v, DIM * cloud->n_total));
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
-    PetscReal sum = 0, mean[DIM] = {0, 0, 0};
+  for (PetscInt k = 0; k <= WALL_FACTORS; k++) {
+    const PetscReal distance = PetscMax(support * k / WALL_FACTORS, CLOSEST * spacing);
+    PetscReal       sum = 0, moment = 0;
 
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
-    for (PetscInt k = 0; k < row.n; k++) {
-      const PetscInt b = row.index[k];
+    for (PetscReal depth = 0.5 * spacing; distance + depth < support; depth += spacing) {
+      const PetscReal z = distance + depth, reach = PetscSqrtReal(support * support - z * z);
 
-      if (cloud->integer[INT_LAYER][b]) continue;
-      sum += row.W[k];
-      for (PetscInt d = 0; d < DIM; d++) mean[d] += row.W[k] * v[DIM * b + d];
+      for (PetscInt m = 0; m < PLANE; m++) r2[m] = z * z + PetscSqr(reach * (m + 0.5) / PLANE);
+      KernelEvaluate(cloud->kernel, PLANE, r2, NULL, F);
+      for (PetscInt m = 0; m < PLANE; m++) {
+        const PetscReal rho2 = r2[m] - z * z, part = -F[m] * reach *
+                                                     (cloud->domain->dim == 3 ? PetscSqrtReal(rho2) : 1) *
+                                                     (form == VISCOSITY_CLEARY ? rho2 / (r2[m] + eta2) : 1);
+
+        sum += part;
+        moment += part * depth;
+      }
     }
-    if (sum > 0)
-      for (PetscInt d = 0; d < DIM; d++) u[DIM * a + d] = 2 * v[DIM * a + d] - mean[d] / sum;
+    cloud->wall_factor[k] = sum > 0 ? 1 + moment / sum / distance : 1;
   }
-  PetscCall(CloudUpdate(cloud, FIELD_WORK3));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* wall_factor of particle a of the fluid. */
+static PetscReal WallFactor(Cloud cloud, PetscInt a)
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, support = KernelSupport(cloud->kernel);
+  PetscReal        nearest = cloud->solid_normal ? SceneSolidDistance(cloud->scene, x, NULL) : support, place;
+  PetscInt         k;
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (domain->face[d][0] == FACE_WALL) nearest = PetscMin(nearest, x[d] - domain->lower[d]);
+    if (domain->face[d][1] == FACE_WALL) nearest = PetscMin(nearest, domain->upper[d] - x[d]);
+  }
+  if (nearest >= support) return 1;
+  place = PetscMax(nearest, 0) * WALL_FACTORS / support;
+  k     = (PetscInt)place;
+  return cloud->wall_factor[k] + (place - k) * (cloud->wall_factor[k + 1] - cloud->wall_factor[k]);
 }
 
 PetscBool OperatorsOneLiquid(Cloud cloud)
@@ -112,6 +139,35 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, Row *row)
   }
 }
 
+PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY],
+                  eta2 = EtaSquared(cloud->kernel);
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal factor = WallFactor(cloud, a);
+    PetscReal      *out    = cloud->field[FIELD_ACCELERATION] + DIM * a;
+    Row             row;
+
+    if (factor == 1) continue;
+    RowLoad(cloud, a, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt b = row.index[k];
+      PetscReal      d[DIM], u[DIM], f;
+
+      if (!cloud->integer[INT_LAYER][b]) continue;
+      for (PetscInt i = 0; i < DIM; i++) {
+        d[i] = x[DIM * a + i] - x[DIM * b + i];
+        u[i] = v[DIM * a + i] - v[DIM * b + i];
+      }
+      f = (factor - 1) * scale * row.f[k] * Dot(u, d) / (Dot(d, d) + eta2);
+      for (PetscInt i = 0; i < DIM; i++) out[i] += f * d[i];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[])
 {
   const PetscReal *v    = cloud->field[FIELD_VELOCITY];
@@ -126,17 +182,17 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CollectViscosity(cloud, mu));
-  if (form == VISCOSITY_MORRIS) {
-    PetscCall(MirrorVelocity(cloud, v, cloud->field[FIELD_WORK3]));
-    v = cloud->field[FIELD_WORK3];
-  }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal sum[DIM];
+    PetscReal sum[DIM], factor;
 
     if (mu[a] <= 0) continue;
     RowLoad(cloud, a, &row);
     if (form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, eta2, &row);
     PairViscosity(cloud, one, a, density, mu, &row);
+    factor = WallFactor(cloud, a);
+    if (factor != 1)
+      for (PetscInt k = 0; k < row.n; k++)
+        if (cloud->integer[INT_LAYER][row.index[k]]) row.f[k] *= factor;
     if (form == VISCOSITY_CLEARY)
       ViscosityCleary(cloud, a, &row, v, sum);
     else
@@ -158,7 +214,8 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
   PetscFunctionBegin;
   PetscCall(CollectViscosity(cloud, mu));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal *c = pair + cloud->first[a];
+    PetscReal      *c      = pair + cloud->first[a];
+    const PetscReal factor = WallFactor(cloud, a);
 
     PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
@@ -170,6 +227,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
                          mu_b / sum * row.F[k]
                      : 0;
       if (form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
+      if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -183,10 +241,6 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const Pe
 
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, velocity));
-  if (form == VISCOSITY_MORRIS) {
-    PetscCall(MirrorVelocity(cloud, v, cloud->field[FIELD_WORK3]));
-    v = cloud->field[FIELD_WORK3];
-  }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *restrict c = pair + cloud->first[a];
     const PetscReal vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];

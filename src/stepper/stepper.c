@@ -89,9 +89,9 @@ static PetscErrorCode CheckDensities(Stepper s)
 
 PetscErrorCode StepperSetFromOptions(Stepper s)
 {
-  const char *const forms[] = {"cleary", "morris"};
-  MPI_Comm          comm    = s->cloud->comm;
-  PetscInt          form    = s->viscosity_form;
+  const char *const forms[] = {"cleary", "morris"}, *const walls[] = {"rest", "linear"};
+  MPI_Comm comm = s->cloud->comm;
+  PetscInt form = s->viscosity_form, wall;
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Scheme", "Stepper");
@@ -104,6 +104,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
                  " and " SCHEME_WEAKLY_COMPRESSIBLE,
                  s->scheme_type);
   PetscCall(SetSchemeTypes(s));
+  wall = s->scheme == SchemeDensityInvariant ? 0 : 1;
   PetscOptionsBegin(comm, NULL, "Time stepping", "Stepper");
   if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "StepperSetFromOptions",
@@ -112,10 +113,12 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
     PetscCall(PetscOptionsBool("-shifting_conserved",
                                "shifting keeps momentum and angular momentum, at more loss of energy",
                                "StepperSetFromOptions", s->shifting_conserved, &s->shifting_conserved, NULL));
-  PetscCall(
-    PetscOptionsEList("-viscosity_form",
-                      "cleary: Eq. (1), keeps angular momentum; morris: exact for shear, mirrored no-slip walls",
-                      "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
+  PetscCall(PetscOptionsEList("-viscosity_form", "cleary: Eq. (1), keeps angular momentum; morris: exact for shear",
+                              "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
+  PetscCall(PetscOptionsEList("-viscosity_wall",
+                              "velocity behind a wall: rest, the wall's own, as printed, lets the first layer slide; "
+                              "linear: it goes on straight, no slip at the face",
+                              "StepperSetFromOptions", walls, 2, walls[wall], &wall, NULL));
   if (s->scheme != SchemeDensityInvariant)
     PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                                "StepperSetFromOptions", s->centered, &s->centered, NULL));
@@ -152,6 +155,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (s->scheme == SchemeWeaklyCompressible) PetscCall(CompressibleSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
   s->viscosity_form = (ViscosityForm)form;
+  if (wall == 1) PetscCall(OperatorsNoSlip(s->cloud, s->viscosity_form));
   PetscCheckUser(s->viscous.ratio >= 0, comm, "-viscosity_step_ratio is %g; it must not be negative",
                  (double)s->viscous.ratio);
   PetscCheckUser(s->energy_max >= 0, comm, "-energy_max is %g; it must not be negative", (double)s->energy_max);

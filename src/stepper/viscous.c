@@ -1,5 +1,5 @@
 /* Implicit viscosity: (1 - dt V) u = v + dt a, V the viscous operator, a all other accelerations of stage one; backward
-   Euler. Rows are scaled with the mass, which makes the operator of cleary symmetric and positive; it is applied by
+   Euler. Rows are scaled with the mass, which makes the operator symmetric and positive; it is applied by
    pairs, not assembled. */
 #include "types.h"
 
@@ -110,7 +110,7 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of this local order: CG, or BiCGStab where the mirrored walls of morris spoil the symmetry; Jacobi. */
+/* The solver of this local order: CG with Jacobi. */
 static PetscErrorCode CreateSolver(Stepper stepper)
 {
   Cloud          cloud   = stepper->cloud;
@@ -128,7 +128,7 @@ static PetscErrorCode CreateSolver(Stepper stepper)
   PetscCall(MatCreateVecs(viscous->A, &viscous->x, &viscous->b));
   PetscCall(KSPCreate(cloud->comm, &viscous->ksp));
   PetscCall(KSPSetOptionsPrefix(viscous->ksp, "viscous_"));
-  PetscCall(KSPSetType(viscous->ksp, stepper->viscosity_form == VISCOSITY_CLEARY ? KSPCG : KSPBCGS));
+  PetscCall(KSPSetType(viscous->ksp, KSPCG));
   PetscCall(KSPSetTolerances(viscous->ksp, VISCOUS_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, VISCOUS_MAXITS));
   PetscCall(KSPSetInitialGuessNonzero(viscous->ksp, PETSC_TRUE));
   PetscCall(KSPGetPC(viscous->ksp, &pc));

@@ -365,6 +365,50 @@ static PetscErrorCode CheckViscosity(const char options[], PetscInt dim, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Largest viscous acceleration of a linear shear flow over a wall, its velocity zero at the wall's face, within the
+   kernel's reach of the wall; in units of nu times the shear over a spacing. */
+static PetscErrorCode WallShear(Cloud cloud, ViscosityForm form, PetscReal nu, PetscReal *largest)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+
+  PetscFunctionBegin;
+  *largest = 0;
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
+  PetscCall(OperatorsViscosity(cloud, form, cloud->rest_density));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (x[DIM * a + 2] < 4) *largest = PetscMax(*largest, PetscAbsReal(cloud->field[FIELD_ACCELERATION][DIM * a]) / nu);
+  *largest = SetupMax(*largest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestNoSlip(void)
+{
+  const char options[] = "-spacing 1 -box_lower 0,0,0 -box_upper 12,12,12 -box_x periodic -box_y periodic -box_zmin "
+                         "wall -bodies a -a_upper 12,12,12 -a_density 250 -a_viscosity 0.5 -packing_jitter 0";
+  const PetscReal nu   = 0.5 / 250;
+  PetscReal       rest, straight, difference = 0;
+  Setup           s;
+
+  PetscFunctionBegin;
+  for (ViscosityForm form = VISCOSITY_CLEARY; form <= VISCOSITY_MORRIS; form++) {
+    PetscCall(SetupPack(options, &s));
+    PetscCall(SetupMoments(&s));
+    for (PetscInt a = 0; a < s.cloud->n_owned; a++)
+      s.cloud->field[FIELD_VELOCITY][DIM * a] =
+        s.cloud->integer[INT_LAYER][a] ? 0 : s.cloud->field[FIELD_POSITION][DIM * a + 2];
+    PetscCall(CloudUpdate(s.cloud, FIELD_VELOCITY));
+    PetscCall(WallShear(s.cloud, form, nu, &rest));
+    PetscCall(OperatorsNoSlip(s.cloud, form));
+    PetscCall(WallShear(s.cloud, form, nu, &straight));
+    CHECK(rest > 0.3, "dummies_at_rest_let_the_first_layer_slide");
+    CHECK(straight < 0.003, "a_linear_shear_flow_feels_no_force_at_a_wall");
+    if (form == VISCOSITY_CLEARY) PetscCall(TakenAlong(s.cloud, &difference));
+    PetscCall(SetupClose(&s));
+  }
+  CHECK_CLOSE(difference, 0, 1e-5, "viscosity_taken_along_walls");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* |sum of m a| over sum of |m a| for the fluid. */
 static PetscReal Imbalance(Cloud cloud)
 {
@@ -487,6 +531,7 @@ int main(int argc, char **argv)
   PetscCall(CheckDivergence(OPEN, 11, "divergence_3d"));
   PetscCall(CheckDivergence(OPEN_2D, 1, "divergence_2d"));
   PetscCall(TestViscosity());
+  PetscCall(TestNoSlip());
   PetscCall(TestTension());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

@@ -67,6 +67,12 @@ def shown(name, measured, expected=np.nan, unit=""):
     return Result(name, float(measured), float(expected), np.nan, "shown", unit)
 
 
+def table(path):
+    """A CSV file with comments in # before its head, by the names of its columns."""
+    with open(path, encoding="utf-8") as file:
+        return np.genfromtxt([line for line in file if line[0] != "#"], delimiter=",", names=True)
+
+
 def snapshots(folder):
     """(time, attributes, fields sorted by particle) of each snapshot of a run."""
     for path in runs.numbered(folder, "snapshot"):
