@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Contact angle and width of a drop on a wall.
+"""Contact angle and width of a drop on a wall; of a film (edge.opts), the pull on its edge.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -42,8 +42,19 @@ def circle(points):
     return np.array([a / 2, b / 2]), np.sqrt(c + (a * a + b * b) / 4)
 
 
+def pull(states, options):
+    """Gain of momentum of a film with one edge, per time, over sigma: 1 - cos of the contact angle."""
+    scale = float(options["-film_density"]) / float(options["-film_tension"])
+    momentum = [scale * float(np.ravel(head["spacing"])[0])**2 * f["velocity"][:, 0].sum() for _, head, f in states]
+    rate = np.polyfit([t for t, _, _ in states][2:], momentum[2:], 1)[0]
+    return [physics.relative("pull on the edge over sigma", -rate,
+                             1 - np.cos(np.radians(float(options["-wall_contact_angle"]))), 0.1)]
+
+
 def check(folder):
     states = list(physics.snapshots(folder))
+    if "-film_tension" in physics.options(states[-1][1]):
+        return pull(states, physics.options(states[-1][1]))
     start, end = (s[2]["position"][:, :2] for s in (states[0], states[-1]))
     head, f = states[-1][1:]
     wanted = float(physics.options(head).get("-wall_contact_angle", 90))

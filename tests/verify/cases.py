@@ -151,6 +151,9 @@ ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3),
                     coarse=(0.25e-3, 0.2e-3, 1e-3 / 6))
 ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {angle}",
                   spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
+ENTRIES += [Entry("contact_angle", "edge of a film, 12 spacings thick", file="edge.opts"),
+            Entry("contact_angle", "edge of a film, 3 spacings thick", "-film_upper 5e-3,0.3e-3", file="edge.opts",
+                  misses=("pull on the edge over sigma",))]
 
 ENTRIES += tensions("retracting_sheet", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 0.25e-3))
 ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3",
