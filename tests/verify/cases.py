@@ -177,4 +177,6 @@ ENTRIES += [Entry("drop_impact", "0.5 mm", QUARTER + "0.5e-3", LONG, ranks=2, sp
                   ranks=2, spacings=IMPACTS[:2])]
 ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
             Entry("drop_impact", "0.5 mm, 2.42 m/s",
-                  "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2)]
+                  "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2),
+            Entry("drop_impact", "0.25 mm, 2.42 m/s",
+                  "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.25e-3", LONG, ranks=2)]

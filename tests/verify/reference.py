@@ -146,7 +146,8 @@ def crater(scene, folder, start, top, axis=2.2e-3):
         highest = np.where(pool.any(0), x[len(x) - 1 - pool[::-1].argmax(0)] + scene.cell / 2, np.nan)
         above = np.searchsorted(x, 0)
         level = T[above - 1] + (T[above] - T[above - 1]) * (0 - x[above - 1]) / scene.cell
-        inside = int(np.argmax(level < 0.5))
+        gaps, _ = ndimage.label(level < 0.5)
+        inside = np.argmax(gaps == np.bincount(gaps[gaps > 0]).argmax()) if gaps.any() else 0  # of the widest
         outside = crossing(r[inside:], 1 - level[inside:]) if level[inside] < 0.5 else 0.0
         rows.append((time - start, highest[r > axis].max(), -surface.min(), 2 * outside,
                      np.interp(time, times, energy), surface[0]))
