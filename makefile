@@ -67,7 +67,7 @@ $(COMPARE): tests/solvers/compare.c $(OBJECTS) $(BUILD)/flags
 packages:
 	@tests/packages.sh build pictures
 
-# The main case at quick resolution, a quarter of the box: a minute on two cores, then its figures.
+# The main case at quick resolution (options/quick.opts), a quarter of the box: a minute on two cores, then its figures.
 run: packages
 	$(MAKE) isph
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \

@@ -180,3 +180,9 @@ ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2),
             Entry("drop_impact", "0.25 mm, 2.42 m/s",
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.25e-3", LONG, ranks=2)]
+QUICK = "-options_file options/quarter.opts -options_file options/quick.opts"
+ENTRIES += [Entry("drop_impact", "quick", QUICK, LONG, ranks=2),
+            Entry("drop_impact", "quick, 2.42 m/s", "-options_file cases/drop_impact/speed_242.opts " + QUICK, LONG,
+                  ranks=2),
+            Entry("drop_impact", "0.25 mm, pool of 60 x 60 mm", QUARTER + "0.25e-3 -box_upper 30e-3,30e-3,30e-3 "
+                  "-film_upper 30e-3,30e-3,0 -time_end 50e-3", LONG, ranks=2)]
