@@ -83,7 +83,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
 /* What the rows of OperatorsMoments share. */
 typedef struct {
   PetscReal V, self, scale_w, scale_f, ratio; /* V in m^dim; W(0); of the kernel; scale_w/W(d0) */
-  PetscReal viscosity;                        /* zeta V 2 mu/rho scale_f/h2, m2/s */
+  PetscReal viscosity;                        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
 } Scales;
 
 /* One row: the sums, then what follows from them. */

@@ -77,7 +77,7 @@ PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form);
    have their own velocity and the viscosity of their neighbour. Overwrites FIELD_WORK1. Not collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
 /* OperatorsWallFriction - adds to FIELD_ACCELERATION what wall_factor makes of the walls' part of the form of Cleary in
-   excess of 1; scale: what multiplies slope v_ab.r_ab/(r2 + eta2) r_ab (m^dim+2/s). Not collective. */
+   excess of 1; scale: what multiplies slope v_ab.r_ab/(r2 + eta2) r_ab (1/s). Not collective. */
 PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale);
 /* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
    each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair

@@ -145,6 +145,7 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
                   eta2 = EtaSquared(cloud->kernel);
 
   PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal factor = WallFactor(cloud, a);
     PetscReal      *out    = cloud->field[FIELD_ACCELERATION] + DIM * a;
@@ -165,6 +166,7 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
       for (PetscInt i = 0; i < DIM; i++) out[i] += f * d[i];
     }
   }
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
