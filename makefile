@@ -24,7 +24,7 @@ PACKAGES  = SLEPc PETSc hdf5-openmpi
 ARCH      = $(if $(PORTABLE),,-march=native)
 CFLAGS    = -O3 $(ARCH) -g
 WARNINGS  = -Wall -Wextra -Werror -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-pass-failed -Wno-psabi
-ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) -fno-math-errno -fno-trapping-math -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
+ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
 LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 
 SOURCES   = $(filter-out src/main.c,$(wildcard src/*/*.c))

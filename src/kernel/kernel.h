@@ -51,7 +51,9 @@ void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal W
    what pairs exchange is conserved to round-off. Not collective. */
 void KernelGradient(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal F[]);
 /* KernelSingle - W and F without their dimensions, in single precision: W = scale_w w[k], F = scale_f f[k], from s[k] =
-   r_k^2/h^2, k < n; w or f may be NULL. Precision as of KernelGradient. Not collective. */
+   r_k^2/h^2, k < n; w or f may be NULL. The arrays must have room for n rounded up to a multiple of KERNEL_LANES: whole
+   vectors are computed. Precision as of KernelGradient. Not collective. */
+#define KERNEL_LANES 16
 void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f[]);
 /* KernelScales - of KernelSingle: scale_w (m^-dim), scale_f (m^-dim-2), 1/h^2 (m^-2). Not collective. */
 void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2);

@@ -7,8 +7,8 @@
 #define F(T, q, i)                                                                                                     \
   (q < 1 ? -5 * (24 + q * q * (10 * q - 24)) : -5 * (POWER4(PLUS(T, 3 - q)) - 6 * POWER4(PLUS(T, 2 - q))) * i)
 
-KERNEL_LOOPS(Evaluate, PetscReal, ROOT_EXACT, W, F)
-KERNEL_LOOPS(Single, float, ROOT_FAST, W, F)
+KERNEL_LOOPS(Evaluate, PetscReal, 1, ROOT_EXACT, W, F)
+KERNEL_LOOPS(Single, float, KERNEL_LANES, ROOT_FAST, W, F)
 
 const KernelOps KernelQuinticSpline = {.support  = 3.0,
                                        .norm2    = 7.0 / (478.0 * PETSC_PI),

@@ -27,27 +27,30 @@ static inline float InverseRoot(float s)
   const float i = InverseRoot(s), q = s * i;                                                                           \
   (void)i;
 
-/* The loops of a kernel in precision T: W(T, q) and F(T, q, i) = W'(q)/q are macros of q = r/h and i = 1/q, without
-   their norm. Where F is a quotient it must not be evaluated as one near q = 0: coincident particles get the limit. */
-#define KERNEL_LOOPS(Name, T, ROOT, W, F)                                                                              \
+/* The loops of a kernel in precision T, over n rounded up to a multiple of LANES: W(T, q) and F(T, q, i) = W'(q)/q are
+   macros of q = r/h and i = 1/q, without their norm. Where F is a quotient it must not be evaluated as one near q = 0:
+   coincident particles get the limit. */
+#define KERNEL_LOOPS(Name, T, LANES, ROOT, W, F)                                                                       \
   static void Name(PetscInt n, const T *restrict s, T *restrict w, T *restrict f)                                      \
   {                                                                                                                    \
+    const PetscInt m = (n + LANES - 1) / LANES * LANES;                                                                \
+                                                                                                                       \
     if (w && f) {                                                                                                      \
       SIMD_LOOP()                                                                                                      \
-      for (PetscInt k = 0; k < n; k++) {                                                                               \
+      for (PetscInt k = 0; k < m; k++) {                                                                               \
         ROOT(s[k])                                                                                                     \
         w[k] = W(T, q);                                                                                                \
         f[k] = F(T, q, i);                                                                                             \
       }                                                                                                                \
     } else if (w) {                                                                                                    \
       SIMD_LOOP()                                                                                                      \
-      for (PetscInt k = 0; k < n; k++) {                                                                               \
+      for (PetscInt k = 0; k < m; k++) {                                                                               \
         ROOT(s[k])                                                                                                     \
         w[k] = W(T, q);                                                                                                \
       }                                                                                                                \
     } else if (f) {                                                                                                    \
       SIMD_LOOP()                                                                                                      \
-      for (PetscInt k = 0; k < n; k++) {                                                                               \
+      for (PetscInt k = 0; k < m; k++) {                                                                               \
         ROOT(s[k])                                                                                                     \
         f[k] = F(T, q, i);                                                                                             \
       }                                                                                                                \

@@ -80,9 +80,10 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
-/* Called for each owned particle as soon as its row is found, while it is in the cache: s ([n]) are r2/h2, w ([n])
-   KernelSingle's values of W. */
-typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float s[], const float w[], void *context);
+/* Called for each owned particle as soon as its row is found, while it is in the cache: w ([n]) are KernelSingle's
+   values of W, steep ([n]) its F over r2/h2 + eta2/h2. The row, here too, is padded to whole octets (rows.h) with pairs
+   that weigh nothing. */
+typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float steep[], void *context);
 /* CloudSearch - the list of all particles within the kernel's support of each owned one, from the positions of the
    cloud, and the factors of the pairs. Not collective. */
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);

@@ -1,9 +1,13 @@
-/* Rows of pairs for the loops that matter. A vector of a neighbour is loaded as one register of four numbers, the
-   fourth without meaning, and the sums over a row are such registers too: no gathering, no remainder, no sum across
-   lanes. The vectors are those of GCC and clang, for any processor. */
+/* Rows of pairs for the loops that matter: eight pairs at a time. A vector of a neighbour is loaded as one register of
+   four numbers, the fourth without meaning; eight of them are turned into eight x, eight y, eight z, in half the time
+   of gathering these. Rows are padded to whole octets with pairs of the particle and itself that weigh nothing. The
+   vectors are those of GCC and clang, for any processor. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
+#if defined(__AVX512F__)
+  #include <immintrin.h>
+#endif
 #include "cloud.h" /* which includes this file at its end */
 
 typedef PetscReal Triple __attribute__((vector_size(4 * sizeof(PetscReal))));
@@ -17,35 +21,137 @@ static inline Triple TripleLoad(const PetscReal x[])
   return t;
 }
 
-static inline Triple TripleSet(PetscReal s)
-{
-  return (Triple){s, s, s, s};
-}
-
 static inline void TripleStore(Triple t, PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) x[d] = t[d];
 }
 
-/* TripleTurn - y, z, x. */
-static inline Triple TripleTurn(Triple t)
+#define OCTET 8
+
+typedef PetscReal Octet __attribute__((vector_size(OCTET * sizeof(PetscReal))));
+typedef int64_t   OctetMask __attribute__((vector_size(OCTET * sizeof(int64_t))));
+typedef float     OctetOfSingle __attribute__((vector_size(OCTET * sizeof(float))));
+
+typedef struct {
+  Octet x, y, z;
+} Octets;
+
+static inline Octet OctetSet(PetscReal s)
 {
-  return __builtin_shufflevector(t, t, 1, 2, 0, 3);
+  return (Octet){s, s, s, s, s, s, s, s};
 }
 
-/* TripleDot - a.b, three times. */
-static inline Triple TripleDot(Triple a, Triple b)
+/* OctetLoad - x[0] to x[7]. */
+static inline Octet OctetLoad(const PetscReal x[])
 {
-  const Triple t = a * b, turned = TripleTurn(t);
+  Octet t;
 
-  return t + turned + TripleTurn(turned);
+  (void)memcpy(&t, x, sizeof(t));
+  return t;
 }
 
-/* The pairs of one particle. */
+/* OctetLoadSingle - the same of single precision. */
+static inline Octet OctetLoadSingle(const float x[])
+{
+#if defined(__AVX512F__)
+  return (Octet)_mm512_cvtps_pd(_mm256_loadu_ps(x));
+#else
+  OctetOfSingle t;
+
+  (void)memcpy(&t, x, sizeof(t));
+  return __builtin_convertvector(t, Octet);
+#endif
+}
+
+static inline Octets OctetsSet(const PetscReal v[DIM])
+{
+  return (Octets){OctetSet(v[0]), OctetSet(v[1]), OctetSet(v[2])};
+}
+
+/* OctetOfTwo - a[0] to a[3], b[0] to b[3]. */
+static inline Octet OctetOfTwo(const PetscReal a[], const PetscReal b[])
+{
+#if defined(__AVX512F__)
+  return (Octet)_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(a)), _mm256_loadu_pd(b), 1);
+#else
+  return __builtin_shufflevector(TripleLoad(a), TripleLoad(b), 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
+}
+
+/* OctetsCollect - the vectors of eight particles from v ([n_total][3]), at DIM times their indices. */
+static inline Octets OctetsCollect(const PetscReal v[], const uint32_t at[OCTET])
+{
+  const Octet t0 = OctetOfTwo(v + at[0], v + at[4]), t1 = OctetOfTwo(v + at[1], v + at[5]),
+              t2 = OctetOfTwo(v + at[2], v + at[6]), t3 = OctetOfTwo(v + at[3], v + at[7]);
+  const Octet xz01 = __builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
+              xz23 = __builtin_shufflevector(t2, t3, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Octet y01  = __builtin_shufflevector(t0, t1, 1, 9, 3, 11, 5, 13, 7, 15),
+              y23  = __builtin_shufflevector(t2, t3, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Octets all = {__builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13),
+                      __builtin_shufflevector(y01, y23, 0, 1, 8, 9, 4, 5, 12, 13),
+                      __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15)};
+  return all;
+}
+
+/* OctetsDifference - a - b. */
+static inline Octets OctetsDifference(Octets a, Octets b)
+{
+  return (Octets){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+/* OctetsAdd - sum += f v. */
+static inline void OctetsAdd(Octets *sum, Octet f, Octets v)
+{
+  sum->x += f * v.x;
+  sum->y += f * v.y;
+  sum->z += f * v.z;
+}
+
+static inline Octet OctetsDot(Octets a, Octets b)
+{
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline Octet OctetMax(Octet a, Octet b)
+{
+  const OctetMask larger = a > b;
+
+  return (Octet)((larger & (OctetMask)a) | (~larger & (OctetMask)b));
+}
+
+static inline Triple OctetHalves(Octet t)
+{
+  return __builtin_shufflevector(t, t, 0, 1, 2, 3) + __builtin_shufflevector(t, t, 4, 5, 6, 7);
+}
+
+/* OctetSums - the sums of the eight numbers of each. */
+static inline Triple OctetSums(Octet a, Octet b, Octet c, Octet d)
+{
+  const Triple ha = OctetHalves(a), hb = OctetHalves(b), hc = OctetHalves(c), hd = OctetHalves(d);
+  const Triple ab = __builtin_shufflevector(ha, hb, 0, 4, 2, 6) + __builtin_shufflevector(ha, hb, 1, 5, 3, 7),
+               cd = __builtin_shufflevector(hc, hd, 0, 4, 2, 6) + __builtin_shufflevector(hc, hd, 1, 5, 3, 7);
+
+  return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+}
+
+/* OctetsSum - those of three, and of a fourth. */
+static inline Triple OctetsSum(Octets v, Octet fourth)
+{
+  return OctetSums(v.x, v.y, v.z, fourth);
+}
+
+/* PaddedLength - n rounded up to whole octets. */
+static inline PetscInt PaddedLength(PetscInt n)
+{
+  return (n + OCTET - 1) / OCTET * OCTET;
+}
+
+/* The pairs of one particle. What the padded index names exists, and weighs nothing. */
 typedef struct {
   PetscInt        n;
   const PetscInt *index;
-  PetscReal       f[ROW_CAPACITY]; /* factor of the pair: F = KernelScales' scale_f times it */
+  uint32_t        at[ROW_CAPACITY + OCTET]; /* DIM times the index */
+  PetscReal       f[ROW_CAPACITY + OCTET];  /* factor of the pair: F = KernelScales' scale_f times it */
 } Row;
 
 /* RowLoad - the pairs of a as the last search found them. Not collective. */
@@ -56,8 +162,17 @@ static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
 
   row->n     = n;
   row->index = cloud->list + first;
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) row->f[k] = from[k];
+  for (PetscInt k = 0; k < n; k += OCTET) { /* the arrays have room behind the last row */
+    const Octet f = OctetLoadSingle(from + k);
+
+    (void)memcpy(row->f + k, &f, sizeof(f));
+    SIMD_LOOP()
+    for (PetscInt i = k; i < k + OCTET; i++) row->at[i] = DIM * (uint32_t)row->index[i];
+  }
+  for (PetscInt k = n; k < n + OCTET; k++) {
+    row->at[k] = DIM * (uint32_t)a;
+    row->f[k]  = 0;
+  }
 }
 
 #endif

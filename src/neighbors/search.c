@@ -1,11 +1,12 @@
 /* Cells over the points of the cloud, and the list of neighbours. */
 #include "search.h"
 
-#define LINES_AROUND 9   /* of cells along x */
-#define SPLIT        4   /* cells along x in the kernel's support: a line is cut close, which leaves fewer candidates */
-#define LANES        16  /* of the vector that compares candidates */
-#define CHUNK        256 /* candidates compared before they are kept */
-#define ROW_GUESS    72  /* neighbours a particle, to begin with */
+#define LINES_AROUND 9     /* of cells along x */
+#define SPLIT        4     /* cells along x in the kernel's support */
+#define LANES        16    /* candidates compared at once */
+#define SLACK        1e-3f /* of a cell along x: what single precision may miss of a chord */
+#define PADDING      1e4f  /* squared distance over h2, beyond any kernel */
+#define ROW_GUESS    72    /* neighbours a particle, to begin with */
 
 PetscErrorCode CellGridReset(CellGrid *grid)
 {
@@ -53,7 +54,7 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
     grid->point_capacity = n + n / 4;
     PetscCall(PetscFree(grid->order));
     PetscCall(PetscFree(grid->of_point));
-    PetscCall(PetscMalloc1(grid->point_capacity, &grid->order));
+    PetscCall(PetscMalloc1(grid->point_capacity + LANES, &grid->order));
     PetscCall(PetscMalloc1(grid->point_capacity, &grid->of_point));
   }
   /* counting sort, stable in the local index */
@@ -130,98 +131,138 @@ static PetscErrorCode SortPlaces(Cloud cloud, const Units *units, int32_t sorted
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to list and s those of 'count' points whose squared distance s = r2/h2 is below 'limit', point a itself
-   excluded; returns how many. order: local indices, x, y, z: places, p: place of a, unit: over h. May write LANES - 1
-   entries behind the last. This loop sees every candidate. */
+/* Candidates, one behind the other in the grid's order, of which the first LANES are meant: where they begin and, in
+   the upper half, their number. One number, for there are many of them. */
+typedef int64_t Run;
+
+#define RUN(begin, count) ((begin) + (int64_t)(count) * (UINT32_MAX + 1LL))
+#define RUN_BEGIN(run)    ((PetscInt)((run)&UINT32_MAX))
+#define RUN_COUNT(run)    (PetscMin((PetscInt)((run) >> 32), LANES))
+
+/* The lines of cells around a cell, in LANES columns of which nine are used: where they are, also as a number of cells,
+   and how far a point at 0 to 1 of its own cell is from them, from + times place along each axis. */
+typedef struct {
+  PetscInt y[LANES], z[LANES], cells[LANES];
+  float    from_y[LANES], times_y[LANES], from_z[LANES], times_z[LANES];
+} Lines;
+
+static void SetLines(const CellGrid *grid, Lines *lines)
+{
+  for (PetscInt l = 0; l < LANES; l++) {
+    const PetscInt y = l % 3 - 1, z = l / 3 - 1;
+
+    lines->y[l]       = y;
+    lines->z[l]       = l < LINES_AROUND ? z : -2 - grid->n[2]; /* outside */
+    lines->cells[l]   = (z * grid->n[1] + y) * grid->n[0];
+    lines->from_y[l]  = y > 0;
+    lines->times_y[l] = (float)-y;
+    lines->from_z[l]  = z > 0;
+    lines->times_z[l] = (float)-z;
+  }
+}
+
+/* The candidates for neighbours of a point at x (m); returns the number of runs. Of each line of cells
+   around it what the sphere of the kernel's support reaches is taken. Nothing branches on what chance decides. */
+static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, const PetscReal x[DIM], PetscReal radius,
+                                Run run[])
+{
+  const PetscInt *start = grid->start, nx = grid->n[0], ny = grid->n[1], nz = grid->n[2];
+  const PetscReal inverse = 1 / grid->size, ry = inverse * (x[1] - grid->lower[1]),
+                  rz = inverse * (x[2] - grid->lower[2]);
+  const PetscInt cy = PetscMin((PetscInt)ry, ny - 1), cz = PetscMin((PetscInt)rz, nz - 1);
+  const float    reach2 = (float)PetscSqr(radius * inverse), px = (float)(SPLIT * inverse * (x[0] - grid->lower[0])),
+              py = (float)(ry - (PetscReal)cy), pz = (float)(rz - (PetscReal)cz);
+  const PetscInt line = (cz * ny + cy) * nx;
+  PetscInt       from[LANES], to[LANES], runs = 0;
+
+  SIMD_LOOP()
+  for (PetscInt l = 0; l < LANES; l++) {
+    const float    dy = lines->from_y[l] + lines->times_y[l] * py, dz = lines->from_z[l] + lines->times_z[l] * pz;
+    const float    left2 = reach2 - dy * dy - dz * dz, half = SPLIT * sqrtf(left2 > 0 ? left2 : 0) + SLACK;
+    const PetscInt iy = cy + lines->y[l], iz = cz + lines->z[l];
+    const PetscInt there = (iy >= 0) & (iy < ny) & (iz >= 0) & (iz < nz) & (left2 > -SLACK);
+    const float    low = px - half, high = px + half;
+    const PetscInt x0 = (PetscInt)(low > 0 ? low : 0), last = (PetscInt)high, x1 = last < nx ? last : nx - 1;
+
+    from[l] = there ? line + lines->cells[l] + x0 : 0;
+    to[l]   = there ? line + lines->cells[l] + x1 + 1 : 0;
+  }
+  for (PetscInt l = 0; l < LINES_AROUND; l++) {
+    const PetscInt begin = start[from[l]];
+    Run            next  = RUN(begin, start[to[l]] - begin);
+
+    while (next >= RUN(0, 3 * LANES)) { /* rare */
+      run[runs++] = next;
+      next += RUN(LANES, -LANES);
+    }
+    for (PetscInt k = 0; k < 3; k++) {
+      run[runs] = next;
+      runs += next >= RUN(0, 1);
+      next += RUN(LANES, -LANES);
+    }
+  }
+  return runs;
+}
+
+/* Appends to list and s those candidates of a run whose squared distance s = r2/h2 is below 'limit', point a itself
+   excluded; returns how many. order: local indices, x, y, z: places, of all points in the grid's order; p: place of a,
+   unit: over h. Reads LANES candidates and may write as many. */
 #if defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
   #include <immintrin.h>
 
 /* (p - x)/h of the lanes */
-static inline __m512 Difference(__mmask16 valid, __m512i p, const int32_t *x, __m512 unit)
+static inline __m512 Difference(__m512i p, const int32_t *x, __m512 unit)
 {
-  return _mm512_mul_ps(unit, _mm512_cvtepi32_ps(_mm512_sub_epi32(p, _mm512_maskz_loadu_epi32(valid, x))));
+  return _mm512_mul_ps(unit, _mm512_cvtepi32_ps(_mm512_sub_epi32(p, _mm512_loadu_si512(x))));
 }
 
-static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const int32_t *restrict x,
+static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const int32_t *restrict x,
                                 const int32_t *restrict y, const int32_t *restrict z, const int32_t p[DIM],
                                 const float unit[DIM], float limit, PetscInt a, PetscInt *restrict list,
                                 float *restrict s)
 {
-  const __m512i px = _mm512_set1_epi32(p[0]), py = _mm512_set1_epi32(p[1]), pz = _mm512_set1_epi32(p[2]),
-                self = _mm512_set1_epi32(a);
-  const __m512 end = _mm512_set1_ps(limit), ux = _mm512_set1_ps(unit[0]), uy = _mm512_set1_ps(unit[1]),
-               uz = _mm512_set1_ps(unit[2]);
-  PetscInt found  = 0;
+  const PetscInt  begin = RUN_BEGIN(run);
+  const __m512    dx    = Difference(_mm512_set1_epi32(p[0]), x + begin, _mm512_set1_ps(unit[0]));
+  const __m512    dy    = Difference(_mm512_set1_epi32(p[1]), y + begin, _mm512_set1_ps(unit[1]));
+  const __m512    dz    = Difference(_mm512_set1_epi32(p[2]), z + begin, _mm512_set1_ps(unit[2]));
+  const __m512    s2    = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
+  const __m512i   b     = _mm512_loadu_si512(order + begin);
+  const __mmask16 real  = (__mmask16)((1u << RUN_COUNT(run)) - 1);
+  const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(real, b, _mm512_set1_epi32(a));
+  const __mmask16 keep  = _mm512_mask_cmp_ps_mask(other, s2, _mm512_set1_ps(limit), _CMP_LT_OQ);
 
-  for (PetscInt k = 0; k < count; k += LANES) {
-    const __mmask16 valid = (__mmask16)(count - k >= LANES ? 0xffff : (1 << (count - k)) - 1);
-    const __m512    dx    = Difference(valid, px, x + k, ux);
-    const __m512    dy    = Difference(valid, py, y + k, uy);
-    const __m512    dz    = Difference(valid, pz, z + k, uz);
-    const __m512    s2    = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
-    const __m512i   b     = _mm512_maskz_loadu_epi32(valid, order + k);
-    const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(valid, b, self);
-    const __mmask16 keep  = _mm512_mask_cmp_ps_mask(other, s2, end, _CMP_LT_OQ);
-
-    _mm512_storeu_si512(list + found, _mm512_maskz_compress_epi32(keep, b));
-    _mm512_storeu_ps(s + found, _mm512_maskz_compress_ps(keep, s2));
-    found += __builtin_popcount(keep);
-  }
-  return found;
+  _mm512_storeu_si512(list, _mm512_maskz_compress_epi32(keep, b));
+  _mm512_storeu_ps(s, _mm512_maskz_compress_ps(keep, s2));
+  return __builtin_popcount(keep);
 }
 #else
-static inline PetscInt KeepNear(PetscInt count, const PetscInt *restrict order, const int32_t *restrict x,
+static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const int32_t *restrict x,
                                 const int32_t *restrict y, const int32_t *restrict z, const int32_t p[DIM],
                                 const float unit[DIM], float limit, PetscInt a, PetscInt *restrict list,
                                 float *restrict s)
 {
   const int32_t px = p[0], py = p[1], pz = p[2];
-  float         s2[CHUNK];
+  float         s2[LANES];
   PetscInt      found = 0;
 
-  for (PetscInt begin = 0; begin < count; begin += CHUNK) {
-    const PetscInt m = PetscMin(CHUNK, count - begin);
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < LANES; k++) {
+    const PetscInt at = RUN_BEGIN(run) + k;
+    const float    dx = unit[0] * (float)(px - x[at]), dy = unit[1] * (float)(py - y[at]),
+                dz = unit[2] * (float)(pz - z[at]);
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < m; k++) {
-      const float dx = unit[0] * (float)(px - x[begin + k]), dy = unit[1] * (float)(py - y[begin + k]),
-                  dz = unit[2] * (float)(pz - z[begin + k]);
+    s2[k] = dx * dx + dy * dy + dz * dz;
+  }
+  for (PetscInt k = 0; k < RUN_COUNT(run); k++) { /* without a branch */
+    const PetscInt b = order[RUN_BEGIN(run) + k];
 
-      s2[k] = dx * dx + dy * dy + dz * dz;
-    }
-    for (PetscInt k = 0; k < m; k++) { /* without a branch */
-      const PetscInt b = order[begin + k];
-
-      list[found] = b;
-      s[found]    = s2[k];
-      found += (s2[k] < limit) & (b != a);
-    }
+    list[found] = b;
+    s[found]    = s2[k];
+    found += (s2[k] < limit) & (b != a);
   }
   return found;
 }
 #endif
-
-/* The neighbours of point a among sorted points: appends their indices to list and squared distances to s, returns
- * their number. sorted: [3][n], in the grid's order. */
-static PetscInt FindNeighbors(const CellGrid *grid, PetscInt n, const int32_t *restrict sorted, const int32_t p[DIM],
-                              PetscInt a, const float unit[DIM], float limit, PetscInt *restrict list,
-                              float *restrict s)
-{
-  const PetscInt cell = grid->of_point[a], cx = cell % grid->n[0], cy = (cell / grid->n[0]) % grid->n[1],
-                 cz = cell / (grid->n[0] * grid->n[1]);
-  const PetscInt x0 = PetscMax(0, cx - SPLIT), x1 = PetscMin(grid->n[0] - 1, cx + SPLIT);
-  PetscInt       found = 0;
-
-  for (PetscInt kz = PetscMax(0, cz - 1); kz <= PetscMin(grid->n[2] - 1, cz + 1); kz++)
-    for (PetscInt ky = PetscMax(0, cy - 1); ky <= PetscMin(grid->n[1] - 1, cy + 1); ky++) {
-      const PetscInt line = (kz * grid->n[1] + ky) * grid->n[0], begin = grid->start[line + x0],
-                     count = grid->start[line + x1 + 1] - begin;
-
-      found += KeepNear(count, grid->order + begin, sorted + begin, sorted + n + begin, sorted + 2 * n + begin, p, unit,
-                        limit, a, list + found, s + found);
-    }
-  return found;
-}
 
 /* Room for 'more' pairs behind the 'used' ones. */
 static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
@@ -235,21 +276,35 @@ static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factors of n pairs from s = r2/h2, and w (NULL: not wanted); returns the sum of the Laplacian ones. -F is largest
-   at r = 0, so that -F r2/(r2 + eta2) is at most 'unit' times the largest number of sixteen bits. */
-static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *restrict s, float *restrict w,
-                            float *restrict slope, uint16_t *restrict laplacian)
+/* A row is padded with pairs that weigh nothing, of the particle and itself: whatever follows works on whole vectors.
+   The next row overwrites them. */
+static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
 {
-  const float eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / unit;
-  PetscInt    sum = 0;
+  for (PetscInt k = n; k < n + LANES; k++) {
+    list[k] = a;
+    s[k]    = PADDING;
+  }
+}
+
+/* The factors of n padded pairs from s = r2/h2, w (NULL: not wanted) and F over s + eta2/h2; returns the sum of the
+   Laplacian ones. -F is largest at r = 0, so that -F r2/(r2 + eta2) is at most 'unit' times the largest number of
+   sixteen bits. */
+static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *restrict s, float *restrict w,
+                            float *restrict steep, float *restrict slope, uint16_t *restrict laplacian)
+{
+  const float    eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / unit;
+  const PetscInt padded = (n + LANES - 1) / LANES * LANES;
+  PetscInt       sum    = 0;
 
   KernelSingle(kernel, n, s, w, slope);
   SIMD_LOOP(reduction(+ : sum))
-  for (PetscInt k = 0; k < n; k++) {
-    const int32_t whole = (int32_t)(0.5f - inverse * slope[k] * s[k] / (s[k] + eta2));
+  for (PetscInt k = 0; k < padded; k++) {
+    const float   over = slope[k] / (s[k] + eta2);
+    const int32_t code = (int32_t)(0.5f - inverse * over * s[k]);
 
-    laplacian[k] = (uint16_t)whole;
-    sum += whole;
+    steep[k]     = over;
+    laplacian[k] = (uint16_t)code;
+    sum += code;
   }
   return sum;
 }
@@ -275,41 +330,49 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
   const float      limit  = (float)PetscSqr(radius / KernelSmoothingLength(cloud->kernel));
   PetscInt         used = 0, most, longest = 0;
   int32_t         *sorted;
-  float           *s, w[ROW_CAPACITY], zero = 0, unit;
+  Run             *run;
+  Lines            lines;
+  float           *s, w[ROW_CAPACITY + LANES], steep[ROW_CAPACITY + LANES], zero[LANES] = {0}, slope[LANES], unit;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius, SPLIT));
   for (PetscInt c = 0; c < cloud->grid.count; c++)
     longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
-  KernelSingle(cloud->kernel, 1, &zero, NULL, &unit);
-  unit /= -(float)UINT16_MAX;
+  KernelSingle(cloud->kernel, 1, zero, NULL, slope);
+  unit                  = slope[0] / -(float)UINT16_MAX;
   cloud->laplacian_unit = unit;
-  most                  = LINES_AROUND * (2 * SPLIT + 1) * longest + LANES;
-  PetscCall(PetscMalloc2(DIM * n, &sorted, most, &s));
+  most                  = LINES_AROUND * ((2 * SPLIT + 1) * longest + LANES);
+  PetscCall(PetscMalloc3(DIM * n + LANES, &sorted, most, &s, most / LANES + 3, &run));
+  SetLines(&cloud->grid, &lines);
   PetscCall(SortPlaces(cloud, &units, sorted));
   cloud->first[0] = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const int32_t p[DIM] = {(int32_t)Place(&units, 0, x[DIM * a]), (int32_t)Place(&units, 1, x[DIM * a + 1]),
                             (int32_t)Place(&units, 2, x[DIM * a + 2])};
-    PetscInt      found;
+    PetscInt      found, runs;
 
     if (used + most > cloud->list_capacity)
       PetscCall(ReserveList(cloud, used, PetscMax(most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + most));
-    found = FindNeighbors(&cloud->grid, n, sorted, p, a, units.unit, limit, cloud->list + used, s);
+    found = 0;
+    runs  = FindRuns(&cloud->grid, &lines, x + DIM * a, radius, run);
+    for (PetscInt r = 0; r < runs; r++)
+      found += KeepNear(run[r], cloud->grid.order, sorted, sorted + n, sorted + 2 * n, p, units.unit, limit, a,
+                        cloud->list + used + found, s + found);
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
+    PadRow(a, found, cloud->list + used, s);
     cloud->laplacian_sum[a] =
-      PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, cloud->slope + used, cloud->laplacian + used);
+      PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, steep, cloud->slope + used, cloud->laplacian + used);
     if (a >= cloud->n_fluid)
       cloud->laplacian_sum[a] =
         DropWallPairs(cloud->integer[INT_LAYER], found, cloud->list + used, cloud->laplacian + used);
     used += found;
     cloud->first[a + 1] = used;
-    if (visit) visit(cloud, a, s, w, context);
+    if (visit) visit(cloud, a, w, steep, context);
   }
-  PetscCall(PetscFree2(sorted, s));
+  PetscCall(PetscFree3(sorted, s, run));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

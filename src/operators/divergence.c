@@ -68,25 +68,27 @@ static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a
                                          PetscReal G[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
-  const Triple     p = TripleLoad(x + DIM * a), v = TripleLoad(velocity + DIM * a);
-  Triple           gx = TripleSet(0), gy = gx, gz = gx;
-  PetscReal        most = 0;
+  const Octets     p = OctetsSet(x + DIM * a), v = OctetsSet(velocity + DIM * a);
+  const Octet      zero = OctetSet(0);
+  Octets           gx = {zero, zero, zero}, gy = gx, gz = gx;
+  Octet            most    = zero;
+  PetscReal        largest = 0;
 
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt b = DIM * row->index[k];
-    const Triple   d = TripleSet(row->f[k]) * (p - TripleLoad(x + b)), w = TripleLoad(velocity + b) - v;
-    const Triple   wx = TripleSet(w[0]), wy = TripleSet(w[1]), wz = TripleSet(w[2]),
-                 w2 = wx * wx + wy * wy + wz * wz;
+  for (PetscInt k = 0; k < row->n; k += OCTET) {
+    const Octets d = OctetsDifference(p, OctetsCollect(x, row->at + k)),
+                 w = OctetsDifference(OctetsCollect(velocity, row->at + k), v);
+    const Octet f = OctetLoad(row->f + k), w2 = OctetsDot(w, w);
 
-    gx += wx * d;
-    gy += wy * d;
-    gz += wz * d;
-    most = w2[0] > most ? w2[0] : most;
+    OctetsAdd(&gx, f * w.x, d);
+    OctetsAdd(&gy, f * w.y, d);
+    OctetsAdd(&gz, f * w.z, d);
+    most = OctetMax(most, w2);
   }
-  TripleStore(gx, G);
-  TripleStore(gy, G + DIM);
-  TripleStore(gz, G + 2 * DIM);
-  return most;
+  TripleStore(OctetsSum(gx, zero), G);
+  TripleStore(OctetsSum(gy, zero), G + DIM);
+  TripleStore(OctetsSum(gz, zero), G + 2 * DIM);
+  for (PetscInt k = 0; k < OCTET; k++) largest = PetscMax(largest, most[k]);
+  return largest;
 }
 
 /* tr (G B)^2 of a velocity gradient G. */

@@ -87,59 +87,58 @@ typedef struct {
 } Scales;
 
 /* One row: the sums, then what follows from them. */
-static inline void Sums(Cloud cloud, PetscInt a, const float s[], const float w[], const Scales *scales,
+static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float steep[], const Scales *scales,
                         PetscBool viscous)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
-                  scale = V * scales->scale_f, ratio = scales->ratio;
-  const Triple p = TripleLoad(x + DIM * a), own = TripleLoad(v + DIM * a);
-  Triple       normal = TripleSet(0), crowd = normal, diagonal = normal, off = normal, friction = normal;
-  PetscReal   *M = cloud->field[FIELD_MOMENT] + 6 * a, clump[ROW_CAPACITY], near[ROW_CAPACITY], sum = 0;
-  Row          row;
+                  scale = V * scales->scale_f;
+  const PetscInt *list = cloud->list + cloud->first[a], n = cloud->first[a + 1] - cloud->first[a];
+  const float    *slope = cloud->slope + cloud->first[a];
+  const Octets    p = OctetsSet(x + DIM * a), own = OctetsSet(v + DIM * a);
+  const Octet     zero = OctetSet(0), ratio = OctetSet(scales->ratio), weight = OctetSet(CLUMP_WEIGHT);
+  Octets          normal = {zero, zero, zero}, clump = normal, diagonal = normal, off = normal, friction = normal;
+  Octet           sum = zero;
+  Triple          total;
+  PetscReal      *M = cloud->field[FIELD_MOMENT] + 6 * a;
 
-  RowLoad(cloud, a, &row);
-  SIMD_LOOP(reduction(+ : sum))
-  for (PetscInt k = 0; k < row.n; k++) {
-    const PetscReal r = w[k] * ratio, r2 = r * r;
+  for (PetscInt k = 0; k < n; k += OCTET) {
+    uint32_t at[OCTET];
+    for (PetscInt i = 0; i < OCTET; i++) at[i] = DIM * (uint32_t)list[k + i];
+    const Octets d = OctetsDifference(p, OctetsCollect(x, at));
+    const Octet  f = OctetLoadSingle(slope + k), W = OctetLoadSingle(w + k), r = W * ratio, r2 = r * r, fx = f * d.x,
+                fy = f * d.y, fz = f * d.z;
 
-    sum += w[k];
-    clump[k] = row.f[k] * (1 + CLUMP_WEIGHT * r2 * r2);
+    sum += W;
+    normal.x += fx;
+    normal.y += fy;
+    normal.z += fz;
+    OctetsAdd(&clump, weight * r2 * r2 * f, d);
+    diagonal.x += fx * d.x;
+    diagonal.y += fy * d.y;
+    diagonal.z += fz * d.z;
+    off.x += fx * d.y;
+    off.y += fx * d.z;
+    off.z += fy * d.z;
+    if (viscous) /* Eq. (1) of Kuri et al. */
+      OctetsAdd(&friction, OctetLoadSingle(steep + k) * OctetsDot(OctetsDifference(own, OctetsCollect(v, at)), d), d);
   }
-  if (viscous) {
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < row.n; k++) near[k] = row.f[k] / (s[k] + ETA_OVER_H * ETA_OVER_H);
-  }
-  for (PetscInt k = 0; k < row.n; k++) {
-    const Triple d = p - TripleLoad(x + DIM * row.index[k]), fd = TripleSet(row.f[k]) * d;
-
-    normal += fd;
-    crowd += TripleSet(clump[k]) * d;
-    diagonal -= fd * d;
-    off -= fd * TripleTurn(d); /* xy, yz, zx */
-    if (viscous)               /* Eq. (1) of Kuri et al. */
-      friction += TripleSet(near[k]) * TripleDot(own - TripleLoad(v + DIM * row.index[k]), d) * d;
-  }
-  for (PetscInt d = 0; d < DIM; d++) {
-    M[d]                                      = scale * diagonal[d];
-    cloud->field[FIELD_NORMAL][DIM * a + d]   = scale * normal[d];
-    cloud->field[FIELD_CROWDING][DIM * a + d] = scale * crowd[d];
-  }
-  M[3]                           = scale * off[0];
-  M[4]                           = scale * off[2];
-  M[5]                           = scale * off[1];
-  cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (scales->self + scales->scale_w * sum);
-  if (viscous)
-    for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] = scales->viscosity * friction[d];
+  total = OctetsSum(normal, sum);
+  TripleStore(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
+  cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (scales->self + scales->scale_w * total[3]);
+  TripleStore(scale * (total + OctetsSum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
+  TripleStore(-scale * OctetsSum(diagonal, zero), M);
+  TripleStore(-scale * OctetsSum(off, zero), M + DIM);
+  if (viscous) TripleStore(scales->viscosity * OctetsSum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
 }
 
-static void MomentsRow(Cloud cloud, PetscInt a, const float s[], const float w[], void *context)
+static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float steep[], void *context)
 {
-  Sums(cloud, a, s, w, (const Scales *)context, PETSC_FALSE);
+  Sums(cloud, a, w, steep, (const Scales *)context, PETSC_FALSE);
 }
 
-static void ViscousRow(Cloud cloud, PetscInt a, const float s[], const float w[], void *context)
+static void ViscousRow(Cloud cloud, PetscInt a, const float w[], const float steep[], void *context)
 {
-  Sums(cloud, a, s, w, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
+  Sums(cloud, a, w, steep, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
 }
 
 /* FIELD_LAMBDA of M, which FIELD_MOMENT holds, and B in its place. */

@@ -104,26 +104,29 @@ static void PairViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscRea
 static void ViscosityCleary(Cloud cloud, PetscInt a, const Row *row, const PetscReal v[], PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
-  const Triple     p = TripleLoad(x + DIM * a), own = TripleLoad(v + DIM * a);
-  Triple           sum = TripleSet(0);
+  const Octets     p = OctetsSet(x + DIM * a), own = OctetsSet(v + DIM * a);
+  const Octet      zero = OctetSet(0);
+  Octets           sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt b = DIM * row->index[k];
-    const Triple   d = p - TripleLoad(x + b);
+  for (PetscInt k = 0; k < row->n; k += OCTET) {
+    const Octets d = OctetsDifference(p, OctetsCollect(x, row->at + k)),
+                 u = OctetsDifference(own, OctetsCollect(v, row->at + k));
 
-    sum += TripleSet(row->f[k]) * TripleDot(own - TripleLoad(v + b), d) * d;
+    OctetsAdd(&sum, OctetLoad(row->f + k) * OctetsDot(u, d), d);
   }
-  TripleStore(sum, out);
+  TripleStore(OctetsSum(sum, zero), out);
 }
 
 /* Morris et al. 1997; grad W.r is finite at r = 0, so eta is not needed. */
 static void ViscosityMorris(PetscInt a, const Row *row, const PetscReal v[], PetscReal out[DIM])
 {
-  const Triple own = TripleLoad(v + DIM * a);
-  Triple       sum = TripleSet(0);
+  const Octets own  = OctetsSet(v + DIM * a);
+  const Octet  zero = OctetSet(0);
+  Octets       sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k++) sum += TripleSet(row->f[k]) * (own - TripleLoad(v + DIM * row->index[k]));
-  TripleStore(sum, out);
+  for (PetscInt k = 0; k < row->n; k += OCTET)
+    OctetsAdd(&sum, OctetLoad(row->f + k), OctetsDifference(own, OctetsCollect(v, row->at + k)));
+  TripleStore(OctetsSum(sum, zero), out);
 }
 
 /* Divides the row's factors F by r2 + eta2 (m2). */

@@ -126,15 +126,17 @@ void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)
 
 /* --- gradients: acceleration -grad p/rho --- */
 
-/* -sum c (r_a - r_b) over the row of a; c: [n]. */
+/* -sum c (r_a - r_b) over the row of a; c: as its factors, padded. */
 static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[], PetscReal out[DIM])
 {
-  const PetscReal *x   = cloud->field[FIELD_POSITION];
-  const Triple     p   = TripleLoad(x + DIM * a);
-  Triple           sum = TripleSet(0);
+  const PetscReal *x    = cloud->field[FIELD_POSITION];
+  const Octets     p    = OctetsSet(x + DIM * a);
+  const Octet      zero = OctetSet(0);
+  Octets           sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k++) sum += TripleSet(c[k]) * (TripleLoad(x + DIM * row->index[k]) - p);
-  TripleStore(sum, out);
+  for (PetscInt k = 0; k < row->n; k += OCTET)
+    OctetsAdd(&sum, OctetLoad(c + k), OctetsDifference(OctetsCollect(x, row->at + k), p));
+  TripleStore(OctetsSum(sum, zero), out);
 }
 
 /* Eq. (9) for one row; scale: of the kernel's F times V. */
@@ -142,12 +144,13 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row,
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
-  const PetscReal  own   = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
-  const PetscReal *slope = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
-  PetscReal        c[ROW_CAPACITY];
+  const PetscReal  own    = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
+  const PetscReal *slope  = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
+  const PetscInt   padded = PaddedLength(row->n);
+  PetscReal        c[ROW_CAPACITY + OCTET];
 
   SIMD_LOOP()
-  for (PetscInt k = 0; k < row->n; k++) {
+  for (PetscInt k = 0; k < padded; k++) {
     const PetscInt b = row->index[k];
 
     c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
@@ -190,10 +193,11 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
 {
   const PetscReal *p = cloud->field[FIELD_PRESSURE], own = p[a];
-  PetscReal        c[ROW_CAPACITY], sum[DIM];
+  const PetscInt   padded = PaddedLength(row->n);
+  PetscReal        c[ROW_CAPACITY + OCTET], sum[DIM];
 
   SIMD_LOOP()
-  for (PetscInt k = 0; k < row->n; k++) c[k] = (p[row->index[k]] - own) * row->f[k];
+  for (PetscInt k = 0; k < padded; k++) c[k] = (p[row->index[k]] - own) * row->f[k];
   SumAlong(cloud, a, row, c, sum);
   TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, scale * sum[0], scale * sum[1], scale * sum[2], out);
 }

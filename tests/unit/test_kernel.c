@@ -92,17 +92,17 @@ static PetscReal SingleError(Kernel kernel)
   for (PetscInt k = 1; k < SAMPLES; k++)
     largest_f = PetscMax(largest_f, PetscAbsReal(F(kernel, k * 1e-2 / PetscSqrtReal(inverse_h2))));
   for (PetscInt k = 1; k < SAMPLES; k++) {
-    const PetscReal r = 1.1 * KernelSupport(kernel) * k / SAMPLES;
-    const float     s = (float)(r * r * inverse_h2);
-    float           w, f, alone;
+    const PetscReal r               = 1.1 * KernelSupport(kernel) * k / SAMPLES;
+    const float     s[KERNEL_LANES] = {(float)(r * r * inverse_h2)};
+    float           w[KERNEL_LANES], f[KERNEL_LANES], alone[KERNEL_LANES];
 
-    KernelSingle(kernel, 1, &s, &w, &f);
-    error = PetscMax(error, PetscAbsReal(scale_w * w - W(kernel, r)) / KernelSelf(kernel));
-    error = PetscMax(error, PetscAbsReal(scale_f * f - F(kernel, r)) / largest_f);
-    KernelSingle(kernel, 1, &s, &alone, NULL);
-    if (alone != w) error = PETSC_MAX_REAL;
-    KernelSingle(kernel, 1, &s, NULL, &alone);
-    if (alone != f) error = PETSC_MAX_REAL;
+    KernelSingle(kernel, 1, s, w, f);
+    error = PetscMax(error, PetscAbsReal(scale_w * w[0] - W(kernel, r)) / KernelSelf(kernel));
+    error = PetscMax(error, PetscAbsReal(scale_f * f[0] - F(kernel, r)) / largest_f);
+    KernelSingle(kernel, 1, s, alone, NULL);
+    if (alone[0] != w[0]) error = PETSC_MAX_REAL;
+    KernelSingle(kernel, 1, s, NULL, alone);
+    if (alone[0] != f[0]) error = PETSC_MAX_REAL;
   }
   return error;
 }
