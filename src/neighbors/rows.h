@@ -63,6 +63,16 @@ static inline Octet OctetLoadSingle(const float x[])
 #endif
 }
 
+/* OctetGather - p[b] of eight particles b. */
+static inline Octet OctetGather(const PetscReal p[], const PetscInt b[OCTET])
+{
+#if defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
+  return (Octet)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)b), p, sizeof(PetscReal));
+#else
+  return (Octet){p[b[0]], p[b[1]], p[b[2]], p[b[3]], p[b[4]], p[b[5]], p[b[6]], p[b[7]]};
+#endif
+}
+
 static inline Octets OctetsSet(const PetscReal v[DIM])
 {
   return (Octets){OctetSet(v[0]), OctetSet(v[1]), OctetSet(v[2])};

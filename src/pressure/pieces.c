@@ -192,14 +192,19 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 /* -B_a sum V (p_b - p_a) grad W of one row. */
 static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
 {
-  const PetscReal *p = cloud->field[FIELD_PRESSURE], own = p[a];
-  const PetscInt   padded = PaddedLength(row->n);
-  PetscReal        c[ROW_CAPACITY + OCTET], sum[DIM];
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  const Octets     place = OctetsSet(x + DIM * a);
+  const Octet      zero = OctetSet(0), own = OctetSet(p[a]);
+  Octets           sum = {zero, zero, zero};
+  Triple           g;
 
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < padded; k++) c[k] = (p[row->index[k]] - own) * row->f[k];
-  SumAlong(cloud, a, row, c, sum);
-  TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, scale * sum[0], scale * sum[1], scale * sum[2], out);
+  for (PetscInt k = 0; k < row->n; k += OCTET) {
+    const Octets d = OctetsDifference(OctetsCollect(x, row->at + k), place);
+
+    OctetsAdd(&sum, (OctetGather(p, row->index + k) - own) * OctetLoad(row->f + k), d);
+  }
+  g = scale * OctetsSum(sum, zero);
+  TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, g[0], g[1], g[2], out);
 }
 
 /* Inside -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), where pressure differences know nothing of the

@@ -63,6 +63,24 @@ typedef struct {
   PetscReal inward; /* +1 or -1: the way into the box along the axis */
 } Image;
 
+/* How far from a wall a cell's particles may have images among their neighbours, m. */
+static PetscReal ImageReach(const Liquid *liquid)
+{
+  return liquid->support + liquid->grid.size;
+}
+
+static PetscBool NearWall(Tension tension, Domain domain, const PetscReal x[DIM])
+{
+  const PetscReal reach = ImageReach(&tension->liquid);
+  PetscBool       near  = PETSC_FALSE;
+
+  for (PetscInt d = 0; d < domain->dim && tension->walls; d++) {
+    if (domain->face[d][0] == FACE_WALL && PetscAbsReal(x[d] - domain->lower[d]) <= reach) near = PETSC_TRUE;
+    if (domain->face[d][1] == FACE_WALL && PetscAbsReal(x[d] - domain->upper[d]) <= reach) near = PETSC_TRUE;
+  }
+  return near;
+}
+
 /* Continues the n collected candidates behind the walls within the support of the cell of x; normals (columns 3 to 5,
    if width says there are any) so that their mean with the originals has the contact angle, unless the surface is too
    close to parallel to the wall to end there. Returns the new number, and what each wall added. */
@@ -70,8 +88,7 @@ static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], P
                        Image image[2 * DIM], PetscInt *images)
 {
   Liquid         *liquid = &tension->liquid;
-  const PetscReal reach = liquid->support + liquid->grid.size, c = PetscCosReal(tension->angle),
-                  s = PetscSinReal(tension->angle);
+  const PetscReal reach = ImageReach(liquid), c = PetscCosReal(tension->angle), s = PetscSinReal(tension->angle);
 
   *images = 0;
   for (PetscInt d = 0; d < domain->dim; d++)
@@ -170,12 +187,13 @@ static void SumMirrored(Tension tension, PetscInt n, const Image image[], PetscI
 }
 
 /* Weighted sums over the collected normals that look the same way as n at x: number, weight, positions relative to x,
-   normals, depth, and their products. */
+   normals, depth, and their products; weight: [m], zero for the others. */
 typedef struct {
   PetscReal count, w, x[DIM], n[DIM], s, xx[6], nx[DIM][DIM];
 } Moments;
 
-static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM], Moments *out)
+static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM],
+                       float *restrict weight, Moments *out)
 {
   const PetscInt stride        = tension->liquid.stride;
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
@@ -204,6 +222,7 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
       const PetscReal dx = cx[b] - x0, dy = cy[b] - y0, dz = cz[b] - z0;
       const PetscReal wx = w * dx, wy = w * dy, wz = w * dz;
 
+      weight[b] = (float)w;
       count += w > 0 ? 1 : 0;
       sw += w;
       sx += wx;
@@ -296,34 +315,24 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
-/* Mean of column 6 over the collected values whose normals look the same way, and its slope along the surface. */
-static PetscReal Mean(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM], const NormalFit *fit,
-                      PetscReal slope[DIM])
+/* Mean of column 6 over the m collected candidates with their weights, and its slope along the surface. */
+static PetscReal Mean(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
+                      const PetscReal n[DIM], const NormalFit *fit, PetscReal slope[DIM])
 {
   const PetscInt stride        = tension->liquid.stride;
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
-                            *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
-                            *restrict value = nz + stride;
-  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
-  PetscReal       scale_w, scale_f, inverse_h2, along, f = 0, fx = 0, fy = 0, fz = 0;
-  float           s[CHUNK], W[CHUNK];
+                            *restrict value = cx + 2 * DIM * stride;
+  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+  PetscReal       along, f = 0, fx = 0, fy = 0, fz = 0;
 
-  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
-  for (PetscInt begin = 0; begin < m; begin += CHUNK) {
-    const PetscInt l = PetscMin(CHUNK, m - begin);
+  SIMD_LOOP(reduction(+ : f, fx, fy, fz))
+  for (PetscInt k = 0; k < m; k++) {
+    const PetscReal wv = weight[k] * value[k];
 
-    Distances(tension, begin, l, x, inverse_h2, s);
-    KernelSingle(tension->kernel, l, s, W, NULL);
-    SIMD_LOOP(reduction(+ : f, fx, fy, fz))
-    for (PetscInt k = 0; k < l; k++) {
-      const PetscInt  b  = begin + k;
-      const PetscReal wv = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? W[k] * value[b] : 0;
-
-      f += wv;
-      fx += wv * (cx[b] - x0);
-      fy += wv * (cy[b] - y0);
-      fz += wv * (cz[b] - z0);
-    }
+    f += wv;
+    fx += wv * (cx[k] - x0);
+    fy += wv * (cy[k] - y0);
+    fz += wv * (cz[k] - z0);
   }
   slope[0] = slope[1] = slope[2] = 0;
   if (fit->enough) {
@@ -349,6 +358,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
   const CellGrid *grid   = &liquid->grid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
   const PetscInt  width = kind == PASS_NORMAL ? DIM : 2 * DIM + 1, copies = 1 << (2 * cloud->domain->dim);
+  PetscInt        used   = 0; /* weights */
   PetscReal      *normal = cloud->field[FIELD_WORK3], *scalar = cloud->field[FIELD_WORK1];
 
   PetscFunctionBegin;
@@ -364,9 +374,13 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
       if (a >= cloud->n_owned || (kind == PASS_NORMAL && !tension->band_cells.near[BandCell(&tension->band_cells, x)]))
         continue;
       if (n < 0) {
-        PetscCall(LiquidCollect(liquid, c, width, tension->walls ? copies : 1, &n));
+        const PetscBool mirrored = NearWall(tension, cloud->domain, x);
+        const PetscInt  columns  = COLUMNS(0, DIM) | (kind == PASS_MEAN && !mirrored ? 0 : COLUMNS(DIM, width - DIM)) |
+                                 (kind == PASS_MEAN ? COLUMNS(2 * DIM, 1) : 0);
+
+        PetscCall(LiquidCollect(liquid, c, columns, mirrored ? copies : 1, &n));
         real = n;
-        if (tension->walls) n = Mirror(tension, cloud->domain, x, width, n, image, &images);
+        if (mirrored) n = Mirror(tension, cloud->domain, x, width, n, image, &images);
       }
       if (kind == PASS_NORMAL) {
         PetscReal g[DIM], phi, length;
@@ -381,12 +395,17 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
       } else if (kind == PASS_CURVATURE) {
         Moments m;
 
-        SumNormals(tension, n, x, normal + DIM * a, &m);
+        if (used + n > tension->weight_capacity) {
+          tension->weight_capacity = 2 * (used + n);
+          PetscCall(PetscRealloc(tension->weight_capacity * sizeof(float), &tension->weight));
+        }
+        SumNormals(tension, n, x, normal + DIM * a, tension->weight + used, &m);
         FitPlaces(tension, &m, &tension->fit[p]);
         scalar[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], normal + DIM * a);
       } else
-        cloud->field[FIELD_CAPILLARY][a] =
-          Mean(tension, n, x, normal + DIM * a, &tension->fit[p], cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+        cloud->field[FIELD_CAPILLARY][a] = Mean(tension, n, tension->weight + used, x, normal + DIM * a,
+                                                &tension->fit[p], cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+      if (kind != PASS_NORMAL) used += n;
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

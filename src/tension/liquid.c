@@ -39,8 +39,8 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
       liquid->sorted[(column + w) * liquid->count + k] = field[width * LiquidParticle(liquid, k) + w];
 }
 
-/* One pass over the cells around c: counts (width 0) or copies. */
-static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt width)
+/* One pass over the cells around c: counts (no columns) or copies. */
+static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
 {
   const CellGrid *grid = &liquid->grid;
   const PetscInt  x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
@@ -57,10 +57,11 @@ static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt width)
         const PetscInt begin  = grid->start[line + PetscMax(0, x - along)],
                        length = grid->start[line + PetscMin(grid->n[0] - 1, x + along) + 1] - begin;
 
-        for (PetscInt w = 0; w < width; w++) {
+        for (PetscInt w = 0; columns >> w; w++) {
           PetscReal *restrict to         = liquid->near + w * liquid->stride + n;
           const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin;
 
+          if (!(columns >> w & 1)) continue;
           SIMD_LOOP()
           for (PetscInt k = 0; k < length; k++) to[k] = from[k];
         }
@@ -70,7 +71,7 @@ static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt width)
   return n;
 }
 
-PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt width, PetscInt copies, PetscInt *n)
+PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
 {
   PetscFunctionBegin;
   *n = Gather(liquid, c, 0);
@@ -79,7 +80,7 @@ PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt width, PetscIn
     PetscCall(PetscFree(liquid->near));
     PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->stride, &liquid->near));
   }
-  Gather(liquid, c, width);
+  Gather(liquid, c, columns);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

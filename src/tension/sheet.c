@@ -137,7 +137,7 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud)
         const PetscInt a = LiquidParticle(liquid, p);
 
         if ((pass == 0 && a >= cloud->n_owned) || slope[a] == 0) continue;
-        if (n < 0) PetscCall(LiquidCollect(liquid, c, DIM + 1, 1, &n));
+        if (n < 0) PetscCall(LiquidCollect(liquid, c, COLUMNS(0, DIM + 1), 1, &n));
         if (pass == 0)
           slope[a] *= Flatness(tension, p, n);
         else

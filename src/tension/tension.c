@@ -164,6 +164,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(LiquidReset(&(*tension)->liquid));
   PetscCall(PetscFree((*tension)->fit));
+  PetscCall(PetscFree((*tension)->weight));
   if ((*tension)->has_band) PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -37,9 +37,10 @@ static inline PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy,
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[]);
 /* LiquidLoad - fills columns from a field ([n_total][width]). */
 void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[]);
-/* LiquidCollect - copies 'width' columns of all particles within the support of cell c to near; *n of them, and room
- * for copies times as many. */
-PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt width, PetscInt copies, PetscInt *n);
+/* LiquidCollect - copies the columns whose bits are set, of all particles within the support of cell c, to near; *n of
+   them, and room for copies times as many. */
+#define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
+PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
 PetscErrorCode LiquidReset(Liquid *liquid);
 
 /* The local index of the particle at a place of the sorted order. */
@@ -104,6 +105,8 @@ struct _p_Tension {
   Liquid          liquid;
   NormalFit      *fit; /* [fit_capacity], by place in the sorted liquid */
   PetscInt        fit_capacity;
+  float          *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
+  PetscInt        weight_capacity;
   Band            band_cells;
   PetscBool       has_band, sheets; /* sheet.c is used */
 };
