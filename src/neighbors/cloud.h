@@ -104,6 +104,19 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
 PetscErrorCode CellGridReset(CellGrid *grid);
 
 /* --- rows of pairs: what every operator's loop starts with --- */
+
+/* PairsAhead - asks for n entries of the list's arrays that a loop over all rows will read in some fourteen rows. There
+   is more of them than a core's cache holds, and processors do not look far enough ahead: the solver's product takes a
+   fifth longer without, other loops a twentieth. (To ask for what the search will write gains nothing.) */
+#define PAIRS_AHEAD 1024
+#define CACHE_LINE  64
+#define PairsAhead(array, n)                                                                                           \
+  do {                                                                                                                 \
+    const char *ahead = (const char *)((array) + PAIRS_AHEAD), *end = (const char *)((array) + PAIRS_AHEAD + (n));     \
+                                                                                                                       \
+    for (; ahead < end; ahead += CACHE_LINE) __builtin_prefetch(ahead);                                                \
+  } while (0)
+
 #define ROW_CAPACITY 2120 /* not a multiple of 512: rows of the arrays must not share cache sets */
 
 /* One particle's neighbours: index, r_ab = r_a - r_b (m), squared distance (m2), kernel values; n of them. */

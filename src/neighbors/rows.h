@@ -172,6 +172,8 @@ static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
 
   row->n     = n;
   row->index = cloud->list + first;
+  PairsAhead(row->index, n);
+  PairsAhead(from, n);
   for (PetscInt k = 0; k < n; k += OCTET) { /* the arrays have room behind the last row */
     const Octet f = OctetLoadSingle(from + k);
 

@@ -185,6 +185,11 @@ static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[
   const Cloud    cloud = pressure->cloud;
   const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first, *index = cloud->list + first;
 
+  PairsAhead(index, n);
+  if (pressure->own)
+    PairsAhead(pressure->own_weight + first, n);
+  else
+    PairsAhead(cloud->laplacian + first, n);
   return pressure->own ? PairSum(index, NULL, pressure->own_weight + first, n, p, p[a])
                        : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
 }
