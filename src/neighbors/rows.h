@@ -31,6 +31,7 @@ static inline void TripleStore(Triple t, PetscReal x[DIM])
 typedef PetscReal Octet __attribute__((vector_size(OCTET * sizeof(PetscReal))));
 typedef int64_t   OctetMask __attribute__((vector_size(OCTET * sizeof(int64_t))));
 typedef float     OctetOfSingle __attribute__((vector_size(OCTET * sizeof(float))));
+typedef uint16_t  OctetOfShort __attribute__((vector_size(OCTET * sizeof(uint16_t))));
 
 typedef struct {
   Octet x, y, z;
@@ -63,14 +64,31 @@ static inline Octet OctetLoadSingle(const float x[])
 #endif
 }
 
-/* OctetGather - p[b] of eight particles b. */
+/* OctetLoadShort - the same of sixteen bits without sign. */
+static inline Octet OctetLoadShort(const uint16_t x[])
+{
+#if defined(__AVX512F__)
+  return (Octet)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)x)));
+#else
+  OctetOfShort t;
+
+  (void)memcpy(&t, x, sizeof(t));
+  return __builtin_convertvector(t, Octet);
+#endif
+}
+
+/* OctetGather - p[b] of eight particles b; one by one, which is faster than a processor's own gathering. */
 static inline Octet OctetGather(const PetscReal p[], const PetscInt b[OCTET])
 {
-#if defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
-  return (Octet)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)b), p, sizeof(PetscReal));
-#else
   return (Octet){p[b[0]], p[b[1]], p[b[2]], p[b[3]], p[b[4]], p[b[5]], p[b[6]], p[b[7]]};
-#endif
+}
+
+/* OctetFirst - the first n of the eight, zero for the others. */
+static inline Octet OctetFirst(Octet t, PetscInt n)
+{
+  const OctetMask place = {0, 1, 2, 3, 4, 5, 6, 7};
+
+  return (Octet)((OctetMask)t & (place < n));
 }
 
 static inline Octets OctetsSet(const PetscReal v[DIM])

@@ -297,14 +297,16 @@ static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *
   PetscInt       sum    = 0;
 
   KernelSingle(kernel, n, s, w, slope);
-  SIMD_LOOP(reduction(+ : sum))
-  for (PetscInt k = 0; k < padded; k++) {
-    const float   over = slope[k] / (s[k] + eta2);
-    const int32_t code = (int32_t)(0.5f - inverse * over * s[k]);
+  for (PetscInt begin = 0; begin < padded; begin += LANES) {
+    SIMD_LOOP(reduction(+ : sum))
+    for (PetscInt k = begin; k < begin + LANES; k++) {
+      const float   over = slope[k] / (s[k] + eta2);
+      const int32_t code = (int32_t)(0.5f - inverse * over * s[k]);
 
-    steep[k]     = over;
-    laplacian[k] = (uint16_t)code;
-    sum += code;
+      steep[k]     = over;
+      laplacian[k] = (uint16_t)code;
+      sum += code;
+    }
   }
   return sum;
 }

@@ -33,7 +33,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
   pressure->own          = (PetscBool)!OneDensity(pressure);
   if (!pressure->own) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
-    pressure->weight_capacity = count + count / 16;
+    pressure->weight_capacity = count + count / 16 + OCTET; /* PairSum reads whole octets */
     PetscCall(PetscFree(pressure->own_weight));
     PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->own_weight));
   }
@@ -130,54 +130,28 @@ static inline PetscReal Surplus(Pressure pressure, PetscInt r)
   return pressure->pairs[r] + pressure->closed[r] > 0 ? pressure->closed[r] : 1;
 }
 
-/* sum_b weight (p_a - p_b) over n pairs, their weights coded or, where those are NULL, plain. This loop is half of the
+/* Weights of eight pairs: coded or, where those are NULL, plain. */
+static inline Octet Weights(const uint16_t *coded, const float *plain, PetscInt k)
+{
+  return coded ? OctetLoadShort(coded + k) : OctetLoadSingle(plain + k);
+}
+
+/* sum_b weight (p_a - p_b) over n pairs. Reads whole octets: the next row's, or the padding's. This loop is half of the
  * solver's time. */
-#if defined(__AVX512VL__) && !defined(PETSC_USE_64BIT_INDICES)
-  #include <immintrin.h>
-
-  #define LANES 8
-
-static inline __m512d Terms(const PetscInt *index, const uint16_t *coded, const float *plain, PetscInt k,
-                            __mmask8 valid, const PetscReal *p, __m512d own, __m512d sum)
-{
-  const __m256i b = _mm256_maskz_loadu_epi32(valid, index + k);
-  const __m512d w = coded ? _mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_maskz_loadu_epi16(valid, coded + k)))
-                          : _mm512_cvtps_pd(_mm256_maskz_loadu_ps(valid, plain + k));
-
-  return _mm512_fmadd_pd(w, _mm512_sub_pd(own, _mm512_mask_i32gather_pd(own, valid, b, p, sizeof(PetscReal))), sum);
-}
-
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
-  const __m512d all    = _mm512_set1_pd(own);
-  __m512d       sum[2] = {_mm512_setzero_pd(), _mm512_setzero_pd()};
-  PetscInt      k      = 0;
+  const Octet all = OctetSet(own), zero = OctetSet(0);
+  Octet       even = zero, odd = zero;
+  PetscInt    k = 0;
 
-  for (; k + 2 * LANES <= n; k += 2 * LANES)
-    for (PetscInt part = 0; part < 2; part++)
-      sum[part] = Terms(index, coded, plain, k + part * LANES, 0xff, p, all, sum[part]);
-  for (; k < n; k += LANES)
-    sum[0] = Terms(index, coded, plain, k, (__mmask8)(n - k < LANES ? (1 << (n - k)) - 1 : 0xff), p, all, sum[0]);
-  return _mm512_reduce_add_pd(_mm512_add_pd(sum[0], sum[1]));
-}
-#else
-static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
-                                const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
-{
-  PetscReal sum = 0;
-
-  if (coded) {
-    SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = 0; k < n; k++) sum += coded[k] * (own - p[index[k]]);
-  } else if (plain) {
-    SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = 0; k < n; k++) sum += plain[k] * (own - p[index[k]]);
+  for (; k + 2 * OCTET <= n; k += 2 * OCTET) {
+    even += Weights(coded, plain, k) * (all - OctetGather(p, index + k));
+    odd += Weights(coded, plain, k + OCTET) * (all - OctetGather(p, index + k + OCTET));
   }
-  return sum;
+  for (; k < n; k += OCTET) even += OctetFirst(Weights(coded, plain, k), n - k) * (all - OctetGather(p, index + k));
+  return OctetSums(even + odd, zero, zero, zero)[0];
 }
-
-#endif
 
 /* The same of all pairs of particle a, whose weights are the cloud's or own ones. */
 static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[])

@@ -73,12 +73,14 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
   /* Guard */
   PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, new_r, v, &touched));
   for (PetscInt k = 0; k < cloud->n_fluid; k++) {
-    const PetscReal moved[DIM] = {new_r[3 * k] - r[3 * k], new_r[3 * k + 1] - r[3 * k + 1],
-                                  new_r[3 * k + 2] - r[3 * k + 2]};
+    PetscReal moved[DIM];
 
+    for (PetscInt d = 0; d < DIM; d++) {
+      moved[d]       = new_r[DIM * k + d] - r[DIM * k + d];
+      r[DIM * k + d] = new_r[DIM * k + d];
+    }
     attempted->displacement = PetscMax(attempted->displacement, drift + Norm(moved));
     if (!(Norm(moved) < PETSC_MAX_REAL)) attempted->broken = PETSC_TRUE;
   }
-  PetscCall(PetscArraycpy(r, new_r, DIM * cloud->n_fluid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

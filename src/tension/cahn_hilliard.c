@@ -111,7 +111,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
                                 liquid->sorted[2 * liquid->count + p]};
       PetscReal       sum[DIM];
 
-      if (a >= cloud->n_owned || !tension->band_cells.near[BandCell(&tension->band_cells, x)]) continue;
+      if (a >= cloud->n_owned || !BandNear(&tension->band_cells, x)) continue;
       if (n < 0) PetscCall(LiquidCollect(liquid, c, COLUMNS(0, force ? 9 : 3), 1, &n));
       if (force) {
         SumForce(tension, n, x, sum);

@@ -371,8 +371,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
       const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
                                 liquid->sorted[2 * liquid->count + p]};
 
-      if (a >= cloud->n_owned || (kind == PASS_NORMAL && !tension->band_cells.near[BandCell(&tension->band_cells, x)]))
-        continue;
+      if (a >= cloud->n_owned || (kind == PASS_NORMAL && !BandNear(&tension->band_cells, x))) continue;
       if (n < 0) {
         const PetscBool mirrored = NearWall(tension, cloud->domain, x);
         const PetscInt  columns  = COLUMNS(0, DIM) | (kind == PASS_MEAN && !mirrored ? 0 : COLUMNS(DIM, width - DIM)) |

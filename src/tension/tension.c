@@ -122,7 +122,8 @@ PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius)
 {
   PetscFunctionBegin;
   if (!tension->has_band)
-    PetscCall(BandCreate(cloud->domain, radius, KernelSupport(tension->kernel) + cloud->slack, &tension->band_cells));
+    PetscCall(BandCreate(cloud->domain, radius, TensionReach(tension), KernelSupport(tension->kernel) + cloud->slack,
+                         &tension->band_cells));
   tension->has_band = PETSC_TRUE;
   PetscCall(BandMark(&tension->band_cells, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -55,27 +55,47 @@ typedef PetscErrorCode (*TensionFunction)(Tension, Cloud);
 
 typedef struct {
   MPI_Comm       comm;
-  PetscInt       n[DIM], count;
+  PetscBool      shared;   /* ranks must tell each other of their surface particles */
+  PetscInt       all[DIM]; /* cells of the whole box */
   PetscInt       reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
   PetscReal      lower[DIM], size;                             /* m */
-  unsigned char *surface, *near; /* [count] holds a surface particle; is within the radius of one */
+  PetscInt       first[DIM], n[DIM], capacity;                 /* the window around the surface particles */
+  unsigned char *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
 } Band;
 
-/* BandCreate - cells over the box and 'pad' (m) around it, for a distance 'radius' (m). Not collective. */
-PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal pad, Band *band);
-/* BandMark - finds the cells near the surface particles (INT_SURFACE is 1) of all ranks and their images. Collective.
- */
+/* BandCreate - cells over the box and 'pad' (m) around it, for a distance 'radius' (m). All particles within 'known'
+   (m) of a rank's own are on that rank, which may suffice. Not collective. */
+PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal known, PetscReal pad, Band *band);
+/* BandMark - finds the cells near the surface particles (INT_SURFACE is 1) of all ranks and their images, of which
+   those that a rank's own particles may be in are known to it. Collective. */
 PetscErrorCode BandMark(Band *band, Cloud cloud);
 PetscErrorCode BandDestroy(Band *band);
 
-/* The cell of x (m); the nearest for points outside. */
+/* The cell of x (m) along each axis; the nearest for points outside the box. */
+static inline void BandPlace(const Band *band, const PetscReal x[DIM], PetscInt cell[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    cell[d] = (PetscInt)PetscMax(0, PetscMin(band->all[d] - 1, PetscFloorReal((x[d] - band->lower[d]) / band->size)));
+}
+
+/* The same as a number in the window, which must hold it. */
 static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
 {
   PetscInt cell[DIM];
 
+  BandPlace(band, x, cell);
+  return ((cell[2] - band->first[2]) * band->n[1] + cell[1] - band->first[1]) * band->n[0] + cell[0] - band->first[0];
+}
+
+/* BandNear - whether the cell of x (m) is near a surface particle. Not collective. */
+static inline PetscBool BandNear(const Band *band, const PetscReal x[DIM])
+{
+  PetscInt cell[DIM];
+
+  BandPlace(band, x, cell);
   for (PetscInt d = 0; d < DIM; d++)
-    cell[d] = (PetscInt)PetscMax(0, PetscMin(band->n[d] - 1, PetscFloorReal((x[d] - band->lower[d]) / band->size)));
-  return (cell[2] * band->n[1] + cell[1]) * band->n[0] + cell[0];
+    if (cell[d] < band->first[d] || cell[d] >= band->first[d] + band->n[d]) return PETSC_FALSE;
+  return (PetscBool)(band->near[BandCell(band, x)] > 0);
 }
 
 /* A linear fit to values at the places around a particle whose normals look the same way: weighted mean place relative
