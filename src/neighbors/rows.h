@@ -106,10 +106,24 @@ static inline Octet OctetOfTwo(const PetscReal a[], const PetscReal b[])
 #endif
 }
 
-/* OctetsCollect - the vectors of eight particles from v ([n_total][3]), at DIM times their indices. */
-static inline Octets OctetsCollect(const PetscReal v[], const uint32_t at[OCTET])
+/* Where the vectors of eight particles begin. */
+typedef struct {
+  uint32_t at[OCTET];
+} OctetPlaces;
+
+static inline OctetPlaces OctetLocate(const PetscInt b[OCTET])
 {
-  const Octet t0 = OctetOfTwo(v + at[0], v + at[4]), t1 = OctetOfTwo(v + at[1], v + at[5]),
+  OctetPlaces p;
+
+  for (PetscInt k = 0; k < OCTET; k++) p.at[k] = DIM * (uint32_t)b[k];
+  return p;
+}
+
+/* OctetsCollect - the vectors of eight particles from v ([n_total][3]). */
+static inline Octets OctetsCollect(const PetscReal v[], const OctetPlaces *places)
+{
+  const uint32_t *at = places->at;
+  const Octet     t0 = OctetOfTwo(v + at[0], v + at[4]), t1 = OctetOfTwo(v + at[1], v + at[5]),
               t2 = OctetOfTwo(v + at[2], v + at[6]), t3 = OctetOfTwo(v + at[3], v + at[7]);
   const Octet xz01 = __builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
               xz23 = __builtin_shufflevector(t2, t3, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -178,8 +192,7 @@ static inline PetscInt PaddedLength(PetscInt n)
 typedef struct {
   PetscInt        n;
   const PetscInt *index;
-  uint32_t        at[ROW_CAPACITY + OCTET]; /* DIM times the index */
-  PetscReal       f[ROW_CAPACITY + OCTET];  /* factor of the pair: F = KernelScales' scale_f times it */
+  PetscReal       f[ROW_CAPACITY + OCTET]; /* factor of the pair: F = KernelScales' scale_f times it */
 } Row;
 
 /* RowLoad - the pairs of a as the last search found them. Not collective. */
@@ -196,13 +209,8 @@ static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
     const Octet f = OctetLoadSingle(from + k);
 
     (void)memcpy(row->f + k, &f, sizeof(f));
-    SIMD_LOOP()
-    for (PetscInt i = k; i < k + OCTET; i++) row->at[i] = DIM * (uint32_t)row->index[i];
   }
-  for (PetscInt k = n; k < n + OCTET; k++) {
-    row->at[k] = DIM * (uint32_t)a;
-    row->f[k]  = 0;
-  }
+  for (PetscInt k = n; k < n + OCTET; k++) row->f[k] = 0;
 }
 
 #endif

@@ -75,9 +75,9 @@ static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a
   PetscReal        largest = 0;
 
   for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const Octets d = OctetsDifference(p, OctetsCollect(x, row->at + k)),
-                 w = OctetsDifference(OctetsCollect(velocity, row->at + k), v);
-    const Octet f = OctetLoad(row->f + k), w2 = OctetsDot(w, w);
+    const OctetPlaces at = OctetLocate(row->index + k);
+    const Octets d = OctetsDifference(p, OctetsCollect(x, &at)), w = OctetsDifference(OctetsCollect(velocity, &at), v);
+    const Octet  f = OctetLoad(row->f + k), w2 = OctetFirst(OctetsDot(w, w), row->n - k);
 
     OctetsAdd(&gx, f * w.x, d);
     OctetsAdd(&gy, f * w.y, d);

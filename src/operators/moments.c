@@ -102,10 +102,9 @@ static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float st
   PetscReal      *M = cloud->field[FIELD_MOMENT] + 6 * a;
 
   for (PetscInt k = 0; k < n; k += OCTET) {
-    uint32_t at[OCTET];
-    for (PetscInt i = 0; i < OCTET; i++) at[i] = DIM * (uint32_t)list[k + i];
-    const Octets d = OctetsDifference(p, OctetsCollect(x, at));
-    const Octet  f = OctetLoadSingle(slope + k), W = OctetLoadSingle(w + k), r = W * ratio, r2 = r * r, fx = f * d.x,
+    const OctetPlaces at = OctetLocate(list + k);
+    const Octets      d  = OctetsDifference(p, OctetsCollect(x, &at));
+    const Octet f = OctetLoadSingle(slope + k), W = OctetLoadSingle(w + k), r = W * ratio, r2 = r * r, fx = f * d.x,
                 fy = f * d.y, fz = f * d.z;
 
     sum += W;
@@ -120,7 +119,7 @@ static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float st
     off.y += fx * d.z;
     off.z += fy * d.z;
     if (viscous) /* Eq. (1) of Kuri et al. */
-      OctetsAdd(&friction, OctetLoadSingle(steep + k) * OctetsDot(OctetsDifference(own, OctetsCollect(v, at)), d), d);
+      OctetsAdd(&friction, OctetLoadSingle(steep + k) * OctetsDot(OctetsDifference(own, OctetsCollect(v, &at)), d), d);
   }
   total = OctetsSum(normal, sum);
   TripleStore(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);

@@ -109,8 +109,8 @@ static void ViscosityCleary(Cloud cloud, PetscInt a, const Row *row, const Petsc
   Octets           sum  = {zero, zero, zero};
 
   for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const Octets d = OctetsDifference(p, OctetsCollect(x, row->at + k)),
-                 u = OctetsDifference(own, OctetsCollect(v, row->at + k));
+    const OctetPlaces at = OctetLocate(row->index + k);
+    const Octets      d = OctetsDifference(p, OctetsCollect(x, &at)), u = OctetsDifference(own, OctetsCollect(v, &at));
 
     OctetsAdd(&sum, OctetLoad(row->f + k) * OctetsDot(u, d), d);
   }
@@ -124,8 +124,11 @@ static void ViscosityMorris(PetscInt a, const Row *row, const PetscReal v[], Pet
   const Octet  zero = OctetSet(0);
   Octets       sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += OCTET)
-    OctetsAdd(&sum, OctetLoad(row->f + k), OctetsDifference(own, OctetsCollect(v, row->at + k)));
+  for (PetscInt k = 0; k < row->n; k += OCTET) {
+    const OctetPlaces at = OctetLocate(row->index + k);
+
+    OctetsAdd(&sum, OctetLoad(row->f + k), OctetsDifference(own, OctetsCollect(v, &at)));
+  }
   TripleStore(OctetsSum(sum, zero), out);
 }
 

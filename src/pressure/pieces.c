@@ -134,8 +134,11 @@ static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[
   const Octet      zero = OctetSet(0);
   Octets           sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += OCTET)
-    OctetsAdd(&sum, OctetLoad(c + k), OctetsDifference(OctetsCollect(x, row->at + k), p));
+  for (PetscInt k = 0; k < row->n; k += OCTET) {
+    const OctetPlaces at = OctetLocate(row->index + k);
+
+    OctetsAdd(&sum, OctetLoad(c + k), OctetsDifference(OctetsCollect(x, &at), p));
+  }
   TripleStore(OctetsSum(sum, zero), out);
 }
 
@@ -199,7 +202,8 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, Petsc
   Triple           g;
 
   for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const Octets d = OctetsDifference(OctetsCollect(x, row->at + k), place);
+    const OctetPlaces at = OctetLocate(row->index + k);
+    const Octets      d  = OctetsDifference(OctetsCollect(x, &at), place);
 
     OctetsAdd(&sum, (OctetGather(p, row->index + k) - own) * OctetLoad(row->f + k), d);
   }
