@@ -1,32 +1,23 @@
-/* Where tension is evaluated: cells within a distance of a surface particle. The cells are the same on every rank, so
-   the answer does not depend on how the particles are divided. */
+/* Where tension is evaluated: cells within a distance of a surface particle. They are the same on every rank, as many
+   as the surface particles of a rank and their surroundings need, and no rank asks another unless its ghosts do not
+   reach that far. */
 #include "types.h"
 
-#define MAX_CELLS (1 << 25) /* of the whole box; above, the cells are made larger: a bound of the memory */
+#define MAX_CELLS (1 << 25) /* above, the cells are made larger: a bound of the memory */
 #define JOIN      3         /* cells along x from one mark to the next within which one stroke marks around both */
 
 PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal known, PetscReal pad, Band *band)
 {
-  PetscReal count;
-
   PetscFunctionBegin;
   PetscCall(PetscMemzero(band, sizeof(*band)));
-  band->comm = domain->comm;
-  for (band->size = radius / BAND_CELLS;; band->size *= 1.25) {
-    count = 1;
-    for (PetscInt d = 0; d < domain->dim; d++)
-      count *= PetscCeilReal((domain->upper[d] - domain->lower[d] + 2 * pad) / band->size);
-    if (count <= MAX_CELLS) break;
-  }
+  band->comm   = domain->comm;
+  band->dim    = domain->dim;
+  band->radius = radius;
+  band->shared = (PetscBool)(radius > known);
   for (PetscInt d = 0; d < DIM; d++) {
     band->lower[d] = domain->lower[d] - pad;
-    band->all[d] =
-      d < domain->dim ? (PetscInt)PetscCeilReal((domain->upper[d] - domain->lower[d] + 2 * pad) / band->size) : 1;
+    band->upper[d] = domain->upper[d] + pad;
   }
-  band->reach = (PetscInt)(radius / band->size) + 1;
-  for (PetscInt dy = 0; dy <= band->reach; dy++)
-    for (PetscInt dz = 0; dz <= band->reach; dz++) band->along[dy][dz] = CellsAlong(band->size, radius, dy, dz);
-  band->shared = (PetscBool)(radius + 2 * PetscSqrtReal((PetscReal)domain->dim) * band->size > known);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -43,40 +34,66 @@ static inline PetscBool OnSurface(Cloud cloud, PetscInt a)
   return (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && cloud->integer[INT_LAYER][a] == 0);
 }
 
-/* The window: what the radius around the surface particles reaches. Room for it. */
-static PetscErrorCode SetWindow(Band *band, Cloud cloud)
+/* The box around the surface particles, of all ranks if they tell each other: its lower corner and minus its upper one,
+   m; PETSC_MAX_REAL if there are none. */
+static PetscErrorCode SurfaceBox(const Band *band, Cloud cloud, PetscReal box[2 * DIM])
 {
-  PetscInt bound[2 * DIM] = {PETSC_MAX_INT, PETSC_MAX_INT, PETSC_MAX_INT, PETSC_MAX_INT, PETSC_MAX_INT, PETSC_MAX_INT};
-  PetscInt count          = 1;
-
   PetscFunctionBegin;
+  for (PetscInt d = 0; d < 2 * DIM; d++) box[d] = PETSC_MAX_REAL;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    PetscInt cell[DIM];
-
     if (!OnSurface(cloud, a)) continue;
-    BandPlace(band, cloud->field[FIELD_POSITION] + DIM * a, cell);
     for (PetscInt d = 0; d < DIM; d++) {
-      bound[d]       = PetscMin(bound[d], cell[d]);
-      bound[DIM + d] = PetscMin(bound[DIM + d], -cell[d]);
+      const PetscReal x = BandClamp(band, d, cloud->field[FIELD_POSITION][DIM * a + d]);
+
+      box[d]       = PetscMin(box[d], x);
+      box[DIM + d] = PetscMin(box[DIM + d], -x);
     }
   }
-  if (band->shared) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bound, 2 * DIM, MPIU_INT, MPI_MIN, band->comm));
+  if (band->shared) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, box, 2 * DIM, MPIU_REAL, MPIU_MIN, band->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Cells of this size over the box and what the radius reaches around it; returns their number. */
+static PetscReal SetCells(Band *band, PetscReal size, const PetscReal box[2 * DIM])
+{
+  PetscReal count = 1;
+
+  band->size  = size;
+  band->reach = (PetscInt)(band->radius / size) + 1;
+  for (PetscInt dy = 0; dy <= band->reach; dy++)
+    for (PetscInt dz = 0; dz <= band->reach; dz++) band->along[dy][dz] = CellsAlong(size, band->radius, dy, dz);
   for (PetscInt d = 0; d < DIM; d++) {
-    band->first[d] = PetscMax(0, PetscMin(bound[d], band->all[d]) - band->reach);
-    band->n[d] = bound[d] < PETSC_MAX_INT
-                   ? PetscMin(band->all[d] - 1, -bound[DIM + d] + band->reach) - band->first[d] + 1
-                   : 0;
-    count *= band->n[d];
+    const PetscReal first = PetscFloorReal((box[d] - band->lower[d]) / size),
+                    last  = PetscFloorReal((-box[DIM + d] - band->lower[d]) / size);
+    const PetscInt reach  = d < band->dim ? band->reach : 0;
+
+    band->first[d] = (PetscInt)PetscMin(first, (PetscReal)PETSC_MAX_INT / 2) - reach;
+    band->n[d]     = (PetscInt)PetscMin(last - first, (PetscReal)PETSC_MAX_INT / 2) + 1 + 2 * reach;
+    count *= (PetscReal)band->n[d];
   }
-  if (count > band->capacity) {
-    band->capacity = count + count / 4;
+  return count;
+}
+
+/* The window around the surface particles, with room for it. */
+static PetscErrorCode SetWindow(Band *band, Cloud cloud, PetscInt *count)
+{
+  PetscReal box[2 * DIM], size = band->radius / BAND_CELLS;
+
+  PetscFunctionBegin;
+  *count = band->n[0] = band->n[1] = band->n[2] = 0;
+  PetscCall(SurfaceBox(band, cloud, box));
+  if (box[0] == PETSC_MAX_REAL) PetscFunctionReturn(PETSC_SUCCESS);
+  while (SetCells(band, size, box) > MAX_CELLS) size *= 1.25;
+  *count = band->n[0] * band->n[1] * band->n[2];
+  if (*count > band->capacity) {
+    band->capacity = *count + *count / 4;
     PetscCall(PetscFree(band->surface));
     PetscCall(PetscFree(band->near));
     PetscCall(PetscMalloc1(band->capacity, &band->surface));
     PetscCall(PetscMalloc1(band->capacity, &band->near));
   }
-  PetscCall(PetscArrayzero(band->surface, count));
-  PetscCall(PetscArrayzero(band->near, count));
+  PetscCall(PetscArrayzero(band->surface, *count));
+  PetscCall(PetscArrayzero(band->near, *count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,14 +116,14 @@ PetscErrorCode BandMark(Band *band, Cloud cloud)
   PetscInt count;
 
   PetscFunctionBegin;
-  PetscCall(SetWindow(band, cloud));
-  count = band->n[0] * band->n[1] * band->n[2];
+  PetscCall(SetWindow(band, cloud, &count));
+  if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < cloud->n_total; a++)
     if (OnSurface(cloud, a)) band->surface[BandCell(band, cloud->field[FIELD_POSITION] + DIM * a)] = 1;
   if (band->shared)
     PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, band->surface, (PetscMPIInt)count, MPI_UNSIGNED_CHAR, MPI_MAX, band->comm));
-  for (PetscInt row = 0; row < band->n[1] * band->n[2] && count > 0; row++) {
+  for (PetscInt row = 0; row < band->n[1] * band->n[2]; row++) {
     const unsigned char *line = band->surface + row * band->n[0], *end = line + band->n[0];
     const unsigned char *mark = (const unsigned char *)memchr(line, 1, (size_t)band->n[0]);
 

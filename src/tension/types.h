@@ -55,47 +55,47 @@ typedef PetscErrorCode (*TensionFunction)(Tension, Cloud);
 
 typedef struct {
   MPI_Comm       comm;
-  PetscBool      shared;   /* ranks must tell each other of their surface particles */
-  PetscInt       all[DIM]; /* cells of the whole box */
+  PetscInt       dim;
+  PetscBool      shared;                                       /* ranks tell each other of their surface particles */
+  PetscReal      radius, lower[DIM], upper[DIM];               /* m; points beyond these count as on them */
+  PetscReal      size;                                         /* of a cell, m */
   PetscInt       reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
-  PetscReal      lower[DIM], size;                             /* m */
-  PetscInt       first[DIM], n[DIM], capacity;                 /* the window around the surface particles */
+  PetscInt       first[DIM], n[DIM], capacity;                 /* the cells around the surface particles */
   unsigned char *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
 } Band;
 
-/* BandCreate - cells over the box and 'pad' (m) around it, for a distance 'radius' (m). All particles within 'known'
-   (m) of a rank's own are on that rank, which may suffice. Not collective. */
+/* BandCreate - for a distance 'radius' (m), over the box and 'pad' (m) around it. A rank has all particles within
+   'known' (m) of its own, which may suffice. Not collective. */
 PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal known, PetscReal pad, Band *band);
-/* BandMark - finds the cells near the surface particles (INT_SURFACE is 1) of all ranks and their images, of which
-   those that a rank's own particles may be in are known to it. Collective. */
+/* BandMark - finds the cells within the radius of the surface particles (INT_SURFACE is 1) of all ranks and their
+   images, of which those are known to a rank that its own particles may be in. Collective. */
 PetscErrorCode BandMark(Band *band, Cloud cloud);
 PetscErrorCode BandDestroy(Band *band);
 
-/* The cell of x (m) along each axis; the nearest for points outside the box. */
-static inline void BandPlace(const Band *band, const PetscReal x[DIM], PetscInt cell[DIM])
+static inline PetscReal BandClamp(const Band *band, PetscInt d, PetscReal x)
 {
-  for (PetscInt d = 0; d < DIM; d++)
-    cell[d] = (PetscInt)PetscMax(0, PetscMin(band->all[d] - 1, PetscFloorReal((x[d] - band->lower[d]) / band->size)));
+  return PetscMax(band->lower[d], PetscMin(band->upper[d], x));
 }
 
-/* The same as a number in the window, which must hold it. */
+/* The cell of x (m); -1 if it is none of those around the surface particles. */
 static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
 {
   PetscInt cell[DIM];
 
-  BandPlace(band, x, cell);
-  return ((cell[2] - band->first[2]) * band->n[1] + cell[1] - band->first[1]) * band->n[0] + cell[0] - band->first[0];
+  for (PetscInt d = 0; d < DIM; d++) {
+    cell[d] = (PetscInt)PetscFloorReal((BandClamp(band, d, x[d]) - band->lower[d]) / band->size) - band->first[d];
+    if (cell[d] < 0 || cell[d] >= band->n[d]) return -1;
+  }
+  return (cell[2] * band->n[1] + cell[1]) * band->n[0] + cell[0];
 }
 
-/* BandNear - whether the cell of x (m) is near a surface particle. Not collective. */
+/* BandNear - whether x (m) may be within the radius of a surface particle: true if it is, false if it is beyond the
+   radius and the diagonals of two cells. Not collective. */
 static inline PetscBool BandNear(const Band *band, const PetscReal x[DIM])
 {
-  PetscInt cell[DIM];
+  const PetscInt cell = BandCell(band, x);
 
-  BandPlace(band, x, cell);
-  for (PetscInt d = 0; d < DIM; d++)
-    if (cell[d] < band->first[d] || cell[d] >= band->first[d] + band->n[d]) return PETSC_FALSE;
-  return (PetscBool)(band->near[BandCell(band, x)] > 0);
+  return (PetscBool)(cell >= 0 && band->near[cell]);
 }
 
 /* A linear fit to values at the places around a particle whose normals look the same way: weighted mean place relative

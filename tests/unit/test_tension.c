@@ -2,6 +2,7 @@
    curvature, and at walls. Lengths in spacings, tension 1. Runs on any number of ranks. */
 #include "setup.h"
 #include "check.h"
+#include "../../src/tension/types.h"
 
 #define MAX_POINTS 16000
 #define JITTER     0.1 /* of each coordinate, spacings */
@@ -16,6 +17,8 @@
   "-spacing 1 -box_lower 0,0,0 -box_upper 24,24,24 -box_xmin symmetry -box_ymin symmetry -box_zmin symmetry -bodies "  \
   "a -a_tension 1 "
 #define FLOOR "-dimension 2 -spacing 1 -box_lower -40,0 -box_upper 40,40 -box_ymin wall -bodies a -a_tension 1 "
+#define POOL                                                                                                           \
+  "-dimension 2 -spacing 1 -box_lower -10,0 -box_upper 10,60 -box_x periodic -box_ymin wall -bodies a -a_tension 1 "
 
 static PetscReal points[DIM * MAX_POINTS];
 
@@ -48,7 +51,7 @@ static PetscBool InPair(const PetscReal x[DIM], const PetscReal number[])
 {
   const PetscReal r[DIM] = {PetscAbsReal(x[0]) - number[0], x[1], x[2]};
 
-  return (PetscBool)(Norm(r) < number[0]);
+  return (PetscBool)(Norm(r) < number[1]);
 }
 
 static PetscBool InCap(const PetscReal x[DIM], const PetscReal number[])
@@ -183,7 +186,7 @@ static PetscErrorCode TestExtremes(void)
 {
   const PetscInt one[DIM] = {1, 1, 1}, two[DIM] = {2, 1, 1}, eight[DIM] = {2, 2, 2}, row[DIM] = {12, 1, 1},
                  single[DIM] = {14, 14, 1}, twofold[DIM] = {14, 14, 2}, wide[DIM] = {30, 16, 16};
-  const PetscReal any[] = {0, 1000}, touching[] = {6.5};
+  const PetscReal any[] = {0, 1000}, touching[] = {6.5, 6.5};
   const PetscInt *block[] = {one, two, eight, row, single, twofold, wide};
   const char     *name[]  = {"one_particle",        "pair",          "cluster_of_8", "row", "sheet",
                              "sheet_of_two_layers", "touching_drops"};
@@ -312,6 +315,74 @@ static PetscErrorCode TestContact(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Coordinates of the surface particles of all ranks, images not included; returns their number. */
+static PetscErrorCode GatherSurface(Cloud cloud, PetscReal x[DIM * MAX_POINTS], PetscInt *count)
+{
+  PetscMPIInt size, mine = 0, lengths[64], starts[64];
+  PetscReal  *own;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCheck(size <= 64, PETSC_COMM_WORLD, PETSC_ERR_ARG_OUTOFRANGE, "too many ranks");
+  PetscCall(PetscMalloc1(DIM * cloud->n_fluid, &own));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    if (cloud->integer[INT_SURFACE][a] != 1) continue;
+    for (PetscInt d = 0; d < DIM; d++) own[mine++] = cloud->field[FIELD_POSITION][DIM * a + d];
+  }
+  PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, lengths, 1, MPI_INT, PETSC_COMM_WORLD));
+  starts[0] = 0;
+  for (PetscMPIInt r = 1; r < size; r++) starts[r] = starts[r - 1] + lengths[r - 1];
+  PetscCallMPI(MPI_Allgatherv(own, mine, MPIU_REAL, x, lengths, starts, MPIU_REAL, PETSC_COMM_WORLD));
+  *count = (starts[size - 1] + lengths[size - 1]) / DIM;
+  PetscCall(PetscFree(own));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The cells near the surface are all that the radius reaches and none beyond it and two cells: of two drops, where
+   ghosts suffice for that, and of a pool whose bottom is on another rank than the surface, which must tell it. */
+static PetscErrorCode TestBand(void)
+{
+  static PetscReal surface[DIM * MAX_POINTS];
+  const PetscInt   block[2][DIM]  = {{46, 16, 16}, {20, 30, 1}};
+  const PetscReal  middle[2][DIM] = {{0, 0, 0}, {0, 15, 0}}, number[2][2] = {{14.5, 7}, {0, 1000}},
+                  radius[2] = {2.3, 18}; /* spacings; ghosts reach 5.5 */
+
+  PetscFunctionBegin;
+  for (PetscInt pool = 0; pool < 2; pool++) {
+    const PetscInt  n      = Fill(pool ? InShell : InPair, number[pool], block[pool], middle[pool], JITTER);
+    const PetscReal slack  = 2 * PetscSqrtReal(3) * radius[pool] / BAND_CELLS;
+    PetscInt        missed = 0, beyond = 0, near = 0, count = 0;
+    Setup           s;
+    Band            band;
+
+    PetscCall(SetupFill(pool ? POOL : OPEN, n, points, pool ? 4 : 0, &s));
+    PetscCall(SetupMoments(&s));
+    PetscCall(BandCreate(s.domain, radius[pool], TensionReach(s.tension), s.cloud->reach, &band));
+    PetscCall(BandMark(&band, s.cloud));
+    PetscCall(GatherSurface(s.cloud, surface, &count));
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+      const PetscReal *x     = s.cloud->field[FIELD_POSITION] + DIM * a;
+      const PetscBool  found = BandNear(&band, x);
+      PetscReal        least = PETSC_MAX_REAL;
+
+      for (PetscInt k = 0; k < count; k++) {
+        const PetscReal d[DIM] = {x[0] - surface[DIM * k], x[1] - surface[DIM * k + 1], x[2] - surface[DIM * k + 2]};
+
+        least = PetscMin(least, Norm(d));
+      }
+      missed += least <= radius[pool] && !found;
+      beyond += least > radius[pool] + slack && found;
+      near += found;
+    }
+    PetscCall(BandDestroy(&band));
+    PetscCall(SetupClose(&s));
+    CHECK_CLOSE(SetupSum(missed), 0, 0, pool ? "band_pool_missed" : "band_missed");
+    CHECK_CLOSE(SetupSum(beyond), 0, 0, pool ? "band_pool_beyond" : "band_beyond");
+    CHECK(SetupSum(near) > 0 && (pool || SetupSum(near) < n), pool ? "band_pool_some" : "band_some");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -322,6 +393,7 @@ int main(int argc, char **argv)
   PetscCall(TestUnevenSheet());
   PetscCall(TestThread());
   PetscCall(TestContact());
+  PetscCall(TestBand());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
