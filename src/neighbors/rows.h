@@ -31,7 +31,6 @@ static inline void TripleStore(Triple t, PetscReal x[DIM])
 typedef PetscReal Octet __attribute__((vector_size(OCTET * sizeof(PetscReal))));
 typedef int64_t   OctetMask __attribute__((vector_size(OCTET * sizeof(int64_t))));
 typedef float     OctetOfSingle __attribute__((vector_size(OCTET * sizeof(float))));
-typedef uint16_t  OctetOfShort __attribute__((vector_size(OCTET * sizeof(uint16_t))));
 
 typedef struct {
   Octet x, y, z;
@@ -58,19 +57,6 @@ static inline Octet OctetLoadSingle(const float x[])
   return (Octet)_mm512_cvtps_pd(_mm256_loadu_ps(x));
 #else
   OctetOfSingle t;
-
-  (void)memcpy(&t, x, sizeof(t));
-  return __builtin_convertvector(t, Octet);
-#endif
-}
-
-/* OctetLoadShort - the same of sixteen bits without sign. */
-static inline Octet OctetLoadShort(const uint16_t x[])
-{
-#if defined(__AVX512F__)
-  return (Octet)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)x)));
-#else
-  OctetOfShort t;
 
   (void)memcpy(&t, x, sizeof(t));
   return __builtin_convertvector(t, Octet);
