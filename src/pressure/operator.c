@@ -162,7 +162,7 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
   if (coded) {
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < n; k++) sum += coded[k] * (own - p[index[k]]);
-  } else {
+  } else if (plain) {
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < n; k++) sum += plain[k] * (own - p[index[k]]);
   }
