@@ -57,8 +57,8 @@ static PetscErrorCode TestCrowd(const char gradient[])
   PetscCall(PressureSetFromOptions(s.pressure));
   v = s.cloud->field[FIELD_PREDICTED];
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
-    for (PetscInt d = 0; d < 2; d++)
-      v[DIM * a + d] = RandomUnit(3, (unsigned long long)(DIM * s.cloud->integer[INT_ID][a] + d)) - 0.5;
+    for (PetscInt d = 0; d < DIM; d++)
+      v[DIM * a + d] = d < 2 ? RandomUnit(3, (unsigned long long)(DIM * s.cloud->integer[INT_ID][a] + d)) - 0.5 : 0;
   first = Length(s.cloud);
   for (PetscInt k = 0; k < REPEATED; k++) {
     PetscCall(CloudUpdate(s.cloud, FIELD_PREDICTED));
