@@ -1,7 +1,7 @@
 /* Rows of pairs for the loops that matter: eight pairs at a time. A vector of a neighbour is loaded as one register of
    four numbers, the fourth without meaning; eight of them are turned into eight x, eight y, eight z, in half the time
-   of gathering these. Rows are padded to whole octets with pairs of the particle and itself that weigh nothing. The
-   vectors are those of GCC and clang, for any processor. */
+   of gathering these. A row's last octet goes on into the next row, that of the last into padding; what is too much
+   weighs nothing. The vectors are those of GCC and clang, for any processor. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 

@@ -1,6 +1,7 @@
 /* Where tension is evaluated: cells within a distance of a surface particle. They are the same on every rank, as many
    as the surface particles of a rank and their surroundings need, and no rank asks another unless its ghosts do not
-   reach that far. */
+   reach that far. A rank whose surface is so spread that it must take larger cells evaluates more and keeps the same.
+ */
 #include "types.h"
 
 #define MAX_CELLS (1 << 25) /* above, the cells are made larger: a bound of the memory */
