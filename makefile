@@ -43,8 +43,8 @@ $(BUILD)/%.o: src/%.c $(BUILD)/flags
 $(BUILD)/names.h: $(SOURCES)
 	@mkdir -p $(BUILD); grep -oh '"-[a-z][a-z0-9_]*"' $(SOURCES) | sort -u | sed 's/"-/"/; s/$$/,/' > $@
 
-$(BUILD)/sim/unused.o: $(BUILD)/names.h
-$(BUILD)/sim/unused.o: ALL_FLAGS += -I$(BUILD)
+$(BUILD)/sim/option_check.o: $(BUILD)/names.h
+$(BUILD)/sim/option_check.o: ALL_FLAGS += -I$(BUILD)
 
 # Objects depend on the compiler and its flags, so that a switch of either rebuilds.
 $(BUILD)/flags: force
@@ -190,6 +190,11 @@ tradeoff-readme:
 	@$(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)" --readme
 	@$(PYTHON) tests/tradeoff/summary.py
 
+# make identical COMMIT=HEAD~3   whether the results are those of that commit, to the last bit
+COMMIT = HEAD
+identical: isph
+	@$(PYTHON) tests/identical/identical.py $(COMMIT)
+
 lint:
 	@tests/run.sh tests/lint
 
@@ -198,4 +203,4 @@ clean:
 
 .PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
-  sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme
+  sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme identical

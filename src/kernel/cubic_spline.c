@@ -1,6 +1,6 @@
 /* Cubic spline, support 2h: the paper's kernel, Eq. (3) of Kuri et al. (its printed form lacks h^-3 in three
  * dimensions). */
-#include "types.h"
+#include "kernel_impl.h"
 
 #define W(T, q)    ((T)0.25 * POWER3(PLUS(T, 2 - q)) - POWER3(PLUS(T, 1 - q)))
 #define F(T, q, i) (q < 1 ? (T)2.25 * q - 3 : (T)-0.75 * POWER2(PLUS(T, 2 - q)) * i)

@@ -1,4 +1,4 @@
-#include "types.h"
+#include "kernel_impl.h"
 
 struct _p_Kernel {
   MPI_Comm         comm;

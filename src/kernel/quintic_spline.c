@@ -1,5 +1,5 @@
 /* Quintic spline, support 3h. */
-#include "types.h"
+#include "kernel_impl.h"
 
 #define POWER5(x) (POWER4(x) * (x))
 #define W(T, q)   (POWER5(PLUS(T, 3 - q)) - 6 * POWER5(PLUS(T, 2 - q)) + 15 * POWER5(PLUS(T, 1 - q)))

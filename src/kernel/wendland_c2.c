@@ -1,5 +1,5 @@
 /* Wendland C2, support 2h: never pairs (its Fourier transform is not negative anywhere). */
-#include "types.h"
+#include "kernel_impl.h"
 
 #define W(T, q)    (POWER4(PLUS(T, 1 - q / 2)) * (1 + 2 * q))
 #define F(T, q, i) (-5 * POWER3(PLUS(T, 1 - q / 2)))

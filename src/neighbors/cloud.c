@@ -179,11 +179,11 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
   /* every particle wherever it is gets all within reach + slack, also one that has not been sent home or wrapped yet */
-  cloud->stray =
-    HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->stray, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  cloud->distance_outside =
+    HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION],
-                      cloud->reach + cloud->slack + cloud->stray, &ghosts));
+                      cloud->reach + cloud->slack + cloud->distance_outside, &ghosts));
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[f]));
@@ -237,8 +237,8 @@ static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
   PetscCall(ParticlesSort(cloud->particles, SORT_CELL * KernelSupport(cloud->kernel)));
   PetscCall(Load(cloud));
   PetscCall(NumberRows(cloud));
-  cloud->stray      = 0;
-  cloud->since_sort = 0;
+  cloud->distance_outside = 0;
+  cloud->since_sort       = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -277,11 +277,11 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
   if (size > 1) {
-    cloud->stray =
-      HaloStray(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->stray, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+    cloud->distance_outside = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
+                                                  STRAY_LIMIT * cloud->slack);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   }
-  if (sort || cloud->stray > STRAY_SHARE * cloud->slack) {
+  if (sort || cloud->distance_outside > STRAY_SHARE * cloud->slack) {
     PetscReal imbalance;
 
     PetscCall(ParticlesImbalance(cloud->particles, &imbalance));
@@ -322,7 +322,7 @@ PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
   if (2 * moved > cloud->slack) {
     PetscCall(BuildHalo(cloud));
     PetscCall(UpdateGhosts(cloud));
-    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   } else
     PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   if (search) PetscCall(NeighborsFind(cloud, NULL, NULL));

@@ -52,12 +52,12 @@ typedef struct _p_Cloud {
   /* What pairs of the fluid with walls count for in the viscous term, at distances k/WALL_FACTORS of the kernel's
      support from the wall (1); see OperatorsNoSlip. */
   PetscReal  wall_factor[WALL_FACTORS + 1];
-  CellGrid   grid;      /* of the last search, over all n_total points */
-  PetscReal  slack;     /* m, how far particles may move before the halo is built again */
-  PetscReal  reach;     /* m, largest kernel support in use */
-  PetscReal *reference; /* [n_owned][3] positions when the halo was built, m */
-  PetscReal  stray;     /* m, how far particles were outside their rank's cells when the halo was built */
-  PetscReal  rebalance; /* imbalance that triggers METIS */
+  CellGrid   grid;             /* of the last search, over all n_total points */
+  PetscReal  slack;            /* m, how far particles may move before the halo is built again */
+  PetscReal  reach;            /* m, largest kernel support in use */
+  PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
+  PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
+  PetscReal  rebalance;        /* imbalance that triggers METIS */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
   PetscInt   layout; /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
@@ -81,9 +81,9 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
    start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
 /* Called for each owned particle as soon as its row is found, while it is in the cache: w ([n]) are KernelSingle's
-   values of W, steep ([n]) its F over r2/h2 + eta2/h2. The row, here too, is padded to whole octets (rows.h) with pairs
-   that weigh nothing. */
-typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float steep[], void *context);
+   values of W, slope_over_r2 ([n]) its F over r2/h2 + eta2/h2. The row, here too, is padded to whole octets (rows.h)
+   with pairs that weigh nothing. */
+typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context);
 /* CloudSearch - the list of all particles within the kernel's support of each owned one, from the positions of the
    cloud, and the factors of the pairs. Not collective. */
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);

@@ -303,7 +303,7 @@ static PetscBool HasImages(FaceType face)
   return (PetscBool)(face == FACE_PERIODIC || face == FACE_SYMMETRY);
 }
 
-PetscReal HaloStray(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit)
+PetscReal HaloDistanceOutside(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit)
 {
   const PetscBool inside[DIM] = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
   PetscReal       stray       = 0;

@@ -18,8 +18,8 @@ PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal r
 PetscErrorCode HaloUpdate(Halo halo, PetscInt width, Parity parity, PetscReal array[]);
 /* HaloUpdateInt - the same for integers, unchanged. Collective. */
 PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[]);
-/* HaloStray - how far (m) the n owned points x are outside the cells of this rank or, through periodic and symmetry
-   faces, outside the box; at most 'limit'. Not collective. */
-PetscReal HaloStray(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit);
+/* HaloDistanceOutside - how far (m) the n owned points x are outside the cells of this rank or, through periodic and
+   symmetry faces, outside the box; at most 'limit'. Not collective. */
+PetscReal HaloDistanceOutside(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit);
 
 #endif

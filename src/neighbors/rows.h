@@ -10,175 +10,175 @@
 #endif
 #include "cloud.h" /* which includes this file at its end */
 
-typedef PetscReal Triple __attribute__((vector_size(4 * sizeof(PetscReal))));
+typedef PetscReal Vec4 __attribute__((vector_size(4 * sizeof(PetscReal))));
 
-/* TripleLoad - x[0] to x[2], and x[3], which must exist: arrays of the cloud have room behind the last particle. */
-static inline Triple TripleLoad(const PetscReal x[])
+/* Vec4Load - x[0] to x[2], and x[3], which must exist: arrays of the cloud have room behind the last particle. */
+static inline Vec4 Vec4Load(const PetscReal x[])
 {
-  Triple t;
+  Vec4 t;
 
   (void)memcpy(&t, x, sizeof(t));
   return t;
 }
 
-static inline void TripleStore(Triple t, PetscReal x[DIM])
+static inline void Vec4Store(Vec4 t, PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) x[d] = t[d];
 }
 
-#define OCTET 8
+#define VEC8 8
 
-typedef PetscReal Octet __attribute__((vector_size(OCTET * sizeof(PetscReal))));
-typedef int64_t   OctetMask __attribute__((vector_size(OCTET * sizeof(int64_t))));
-typedef float     OctetOfSingle __attribute__((vector_size(OCTET * sizeof(float))));
+typedef PetscReal Vec8 __attribute__((vector_size(VEC8 * sizeof(PetscReal))));
+typedef int64_t   Vec8Mask __attribute__((vector_size(VEC8 * sizeof(int64_t))));
+typedef float     Vec8Single __attribute__((vector_size(VEC8 * sizeof(float))));
 
 typedef struct {
-  Octet x, y, z;
-} Octets;
+  Vec8 x, y, z;
+} Vec8x3;
 
-static inline Octet OctetSet(PetscReal s)
+static inline Vec8 Vec8Set(PetscReal s)
 {
-  return (Octet){s, s, s, s, s, s, s, s};
+  return (Vec8){s, s, s, s, s, s, s, s};
 }
 
-/* OctetLoad - x[0] to x[7]. */
-static inline Octet OctetLoad(const PetscReal x[])
+/* Vec8Load - x[0] to x[7]. */
+static inline Vec8 Vec8Load(const PetscReal x[])
 {
-  Octet t;
+  Vec8 t;
 
   (void)memcpy(&t, x, sizeof(t));
   return t;
 }
 
-/* OctetLoadSingle - the same of single precision. */
-static inline Octet OctetLoadSingle(const float x[])
+/* Vec8LoadSingle - the same of single precision. */
+static inline Vec8 Vec8LoadSingle(const float x[])
 {
 #if defined(__AVX512F__)
-  return (Octet)_mm512_cvtps_pd(_mm256_loadu_ps(x));
+  return (Vec8)_mm512_cvtps_pd(_mm256_loadu_ps(x));
 #else
-  OctetOfSingle t;
+  Vec8Single t;
 
   (void)memcpy(&t, x, sizeof(t));
-  return __builtin_convertvector(t, Octet);
+  return __builtin_convertvector(t, Vec8);
 #endif
 }
 
-/* OctetGather - p[b] of eight particles b; one by one, which is faster than a processor's own gathering. */
-static inline Octet OctetGather(const PetscReal p[], const PetscInt b[OCTET])
+/* Vec8Gather - p[b] of eight particles b; one by one, which is faster than a processor's own gathering. */
+static inline Vec8 Vec8Gather(const PetscReal p[], const PetscInt b[VEC8])
 {
-  return (Octet){p[b[0]], p[b[1]], p[b[2]], p[b[3]], p[b[4]], p[b[5]], p[b[6]], p[b[7]]};
+  return (Vec8){p[b[0]], p[b[1]], p[b[2]], p[b[3]], p[b[4]], p[b[5]], p[b[6]], p[b[7]]};
 }
 
-/* OctetFirst - the first n of the eight, zero for the others. */
-static inline Octet OctetFirst(Octet t, PetscInt n)
+/* Vec8First - the first n of the eight, zero for the others. */
+static inline Vec8 Vec8First(Vec8 t, PetscInt n)
 {
-  const OctetMask place = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Vec8Mask place = {0, 1, 2, 3, 4, 5, 6, 7};
 
-  return (Octet)((OctetMask)t & (place < n));
+  return (Vec8)((Vec8Mask)t & (place < n));
 }
 
-static inline Octets OctetsSet(const PetscReal v[DIM])
+static inline Vec8x3 Vec8x3Set(const PetscReal v[DIM])
 {
-  return (Octets){OctetSet(v[0]), OctetSet(v[1]), OctetSet(v[2])};
+  return (Vec8x3){Vec8Set(v[0]), Vec8Set(v[1]), Vec8Set(v[2])};
 }
 
-/* OctetOfTwo - a[0] to a[3], b[0] to b[3]. */
-static inline Octet OctetOfTwo(const PetscReal a[], const PetscReal b[])
+/* Vec8OfTwo - a[0] to a[3], b[0] to b[3]. */
+static inline Vec8 Vec8OfTwo(const PetscReal a[], const PetscReal b[])
 {
 #if defined(__AVX512F__)
-  return (Octet)_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(a)), _mm256_loadu_pd(b), 1);
+  return (Vec8)_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(a)), _mm256_loadu_pd(b), 1);
 #else
-  return __builtin_shufflevector(TripleLoad(a), TripleLoad(b), 0, 1, 2, 3, 4, 5, 6, 7);
+  return __builtin_shufflevector(Vec4Load(a), Vec4Load(b), 0, 1, 2, 3, 4, 5, 6, 7);
 #endif
 }
 
 /* Where the vectors of eight particles begin. */
 typedef struct {
-  uint32_t at[OCTET];
-} OctetPlaces;
+  uint32_t at[VEC8];
+} Vec8Offsets;
 
-static inline OctetPlaces OctetLocate(const PetscInt b[OCTET])
+static inline Vec8Offsets Vec8Locate(const PetscInt b[VEC8])
 {
-  OctetPlaces p;
+  Vec8Offsets p;
 
-  for (PetscInt k = 0; k < OCTET; k++) p.at[k] = DIM * (uint32_t)b[k];
+  for (PetscInt k = 0; k < VEC8; k++) p.at[k] = DIM * (uint32_t)b[k];
   return p;
 }
 
-/* OctetsCollect - the vectors of eight particles from v ([n_total][3]). */
-static inline Octets OctetsCollect(const PetscReal v[], const OctetPlaces *places)
+/* Vec8x3Collect - the vectors of eight particles from v ([n_total][3]). */
+static inline Vec8x3 Vec8x3Collect(const PetscReal v[], const Vec8Offsets *places)
 {
   const uint32_t *at = places->at;
-  const Octet     t0 = OctetOfTwo(v + at[0], v + at[4]), t1 = OctetOfTwo(v + at[1], v + at[5]),
-              t2 = OctetOfTwo(v + at[2], v + at[6]), t3 = OctetOfTwo(v + at[3], v + at[7]);
-  const Octet xz01 = __builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
-              xz23 = __builtin_shufflevector(t2, t3, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Octet y01  = __builtin_shufflevector(t0, t1, 1, 9, 3, 11, 5, 13, 7, 15),
-              y23  = __builtin_shufflevector(t2, t3, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Octets all = {__builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13),
+  const Vec8      t0 = Vec8OfTwo(v + at[0], v + at[4]), t1 = Vec8OfTwo(v + at[1], v + at[5]),
+             t2 = Vec8OfTwo(v + at[2], v + at[6]), t3 = Vec8OfTwo(v + at[3], v + at[7]);
+  const Vec8 xz01  = __builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
+             xz23  = __builtin_shufflevector(t2, t3, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Vec8 y01   = __builtin_shufflevector(t0, t1, 1, 9, 3, 11, 5, 13, 7, 15),
+             y23   = __builtin_shufflevector(t2, t3, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Vec8x3 all = {__builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13),
                       __builtin_shufflevector(y01, y23, 0, 1, 8, 9, 4, 5, 12, 13),
                       __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15)};
   return all;
 }
 
-/* OctetsDifference - a - b. */
-static inline Octets OctetsDifference(Octets a, Octets b)
+/* Vec8x3Difference - a - b. */
+static inline Vec8x3 Vec8x3Difference(Vec8x3 a, Vec8x3 b)
 {
-  return (Octets){a.x - b.x, a.y - b.y, a.z - b.z};
+  return (Vec8x3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-/* OctetsAdd - sum += f v. */
-static inline void OctetsAdd(Octets *sum, Octet f, Octets v)
+/* Vec8x3Add - sum += f v. */
+static inline void Vec8x3Add(Vec8x3 *sum, Vec8 f, Vec8x3 v)
 {
   sum->x += f * v.x;
   sum->y += f * v.y;
   sum->z += f * v.z;
 }
 
-static inline Octet OctetsDot(Octets a, Octets b)
+static inline Vec8 Vec8x3Dot(Vec8x3 a, Vec8x3 b)
 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static inline Octet OctetMax(Octet a, Octet b)
+static inline Vec8 Vec8Max(Vec8 a, Vec8 b)
 {
-  const OctetMask larger = a > b;
+  const Vec8Mask larger = a > b;
 
-  return (Octet)((larger & (OctetMask)a) | (~larger & (OctetMask)b));
+  return (Vec8)((larger & (Vec8Mask)a) | (~larger & (Vec8Mask)b));
 }
 
-static inline Triple OctetHalves(Octet t)
+static inline Vec4 Vec8Halves(Vec8 t)
 {
   return __builtin_shufflevector(t, t, 0, 1, 2, 3) + __builtin_shufflevector(t, t, 4, 5, 6, 7);
 }
 
-/* OctetSums - the sums of the eight numbers of each. */
-static inline Triple OctetSums(Octet a, Octet b, Octet c, Octet d)
+/* Vec8Sums - the sums of the eight numbers of each. */
+static inline Vec4 Vec8Sums(Vec8 a, Vec8 b, Vec8 c, Vec8 d)
 {
-  const Triple ha = OctetHalves(a), hb = OctetHalves(b), hc = OctetHalves(c), hd = OctetHalves(d);
-  const Triple ab = __builtin_shufflevector(ha, hb, 0, 4, 2, 6) + __builtin_shufflevector(ha, hb, 1, 5, 3, 7),
-               cd = __builtin_shufflevector(hc, hd, 0, 4, 2, 6) + __builtin_shufflevector(hc, hd, 1, 5, 3, 7);
+  const Vec4 ha = Vec8Halves(a), hb = Vec8Halves(b), hc = Vec8Halves(c), hd = Vec8Halves(d);
+  const Vec4 ab = __builtin_shufflevector(ha, hb, 0, 4, 2, 6) + __builtin_shufflevector(ha, hb, 1, 5, 3, 7),
+             cd = __builtin_shufflevector(hc, hd, 0, 4, 2, 6) + __builtin_shufflevector(hc, hd, 1, 5, 3, 7);
 
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
-/* OctetsSum - those of three, and of a fourth. */
-static inline Triple OctetsSum(Octets v, Octet fourth)
+/* Vec8x3Sum - those of three, and of a fourth. */
+static inline Vec4 Vec8x3Sum(Vec8x3 v, Vec8 fourth)
 {
-  return OctetSums(v.x, v.y, v.z, fourth);
+  return Vec8Sums(v.x, v.y, v.z, fourth);
 }
 
 /* PaddedLength - n rounded up to whole octets. */
 static inline PetscInt PaddedLength(PetscInt n)
 {
-  return (n + OCTET - 1) / OCTET * OCTET;
+  return (n + VEC8 - 1) / VEC8 * VEC8;
 }
 
 /* The pairs of one particle. What the padded index names exists, and weighs nothing. */
 typedef struct {
   PetscInt        n;
   const PetscInt *index;
-  PetscReal       f[ROW_CAPACITY + OCTET]; /* factor of the pair: F = KernelScales' scale_f times it */
+  PetscReal       f[ROW_CAPACITY + VEC8]; /* factor of the pair: F = KernelScales' scale_f times it */
 } Row;
 
 /* RowLoad - the pairs of a as the last search found them. Not collective. */
@@ -191,12 +191,12 @@ static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
   row->index = cloud->list + first;
   PairsAhead(row->index, n);
   PairsAhead(from, n);
-  for (PetscInt k = 0; k < n; k += OCTET) { /* the arrays have room behind the last row */
-    const Octet f = OctetLoadSingle(from + k);
+  for (PetscInt k = 0; k < n; k += VEC8) { /* the arrays have room behind the last row */
+    const Vec8 f = Vec8LoadSingle(from + k);
 
     (void)memcpy(row->f + k, &f, sizeof(f));
   }
-  for (PetscInt k = n; k < n + OCTET; k++) row->f[k] = 0;
+  for (PetscInt k = n; k < n + VEC8; k++) row->f[k] = 0;
 }
 
 #endif

@@ -290,7 +290,7 @@ static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
    Laplacian ones. -F is largest at r = 0, so that -F r2/(r2 + eta2) is at most 'unit' times the largest number of
    sixteen bits. */
 static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *restrict s, float *restrict w,
-                            float *restrict steep, float *restrict slope, uint16_t *restrict laplacian)
+                            float *restrict slope_over_r2, float *restrict slope, uint16_t *restrict laplacian)
 {
   const float    eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / unit;
   const PetscInt padded = (n + LANES - 1) / LANES * LANES;
@@ -303,8 +303,8 @@ static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *
       const float   over = slope[k] / (s[k] + eta2);
       const int32_t code = (int32_t)(0.5f - inverse * over * s[k]);
 
-      steep[k]     = over;
-      laplacian[k] = (uint16_t)code;
+      slope_over_r2[k] = over;
+      laplacian[k]     = (uint16_t)code;
       sum += code;
     }
   }
@@ -334,7 +334,7 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
   int32_t         *sorted;
   Run             *run;
   Lines            lines;
-  float           *s, w[ROW_CAPACITY + LANES], steep[ROW_CAPACITY + LANES], zero[LANES] = {0}, slope[LANES], unit;
+  float *s, w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES], zero[LANES] = {0}, slope[LANES], unit;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
@@ -365,14 +365,14 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
     PadRow(a, found, cloud->list + used, s);
-    cloud->laplacian_sum[a] =
-      PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, steep, cloud->slope + used, cloud->laplacian + used);
+    cloud->laplacian_sum[a] = PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, slope_over_r2,
+                                          cloud->slope + used, cloud->laplacian + used);
     if (a >= cloud->n_fluid)
       cloud->laplacian_sum[a] =
         DropWallPairs(cloud->integer[INT_LAYER], found, cloud->list + used, cloud->laplacian + used);
     used += found;
     cloud->first[a + 1] = used;
-    if (visit) visit(cloud, a, w, steep, context);
+    if (visit) visit(cloud, a, w, slope_over_r2, context);
   }
   PetscCall(PetscFree3(sorted, s, run));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));

@@ -1,14 +1,12 @@
 /* Changes of velocity that neighbours pay for, so that momentum and angular momentum stay. */
 #include "operators.h"
 
-#define LAMBDA_PAID 0.2 /* at most: a spray particle, whose neighbours pay nothing */
-
 /* What the passes hand to the neighbours. TURN stands where a symmetric tensor has yz, xz, xy: an axial vector changes
    sign under a mirror as those do. */
 #define SHARE           FIELD_WORK1
 #define TURN(stress, a) ((stress) + 6 * (a) + 3) /* beta_z, beta_y, beta_x */
 
-PetscErrorCode OperatorsShares(Cloud cloud)
+PetscErrorCode OperatorsCompensationWeights(Cloud cloud)
 {
   const PetscReal *volume = cloud->volume, *rest = cloud->rest_density;
   const PetscInt  *layer = cloud->integer[INT_LAYER];
@@ -20,7 +18,7 @@ PetscErrorCode OperatorsShares(Cloud cloud)
     PetscReal sum = 0;
 
     share[a] = 0;
-    if (a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] <= LAMBDA_PAID) continue;
+    if (a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA) continue;
     PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     SIMD_LOOP(reduction(+ : sum))
@@ -116,7 +114,7 @@ static PetscErrorCode Charge(Cloud cloud, const PetscReal x[], const PetscReal u
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[])
+PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[])
 {
   const PetscReal *g = cloud->field[FIELD_WORK3], *share = cloud->field[SHARE], *stress = cloud->field[FIELD_STRESS];
   PairRow          row;

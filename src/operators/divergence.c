@@ -68,26 +68,26 @@ static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a
                                          PetscReal G[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
-  const Octets     p = OctetsSet(x + DIM * a), v = OctetsSet(velocity + DIM * a);
-  const Octet      zero = OctetSet(0);
-  Octets           gx = {zero, zero, zero}, gy = gx, gz = gx;
-  Octet            most    = zero;
+  const Vec8x3     p = Vec8x3Set(x + DIM * a), v = Vec8x3Set(velocity + DIM * a);
+  const Vec8       zero = Vec8Set(0);
+  Vec8x3           gx = {zero, zero, zero}, gy = gx, gz = gx;
+  Vec8             most    = zero;
   PetscReal        largest = 0;
 
-  for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const OctetPlaces at = OctetLocate(row->index + k);
-    const Octets d = OctetsDifference(p, OctetsCollect(x, &at)), w = OctetsDifference(OctetsCollect(velocity, &at), v);
-    const Octet  f = OctetLoad(row->f + k), w2 = OctetFirst(OctetsDot(w, w), row->n - k);
+  for (PetscInt k = 0; k < row->n; k += VEC8) {
+    const Vec8Offsets at = Vec8Locate(row->index + k);
+    const Vec8x3 d = Vec8x3Difference(p, Vec8x3Collect(x, &at)), w = Vec8x3Difference(Vec8x3Collect(velocity, &at), v);
+    const Vec8   f = Vec8Load(row->f + k), w2 = Vec8First(Vec8x3Dot(w, w), row->n - k);
 
-    OctetsAdd(&gx, f * w.x, d);
-    OctetsAdd(&gy, f * w.y, d);
-    OctetsAdd(&gz, f * w.z, d);
-    most = OctetMax(most, w2);
+    Vec8x3Add(&gx, f * w.x, d);
+    Vec8x3Add(&gy, f * w.y, d);
+    Vec8x3Add(&gz, f * w.z, d);
+    most = Vec8Max(most, w2);
   }
-  TripleStore(OctetsSum(gx, zero), G);
-  TripleStore(OctetsSum(gy, zero), G + DIM);
-  TripleStore(OctetsSum(gz, zero), G + 2 * DIM);
-  for (PetscInt k = 0; k < OCTET; k++) largest = PetscMax(largest, most[k]);
+  Vec4Store(Vec8x3Sum(gx, zero), G);
+  Vec4Store(Vec8x3Sum(gy, zero), G + DIM);
+  Vec4Store(Vec8x3Sum(gz, zero), G + 2 * DIM);
+  for (PetscInt k = 0; k < VEC8; k++) largest = PetscMax(largest, most[k]);
   return largest;
 }
 
@@ -114,7 +114,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   scale = cloud->domain->volume * scale_f;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal *B = corrected ? cloud->field[FIELD_MOMENT] + 6 * a : identity;
+    const PetscReal *B = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
     PetscReal       *G = cloud->field[FIELD_GRADIENT] + DIM * DIM * a, moved[DIM * DIM];
 
     RowLoad(cloud, a, &row);
@@ -122,7 +122,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
       if (div) div[a] = scale * WallDivergence(cloud, a, &row, velocity);
       continue;
     }
-    cloud->field[FIELD_CONTRAST][a] = PetscSqrtReal(VelocityGradient(cloud, &row, a, velocity, G));
+    cloud->field[FIELD_VELOCITY_JUMP][a] = PetscSqrtReal(VelocityGradient(cloud, &row, a, velocity, G));
     for (PetscInt k = 0; k < DIM * DIM; k++) moved[k] = G[k];
     if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, moved);
     for (PetscInt k = 0; k < DIM * DIM; k++) G[k] *= scale;

@@ -87,31 +87,31 @@ typedef struct {
 } Scales;
 
 /* One row: the sums, then what follows from them. */
-static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float steep[], const Scales *scales,
+static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], const Scales *scales,
                         PetscBool viscous)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
                   scale = V * scales->scale_f;
   const PetscInt *list = cloud->list + cloud->first[a], n = cloud->first[a + 1] - cloud->first[a];
   const float    *slope = cloud->slope + cloud->first[a];
-  const Octets    p = OctetsSet(x + DIM * a), own = OctetsSet(v + DIM * a);
-  const Octet     zero = OctetSet(0), ratio = OctetSet(scales->ratio), weight = OctetSet(CLUMP_WEIGHT);
-  Octets          normal = {zero, zero, zero}, clump = normal, diagonal = normal, off = normal, friction = normal;
-  Octet           sum = zero;
-  Triple          total;
-  PetscReal      *M = cloud->field[FIELD_MOMENT] + 6 * a;
+  const Vec8x3    p = Vec8x3Set(x + DIM * a), own = Vec8x3Set(v + DIM * a);
+  const Vec8      zero = Vec8Set(0), ratio = Vec8Set(scales->ratio), weight = Vec8Set(CLUMP_WEIGHT);
+  Vec8x3          normal = {zero, zero, zero}, clump = normal, diagonal = normal, off = normal, friction = normal;
+  Vec8            sum = zero;
+  Vec4            total;
+  PetscReal      *M = cloud->field[FIELD_CORRECTION] + 6 * a;
 
-  for (PetscInt k = 0; k < n; k += OCTET) {
-    const OctetPlaces at = OctetLocate(list + k);
-    const Octets      d  = OctetsDifference(p, OctetsCollect(x, &at));
-    const Octet f = OctetLoadSingle(slope + k), W = OctetLoadSingle(w + k), r = W * ratio, r2 = r * r, fx = f * d.x,
-                fy = f * d.y, fz = f * d.z;
+  for (PetscInt k = 0; k < n; k += VEC8) {
+    const Vec8Offsets at = Vec8Locate(list + k);
+    const Vec8x3      d  = Vec8x3Difference(p, Vec8x3Collect(x, &at));
+    const Vec8        f = Vec8LoadSingle(slope + k), W = Vec8LoadSingle(w + k), r = W * ratio, r2 = r * r, fx = f * d.x,
+               fy = f * d.y, fz = f * d.z;
 
     sum += W;
     normal.x += fx;
     normal.y += fy;
     normal.z += fz;
-    OctetsAdd(&clump, weight * r2 * r2 * f, d);
+    Vec8x3Add(&clump, weight * r2 * r2 * f, d);
     diagonal.x += fx * d.x;
     diagonal.y += fy * d.y;
     diagonal.z += fz * d.z;
@@ -119,32 +119,33 @@ static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float st
     off.y += fx * d.z;
     off.z += fy * d.z;
     if (viscous) /* Eq. (1) of Kuri et al. */
-      OctetsAdd(&friction, OctetLoadSingle(steep + k) * OctetsDot(OctetsDifference(own, OctetsCollect(v, &at)), d), d);
+      Vec8x3Add(&friction,
+                Vec8LoadSingle(slope_over_r2 + k) * Vec8x3Dot(Vec8x3Difference(own, Vec8x3Collect(v, &at)), d), d);
   }
-  total = OctetsSum(normal, sum);
-  TripleStore(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
+  total = Vec8x3Sum(normal, sum);
+  Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (scales->self + scales->scale_w * total[3]);
-  TripleStore(scale * (total + OctetsSum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
-  TripleStore(-scale * OctetsSum(diagonal, zero), M);
-  TripleStore(-scale * OctetsSum(off, zero), M + DIM);
-  if (viscous) TripleStore(scales->viscosity * OctetsSum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
+  Vec4Store(scale * (total + Vec8x3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
+  Vec4Store(-scale * Vec8x3Sum(diagonal, zero), M);
+  Vec4Store(-scale * Vec8x3Sum(off, zero), M + DIM);
+  if (viscous) Vec4Store(scales->viscosity * Vec8x3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
 }
 
-static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float steep[], void *context)
+static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  Sums(cloud, a, w, steep, (const Scales *)context, PETSC_FALSE);
+  Sums(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE);
 }
 
-static void ViscousRow(Cloud cloud, PetscInt a, const float w[], const float steep[], void *context)
+static void ViscousRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  Sums(cloud, a, w, steep, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
+  Sums(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
 }
 
-/* FIELD_LAMBDA of M, which FIELD_MOMENT holds, and B in its place. */
+/* FIELD_LAMBDA of M, which FIELD_CORRECTION holds, and B in its place. */
 static void Renormalise(Cloud cloud)
 {
   const PetscInt n = cloud->n_owned, dim = cloud->domain->dim;
-  PetscReal     *M = cloud->field[FIELD_MOMENT], *lambda = cloud->field[FIELD_LAMBDA];
+  PetscReal     *M = cloud->field[FIELD_CORRECTION], *lambda = cloud->field[FIELD_LAMBDA];
 
   if (dim == 2) {
     SIMD_LOOP()

@@ -33,6 +33,10 @@ static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
   return PETSC_FALSE;
 }
 
+/* Particles with lambda at most this are spray: almost alone, or a sheet or thread of one particle. They meet no
+   pressure from their surroundings, are not shifted, and no neighbour compensates for them. */
+#define SPRAY_LAMBDA 0.2
+
 /* Particles with lambda at most this have too few neighbours for B: it is then the identity. */
 #define MOMENT_MINIMUM 0.3
 
@@ -46,7 +50,7 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
  * liquid Eq. (4) of Kuri et al. */
 PetscErrorCode OperatorsDensity(Cloud cloud);
 /* OperatorsMoments - finds the neighbours and, row by row: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab;
-   FIELD_LAMBDA its smallest eigenvalue; FIELD_MOMENT B = M^-1, the identity where lambda <= MOMENT_MINIMUM;
+   FIELD_LAMBDA its smallest eigenvalue; FIELD_CORRECTION B = M^-1, the identity where lambda <= MOMENT_MINIMUM;
    FIELD_NORMAL = sum V grad W (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where
    particles crowd (Lind et al. 2012). Marrone et al. 2010, Randles & Libersky 1996. viscous: FIELD_ACCELERATION (m/s2)
    of the fluid is what OperatorsViscosity would add to it in the form of Cleary, for half the price; for
@@ -89,22 +93,22 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const Pe
                                        PetscReal out[]);
 PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const PetscReal pair[],
                                           PetscReal diagonal[]);
-/* OperatorsShares - FIELD_WORK1 s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0 for walls and spray;
-   ghosts too. Collective. */
-PetscErrorCode OperatorsShares(Cloud cloud);
-/* OperatorsConserve - change ([n_fluid][3], of velocity or acceleration) of each particle a is paid for by its
+/* OperatorsCompensationWeights - FIELD_WORK1 s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0 for walls
+   and spray; ghosts too. Collective. */
+PetscErrorCode OperatorsCompensationWeights(Cloud cloud);
+/* OperatorsCompensate - change ([n_fluid][3], of velocity or acceleration) of each particle a is paid for by its
    neighbours b in the fluid: theirs by -s_a W_ab (change_a + beta_a x (x_b - mean x)), beta such that it has no torque
    at positions x (m, ghosts current) either, nor has FIELD_WORK3, which holds displacements that were paid for in the
-   same way and took place at velocities u ([n_total][3]; no displacements: zeros). After OperatorsShares. Overwrites
-   FIELD_WORK3, FIELD_STRESS. Collective. */
-PetscErrorCode OperatorsConserve(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[]);
+   same way and took place at velocities u ([n_total][3]; no displacements: zeros). After OperatorsCompensationWeights.
+   Overwrites FIELD_WORK3, FIELD_STRESS. Collective. */
+PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would
    otherwise see it approach and leave, a friction no finer spacing removes (a dam break lost a third of its energy).
    velocity: [n_total][3], a field of the cloud. ahead (s): the fluid's divergence is that after the particles have
    moved on for so long with these velocities, to first order: div v - ahead tr (grad v)^2. On the way FIELD_GRADIENT,
-   without B and without walls, and FIELD_CONTRAST of the fluid; div may be NULL. */
+   without B and without walls, and FIELD_VELOCITY_JUMP of the fluid; div may be NULL. */
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal ahead,
                                    PetscReal div[]);
 

@@ -1,7 +1,6 @@
 /* Free-surface detection of Marrone, Colagrossi, Le Touze, Graziani 2010. */
 #include "operators.h"
 
-#define LAMBDA_SURFACE 0.20 /* at most: isolated, thin, or a spike: surface */
 #define LAMBDA_INNER   0.75 /* at least: inner */
 #define LAMBDA_NEAR    0.95 /* at most, next to a flagged particle: near the surface */
 #define CONE_SCALE     1.33 /* cone radius over spacing: tied to the spacing, not to a wide kernel */
@@ -42,14 +41,14 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal *g = cloud->field[FIELD_NORMAL] + DIM * a, *B = cloud->field[FIELD_MOMENT] + 6 * a;
+    const PetscReal *g = cloud->field[FIELD_NORMAL] + DIM * a, *B = cloud->field[FIELD_CORRECTION] + 6 * a;
     PetscReal        n[DIM], length;
 
     flag[a] = 0;
     if (a >= cloud->n_rows || lambda[a] >= LAMBDA_INNER) continue;
     TensorApply(B, -g[0], -g[1], -g[2], n);
     length = Norm(n);
-    if (lambda[a] <= LAMBDA_SURFACE || length <= 0)
+    if (lambda[a] <= SPRAY_LAMBDA || length <= 0)
       flag[a] = 1;
     else {
       for (PetscInt d = 0; d < DIM; d++) n[d] /= length;

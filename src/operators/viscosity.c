@@ -104,32 +104,32 @@ static void PairViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscRea
 static void ViscosityCleary(Cloud cloud, PetscInt a, const Row *row, const PetscReal v[], PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
-  const Octets     p = OctetsSet(x + DIM * a), own = OctetsSet(v + DIM * a);
-  const Octet      zero = OctetSet(0);
-  Octets           sum  = {zero, zero, zero};
+  const Vec8x3     p = Vec8x3Set(x + DIM * a), own = Vec8x3Set(v + DIM * a);
+  const Vec8       zero = Vec8Set(0);
+  Vec8x3           sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const OctetPlaces at = OctetLocate(row->index + k);
-    const Octets      d = OctetsDifference(p, OctetsCollect(x, &at)), u = OctetsDifference(own, OctetsCollect(v, &at));
+  for (PetscInt k = 0; k < row->n; k += VEC8) {
+    const Vec8Offsets at = Vec8Locate(row->index + k);
+    const Vec8x3      d = Vec8x3Difference(p, Vec8x3Collect(x, &at)), u = Vec8x3Difference(own, Vec8x3Collect(v, &at));
 
-    OctetsAdd(&sum, OctetLoad(row->f + k) * OctetsDot(u, d), d);
+    Vec8x3Add(&sum, Vec8Load(row->f + k) * Vec8x3Dot(u, d), d);
   }
-  TripleStore(OctetsSum(sum, zero), out);
+  Vec4Store(Vec8x3Sum(sum, zero), out);
 }
 
 /* Morris et al. 1997; grad W.r is finite at r = 0, so eta is not needed. */
 static void ViscosityMorris(PetscInt a, const Row *row, const PetscReal v[], PetscReal out[DIM])
 {
-  const Octets own  = OctetsSet(v + DIM * a);
-  const Octet  zero = OctetSet(0);
-  Octets       sum  = {zero, zero, zero};
+  const Vec8x3 own  = Vec8x3Set(v + DIM * a);
+  const Vec8   zero = Vec8Set(0);
+  Vec8x3       sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const OctetPlaces at = OctetLocate(row->index + k);
+  for (PetscInt k = 0; k < row->n; k += VEC8) {
+    const Vec8Offsets at = Vec8Locate(row->index + k);
 
-    OctetsAdd(&sum, OctetLoad(row->f + k), OctetsDifference(own, OctetsCollect(v, &at)));
+    Vec8x3Add(&sum, Vec8Load(row->f + k), Vec8x3Difference(own, Vec8x3Collect(v, &at)));
   }
-  TripleStore(OctetsSum(sum, zero), out);
+  Vec4Store(Vec8x3Sum(sum, zero), out);
 }
 
 /* Divides the row's factors F by r2 + eta2 (m2). */

@@ -1,6 +1,6 @@
 /* Finished packings on disk, one HDF5 file each, named after a hash of all that determines them. Rank 0 reads and
    writes. */
-#include "types.h"
+#include "packing_impl.h"
 #include <hdf5.h>
 #include <stdio.h>
 #include <sys/stat.h>

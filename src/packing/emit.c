@@ -1,5 +1,5 @@
 /* Emitters: liquid that comes into the box during the run. */
-#include "types.h"
+#include "packing_impl.h"
 
 #define EMITTED_ID (PETSC_MAX_INT / 2) /* ids of emitted particles start here: the same after a restart */
 

@@ -1,5 +1,5 @@
 /* Bodies filled from a lattice of the particle spacing, with a jitter. */
-#include "types.h"
+#include "packing_impl.h"
 
 #define LEVEL_MAX   0.5 /* spacings */
 #define SHELL_SPLIT 0.5 /* share of the points near the surface: a larger shell of equal distance is a flat layer */

@@ -6,7 +6,7 @@
    The second sum runs over pairs with a fluid particle; without it particles pair up, for the density alone does not
    notice. It vanishes once all are c apart, so it does not keep the density from its goal. Walls and images behind
    periodic and symmetry faces count in both. */
-#include "types.h"
+#include "packing_impl.h"
 #include <petsctao.h>
 
 #define REPULSION_STRENGTH 1.0  /* k: at the goal the density pushes with 1e-4, so r falls short of c by as much */
@@ -62,8 +62,8 @@ static PetscErrorCode Place(Optimiser *o, Vec y)
   PetscCall(VecRestoreArrayRead(y, &shift));
   PetscCall(Displacement(cloud, o->start, &o->travelled));
   PetscCall(Displacement(cloud, o->searched, &moved));
-  search       = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
-  cloud->stray = o->travelled;
+  search                  = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
+  cloud->distance_outside = o->travelled;
   PetscCall(CloudMoved(cloud, search));
   if (search) PetscCall(PetscArraycpy(o->searched, cloud->field[FIELD_POSITION], DIM * cloud->n_fluid));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,5 +1,5 @@
 /* The class: types, options, and how samples become particles. */
-#include "types.h"
+#include "packing_impl.h"
 #include <unistd.h>
 
 static PetscFunctionList PackingList = NULL;

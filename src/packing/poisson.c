@@ -1,6 +1,6 @@
 /* Bodies filled with Poisson-disk samples (Schechter & Bridson 2012), whose density is then brought to rho_0 by TAO,
    as in Kuri et al. */
-#include "types.h"
+#include "packing_impl.h"
 
 typedef struct {
   PetscReal          distance, tolerance; /* spacings; relative */

@@ -1,6 +1,6 @@
 /* Dummy particles of the solids: points of the box's lattice inside them. Liquid on the same lattice, as all that
    reaches a closed face is, then has its full spacing from them whatever the shape. */
-#include "types.h"
+#include "packing_impl.h"
 
 /* Sees each point: its number among them all, the index of its solid, its place x (m). */
 typedef void (*SolidVisitor)(void *context, PetscInt number, PetscInt solid, const PetscReal x[DIM]);

@@ -1,5 +1,5 @@
 /* Dummy particles of the walls: the box's lattice, continued beyond the faces that are walls. */
-#include "types.h"
+#include "packing_impl.h"
 
 /* Lattice indices [first, end) a direction, those inside the box excluded. */
 typedef struct {

@@ -36,13 +36,13 @@ typedef enum {
 
 #define WORK_REALS(X)                                                                                                  \
   X(START, "start", 3, PARITY_POINT, "m", "position at the start of the step")                                         \
-  X(PREDICTED, "predicted", 3, PARITY_VECTOR, "m/s", "velocity after stage one")                                       \
+  X(VELOCITY_STAR, "velocity_star", 3, PARITY_VECTOR, "m/s", "velocity after stage one")                               \
   X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force")                \
-  X(MOMENT, "moment", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                               \
+  X(CORRECTION, "correction", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                       \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
   X(CROWDING, "crowding", 3, PARITY_VECTOR, "1/m", "sum of V (1 + 0.2 (W/W(d0))^4) grad W: shifting goes against it")  \
   X(GRADIENT, "gradient", 9, PARITY_NONE, "1/s", "velocity gradient of the fluid, sum V (v_b - v_a)_i grad_j W")       \
-  X(CONTRAST, "contrast", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of the fluid's neighbours")                      \
+  X(VELOCITY_JUMP, "velocity_jump", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of the fluid's neighbours")            \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
   X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \

@@ -1,6 +1,6 @@
 /* When the solver may stop: what its residual means for the density. A row's residual over its mass is a source that
    stays, 1/s2; times dt^2 it is the relative density error that the step leaves where the projection wanted none. */
-#include "types.h"
+#include "pressure_impl.h"
 
 typedef struct {
   Pressure pressure;

@@ -4,7 +4,7 @@
    it is twelve, and the assembly costs what six to eight products do. The weight's rounding, 8e-6 of the largest,
    changes a row by 3e-6, a thousandth of what the sum over 80 neighbours is off the Laplacian. Deeper wall particles
    are folded into their parent (P^T A P), pairs of wall particles left out. */
-#include "types.h"
+#include "pressure_impl.h"
 
 /* Whether every pair has the same material: then the cloud's own factors are the weights. */
 static PetscBool OneDensity(Pressure pressure)
@@ -33,7 +33,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
   pressure->own          = (PetscBool)!OneDensity(pressure);
   if (!pressure->own) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
-    pressure->weight_capacity = count + count / 16 + OCTET; /* PairSum reads whole octets */
+    pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads whole octets */
     PetscCall(PetscFree(pressure->own_weight));
     PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->own_weight));
   }
@@ -133,25 +133,25 @@ static inline PetscReal Surplus(Pressure pressure, PetscInt r)
 /* sum_b weight (p_a - p_b) over n pairs, their weights coded or, where those are NULL, plain. May read whole octets:
  * the next row's, or the padding's. This loop is half of the solver's time. */
 #if defined(__AVX512F__)
-static inline Octet Weights(const uint16_t *coded, const float *plain, PetscInt k)
+static inline Vec8 Weights(const uint16_t *coded, const float *plain, PetscInt k)
 {
-  return coded ? (Octet)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(coded + k))))
-               : OctetLoadSingle(plain + k);
+  return coded ? (Vec8)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(coded + k))))
+               : Vec8LoadSingle(plain + k);
 }
 
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
-  const Octet all = OctetSet(own), zero = OctetSet(0);
-  Octet       even = zero, odd = zero;
-  PetscInt    k = 0;
+  const Vec8 all = Vec8Set(own), zero = Vec8Set(0);
+  Vec8       even = zero, odd = zero;
+  PetscInt   k = 0;
 
-  for (; k + 2 * OCTET <= n; k += 2 * OCTET) {
-    even += Weights(coded, plain, k) * (all - OctetGather(p, index + k));
-    odd += Weights(coded, plain, k + OCTET) * (all - OctetGather(p, index + k + OCTET));
+  for (; k + 2 * VEC8 <= n; k += 2 * VEC8) {
+    even += Weights(coded, plain, k) * (all - Vec8Gather(p, index + k));
+    odd += Weights(coded, plain, k + VEC8) * (all - Vec8Gather(p, index + k + VEC8));
   }
-  for (; k < n; k += OCTET) even += OctetFirst(Weights(coded, plain, k), n - k) * (all - OctetGather(p, index + k));
-  return OctetSums(even + odd, zero, zero, zero)[0];
+  for (; k < n; k += VEC8) even += Vec8First(Weights(coded, plain, k), n - k) * (all - Vec8Gather(p, index + k));
+  return Vec8Sums(even + odd, zero, zero, zero)[0];
 }
 #else /* where octets are no registers, the compiler does better alone */
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,

@@ -1,5 +1,5 @@
 /* The small types that combine into a projection: sources, closures at the free surface, gradients. */
-#include "types.h"
+#include "pressure_impl.h"
 
 /* --- sources: minus the right-hand side of div(grad p/rho) --- */
 
@@ -58,7 +58,8 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
     PetscCall(PetscFree(pressure->div));
     PetscCall(PetscMalloc1(pressure->div_capacity, &pressure->div));
   }
-  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, pressure->ahead * dt, pressure->div));
+  PetscCall(
+    OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, pressure->ahead * dt, pressure->div));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -pressure->div[a] / dt - DensityDefect(pressure, a) * rate;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -pressure->div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
@@ -100,7 +101,7 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
   {
     const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a;
 
-    TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, normal[0], normal[1], normal[2], n);
+    TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
     return PetscMax(filling, CLOSURE_LEAST * Dot(n, normal) * mass);
   }
 }
@@ -130,16 +131,16 @@ void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)
 static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[], PetscReal out[DIM])
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
-  const Octets     p    = OctetsSet(x + DIM * a);
-  const Octet      zero = OctetSet(0);
-  Octets           sum  = {zero, zero, zero};
+  const Vec8x3     p    = Vec8x3Set(x + DIM * a);
+  const Vec8       zero = Vec8Set(0);
+  Vec8x3           sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const OctetPlaces at = OctetLocate(row->index + k);
+  for (PetscInt k = 0; k < row->n; k += VEC8) {
+    const Vec8Offsets at = Vec8Locate(row->index + k);
 
-    OctetsAdd(&sum, OctetLoad(c + k), OctetsDifference(OctetsCollect(x, &at), p));
+    Vec8x3Add(&sum, Vec8Load(c + k), Vec8x3Difference(Vec8x3Collect(x, &at), p));
   }
-  TripleStore(OctetsSum(sum, zero), out);
+  Vec4Store(Vec8x3Sum(sum, zero), out);
 }
 
 /* Eq. (9) for one row; scale: of the kernel's F times V. */
@@ -150,7 +151,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row,
   const PetscReal  own    = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
   const PetscReal *slope  = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
   const PetscInt   padded = PaddedLength(row->n);
-  PetscReal        c[ROW_CAPACITY + OCTET];
+  PetscReal        c[ROW_CAPACITY + VEC8];
 
   SIMD_LOOP()
   for (PetscInt k = 0; k < padded; k++) {
@@ -162,7 +163,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row,
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
 
-    SymmetricInverse(cloud->domain->dim, cloud->field[FIELD_MOMENT] + 6 * a, M);
+    SymmetricInverse(cloud->domain->dim, cloud->field[FIELD_CORRECTION] + 6 * a, M);
     TensorApply(M, slope[0], slope[1], slope[2], part);
     for (PetscInt d = 0; d < DIM; d++) out[d] -= (slope[d] - part[d]) / density[a];
   }
@@ -196,19 +197,19 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
-  const Octets     place = OctetsSet(x + DIM * a);
-  const Octet      zero = OctetSet(0), own = OctetSet(p[a]);
-  Octets           sum = {zero, zero, zero};
-  Triple           g;
+  const Vec8x3     place = Vec8x3Set(x + DIM * a);
+  const Vec8       zero = Vec8Set(0), own = Vec8Set(p[a]);
+  Vec8x3           sum = {zero, zero, zero};
+  Vec4             g;
 
-  for (PetscInt k = 0; k < row->n; k += OCTET) {
-    const OctetPlaces at = OctetLocate(row->index + k);
-    const Octets      d  = OctetsDifference(OctetsCollect(x, &at), place);
+  for (PetscInt k = 0; k < row->n; k += VEC8) {
+    const Vec8Offsets at = Vec8Locate(row->index + k);
+    const Vec8x3      d  = Vec8x3Difference(Vec8x3Collect(x, &at), place);
 
-    OctetsAdd(&sum, (OctetGather(p, row->index + k) - own) * OctetLoad(row->f + k), d);
+    Vec8x3Add(&sum, (Vec8Gather(p, row->index + k) - own) * Vec8Load(row->f + k), d);
   }
-  g = scale * OctetsSum(sum, zero);
-  TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, g[0], g[1], g[2], out);
+  g = scale * Vec8x3Sum(sum, zero);
+  TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
 }
 
 /* Inside -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), where pressure differences know nothing of the
@@ -280,9 +281,9 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
       corrected[DIM * a + d] = symmetric[d];
     }
   }
-  PetscCall(OperatorsShares(cloud));
+  PetscCall(OperatorsCompensationWeights(cloud));
   PetscCall(PetscArrayzero(cloud->field[FIELD_WORK3], DIM * cloud->n_owned));
-  PetscCall(OperatorsConserve(cloud, cloud->field[FIELD_POSITION], cloud->field[FIELD_PREDICTED], change));
+  PetscCall(OperatorsCompensate(cloud, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY_STAR], change));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) acceleration[k] = corrected[k] + change[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }

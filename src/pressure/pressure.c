@@ -1,4 +1,4 @@
-#include "types.h"
+#include "pressure_impl.h"
 
 static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
 
@@ -181,7 +181,7 @@ PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureForget(Pressure pressure)
+PetscErrorCode PressureReset(Pressure pressure)
 {
   PetscFunctionBegin;
   PetscCall(KSPDestroy(&pressure->ksp));
@@ -200,7 +200,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
 
   PetscFunctionBegin;
   if (!p) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PressureForget(p));
+  PetscCall(PressureReset(p));
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
   PetscCall(PetscFree(p->div));
   PetscCall(PetscFree(p->closed));

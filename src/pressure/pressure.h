@@ -50,10 +50,10 @@ PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
 /* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
-   ghosts; the former pressure is the start value. Reads FIELD_PREDICTED (owned and ghosts), FIELD_DENSITY (same),
-   FIELD_MOMENT, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the free surface), INT_SURFACE of
-   owned particles. A solver that does not converge is no
-   error: see result->reason; the pressure is then unchanged. dt in s. Collective. */
+   ghosts; the former pressure is the start value. Reads FIELD_VELOCITY_STAR (owned and ghosts), FIELD_DENSITY (same),
+   FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the free surface), INT_SURFACE
+   of owned particles. A solver that does not converge is no error: see result->reason; the pressure is then unchanged.
+   dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
 /* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
  * call. Collective. */
@@ -74,7 +74,7 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
    what that reads. Not collective. */
 PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
 /* PressureTakesDivergence - whether the source is a rate of compression over dt, from OperatorsDivergence of
-   FIELD_PREDICTED, else the compression itself over dt^2. Not collective. */
+   FIELD_VELOCITY_STAR, else the compression itself over dt^2. Not collective. */
 PetscBool PressureTakesDivergence(Pressure pressure);
 /* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_WORK3. Not collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure);
@@ -92,7 +92,7 @@ PetscErrorCode PCTwoLevelRegister(void);
    PCSetCoordinates, before each set-up. Does nothing to a PC of another type. Collective. */
 PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3],
                                  const PetscBool periodic[3]);
-/* PressureForget - drops the preconditioner and the solver, as after a restart. Collective. */
-PetscErrorCode PressureForget(Pressure pressure);
+/* PressureReset - drops the preconditioner and the solver, as after a restart. Collective. */
+PetscErrorCode PressureReset(Pressure pressure);
 
 #endif

@@ -1,4 +1,4 @@
-#include "types.h"
+#include "pressure_impl.h"
 
 #define DEFAULT_RTOL      1e-3
 #define DEFAULT_MAXITS    2000
@@ -26,7 +26,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscBool gamg, cheap, shell;
 
   PetscFunctionBegin;
-  PetscCall(PressureForget(pressure));
+  PetscCall(PressureReset(pressure));
   pressure->solver_layout = cloud->layout;
   PetscCall(VecCreate(cloud->comm, &pressure->b));
   PetscCall(VecSetSizes(pressure->b, cloud->n_rows, cloud->rows_global));

@@ -1,5 +1,5 @@
 /* Assembly of Eq. (8), straight into compressed rows. */
-#include "types.h"
+#include "pressure_impl.h"
 
 PetscErrorCode MatrixStoreReset(MatrixStore *s)
 {

@@ -1,5 +1,5 @@
 /* One body: its options, and what other folders ask of it. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 #include <stdlib.h>
 
 #define WATER_DENSITY     1000.0 /* kg/m3, default */

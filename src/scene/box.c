@@ -1,5 +1,5 @@
 /* Box with faces normal to the axes; a corner not given is that of the simulation box. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m */

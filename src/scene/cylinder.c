@@ -1,6 +1,6 @@
 /* Circular cylinder about any axis, infinite unless a height is given. In two dimensions: a circle about z, a strip
    about another axis. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 typedef struct {
   PetscReal center[DIM]; /* half-way up, m */

@@ -1,5 +1,5 @@
 /* Ellipsoid with axes along x, y, z; an ellipse in two dimensions. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 #define NEWTON_MAX 200 /* steps, several times what a start next to a pole takes */
 

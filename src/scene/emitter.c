@@ -1,5 +1,5 @@
 /* Types of bodies: liquid that is there from the start, and emitters that bring it in time after time. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 typedef struct {
   PetscReal start, interval;       /* s */

@@ -1,5 +1,5 @@
 /* Half-space of liquid behind a plane; the normal points out of the liquid. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 typedef struct {
   PetscReal point[DIM];  /* of the plane, m */

@@ -1,5 +1,5 @@
 /* The scene: its bodies by name, the registered shapes, overlap, and the body forces. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 #include <ctype.h>
 
 #define OVERLAP_TOLERANCE 1e-6 /* of the spacing; bodies that touch do not overlap */

@@ -1,5 +1,5 @@
 /* Sphere; a circle in two dimensions. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 typedef struct {
   PetscReal center[DIM]; /* m */

@@ -2,7 +2,7 @@
 #ifndef ISPH_STL_H
 #define ISPH_STL_H
 
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 /* StlRead - the triangles of a file, binary or text: corner [n][3][3] in the file's unit, to be freed with PetscFree.
    Refuses (UserError) a file that is missing, cut off or something else. Every rank reads. Collective. */

@@ -1,6 +1,6 @@
 /* Infinite thread of liquid with waves along it, Rayleigh's varicose mode: a circular cylinder whose points are moved
  * along the mode's velocity field for a unit of time, a map that keeps volumes. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 #define STEPS 8  /* of the map */
 #define TERMS 24 /* of the Bessel functions' series */

@@ -1,5 +1,5 @@
 /* Initial velocity fields. Each adds to the uniform part; one table and one registration line a field. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 #define GRADIENT_SIZE  (DIM * DIM)
 #define TRACE_ROUNDING 1e-9 /* relative to the largest rate */

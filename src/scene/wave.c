@@ -1,5 +1,5 @@
 /* Box whose top is a standing wave along x at its largest displacement. */
-#include "sceneimpl.h"
+#include "scene_impl.h"
 
 #define STEPS      16 /* of the map */
 #define SAMPLES    64 /* of half a wave, for the nearest point */

@@ -1,5 +1,5 @@
 /* The error budget at the end of a run: what the numbers cannot hide, and which knob to turn first. */
-#include "types.h"
+#include "sim_impl.h"
 
 #define SOLVER_SHARE  0.3  /* of the divergence that steps leave: the solver's tolerance shows */
 #define ENERGY_SHARE  0.01 /* of the energy exchanged that may be missing or appear */

@@ -1,5 +1,5 @@
 /* -dry_run: what a run would need, and a picture of its start. */
-#include "types.h"
+#include "sim_impl.h"
 #include <errno.h>
 #include <petsctime.h>
 #include <stdio.h>

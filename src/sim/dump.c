@@ -1,6 +1,6 @@
 /* -dump_options: the help texts of all options, with what the scene sets, as an options file. PETSc prints help through
    a function pointer; here that function keeps the text. */
-#include "types.h"
+#include "sim_impl.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>

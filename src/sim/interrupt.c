@@ -1,6 +1,6 @@
 /* Ends a run cleanly: at SIGINT, SIGTERM or SIGUSR1, and when -wall_clock_limit is used up. A file that grows beyond
    the user's limit fails like one on a full disk. */
-#include "types.h"
+#include "sim_impl.h"
 #include <petsctime.h>
 #include <signal.h>
 

@@ -1,4 +1,4 @@
-#include "types.h"
+#include "sim_impl.h"
 #include <petsctime.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 /* Relaxation of the packing to rest, as in Kuri et al.: no body force, damped velocities; the result is cached. */
-#include "types.h"
+#include "sim_impl.h"
 
 #define WHY_LENGTH 512
 
@@ -79,6 +79,6 @@ PetscErrorCode Relax(Sim sim)
   PetscCall(PetscArrayzero(arrays.real[FIELD_PRESSURE], arrays.n));
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCall(PackingSetVelocities(sim->packing));
-  PetscCall(StepperForget(sim->stepper));
+  PetscCall(StepperReset(sim->stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

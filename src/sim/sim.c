@@ -1,4 +1,4 @@
-#include "types.h"
+#include "sim_impl.h"
 
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
@@ -165,7 +165,7 @@ static PetscErrorCode Checkpoint(Sim sim)
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
   PetscCall(CloudResync(sim->cloud));
-  PetscCall(StepperForget(sim->stepper));
+  PetscCall(StepperReset(sim->stepper));
   PetscCall(OutputCheckpoint(sim->output, &sim->state));
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

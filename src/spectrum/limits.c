@@ -1,5 +1,5 @@
 /* The explicit terms: the largest step at which they are stable. */
-#include "types.h"
+#include "spectrum_impl.h"
 
 #define TOLERANCE    1e-3 /* relative, of eigenvalues */
 #define DISPLACEMENT 1e-3 /* spacings: of the finite difference of the surface tension */

@@ -5,7 +5,7 @@
    degree, two more than asked for, the capillary operator of the program (CapillaryResponse) becomes a small matrix
    (Rayleigh-Ritz), whose eigenvalues SLEPc gives. The whole operator's are out of reach of a Krylov method: it has all
    displacements that leave the surface alone for a kernel, and the frequencies wanted are its smallest others. */
-#include "types.h"
+#include "spectrum_impl.h"
 
 #define EXTRA   2    /* degrees beyond those reported */
 #define STEP    1e-4 /* R, of the difference that gives the gradient of a harmonic */

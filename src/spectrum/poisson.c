@@ -1,5 +1,5 @@
 /* The pressure operator: its extreme eigenvalues alone and under the preconditioner. */
-#include "types.h"
+#include "spectrum_impl.h"
 
 #define TOLERANCE  1e-4  /* relative, of eigenvalues; of the preconditioned operator 10 times that */
 #define INNER_RTOL 1e-10 /* of the solves with the operator */

@@ -1,4 +1,4 @@
-#include "types.h"
+#include "spectrum_impl.h"
 
 #define SUBSPACE 40 /* dimension of the Krylov space */
 
@@ -82,7 +82,7 @@ PetscErrorCode SpectrumRun(Spectrum s, const SpectrumStep *step)
   PetscCall(SpectrumLimits(s, step->dt));
   PetscCall(SpectrumModes(s));
   PetscCall(PetscFree(s->place));
-  PetscCall(PressureForget(s->pressure));
+  PetscCall(PressureReset(s->pressure));
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

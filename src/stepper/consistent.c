@@ -2,12 +2,12 @@
    dt/2); kernel-corrected divergence, a relaxed density term that leaves the free surface alone, Nair-Tomar closure,
    shifting with velocity correction. Keeps the energy of an impact at three times the spacing the printed scheme needs.
  */
-#include "types.h"
+#include "stepper_impl.h"
 
-PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnose, Attempted *attempted)
+PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnose, StepTrial *trial)
 {
   PetscFunctionBegin;
-  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureProjected, attempted));
+  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureProjected, trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -19,7 +19,7 @@ PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *
 }
 
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose, PressureStep pressure,
-                              Attempted *attempted)
+                              StepTrial *trial)
 {
   Cloud           cloud = stepper->cloud;
   PetscReal      *r, *v, *new_r, *new_v, *a;
@@ -45,19 +45,19 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
   }
   PetscCall(OperatorsMoments(cloud, viscous));
   PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(Diagnose(stepper, diagnose, attempted));
+  PetscCall(Diagnose(stepper, diagnose, trial));
   if (PressureDensity(stepper->pressure) == cloud->field[FIELD_DENSITY]) PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(StageOne(stepper, dt, cloud->rest_density, viscous, attempted));
-  if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StageOne(stepper, dt, cloud->rest_density, viscous, trial));
+  if (trial->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
 
   /* Stage 2: pressure, at the same positions */
   if (stepper->shifting && !PressureTakesDivergence(stepper->pressure))
-    PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, 0, NULL));
-  PetscCall(pressure(stepper, dt, &attempted->pressure));
-  if (attempted->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, 0, NULL));
+  PetscCall(pressure(stepper, dt, &trial->pressure));
+  if (trial->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureAcceleration(stepper->pressure));
   new_r = cloud->field[FIELD_START];
-  new_v = cloud->field[FIELD_PREDICTED];
+  new_v = cloud->field[FIELD_VELOCITY_STAR];
   a     = cloud->field[FIELD_WORK3];
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
     const PetscReal first = stepper->centered ? 0 : v[k]; /* the first half of Eq. (10) is done if centered */
@@ -79,8 +79,8 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose,
       moved[d]       = new_r[DIM * k + d] - r[DIM * k + d];
       r[DIM * k + d] = new_r[DIM * k + d];
     }
-    attempted->displacement = PetscMax(attempted->displacement, drift + Norm(moved));
-    if (!(Norm(moved) < PETSC_MAX_REAL)) attempted->broken = PETSC_TRUE;
+    trial->displacement = PetscMax(trial->displacement, drift + Norm(moved));
+    if (!(Norm(moved) < PETSC_MAX_REAL)) trial->broken = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,7 @@
 /* The scheme of Kuri et al. as printed: Eqs. (1), (2), then Eqs. (8)-(11) at r^F. */
-#include "types.h"
+#include "stepper_impl.h"
 
-PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool diagnose, Attempted *attempted)
+PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool diagnose, StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
   PetscReal *r, *v, *start, *predicted, *a;
@@ -13,11 +13,11 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   PetscCall(OperatorsMoments(cloud, PETSC_FALSE)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], PETSC_FALSE, attempted));
-  if (attempted->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], PETSC_FALSE, trial));
+  if (trial->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
   r         = cloud->field[FIELD_POSITION];
   start     = cloud->field[FIELD_START];
-  predicted = cloud->field[FIELD_PREDICTED];
+  predicted = cloud->field[FIELD_VELOCITY_STAR];
   PetscCall(PetscArraycpy(start, r, DIM * cloud->n_owned));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += dt * predicted[k]; /* Eq. (2) */
 
@@ -26,14 +26,14 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
   PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(Diagnose(stepper, diagnose, attempted));
-  PetscCall(PressureSolve(stepper->pressure, dt, &attempted->pressure));
-  if (attempted->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Diagnose(stepper, diagnose, trial));
+  PetscCall(PressureSolve(stepper->pressure, dt, &trial->pressure));
+  if (trial->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureAcceleration(stepper->pressure));
   r         = cloud->field[FIELD_POSITION]; /* new ghosts may have moved the arrays */
   v         = cloud->field[FIELD_VELOCITY];
   start     = cloud->field[FIELD_START];
-  predicted = cloud->field[FIELD_PREDICTED];
+  predicted = cloud->field[FIELD_VELOCITY_STAR];
   a         = cloud->field[FIELD_WORK3];
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
     const PetscReal velocity = predicted[k] + dt * a[k]; /* Eq. (9) */
@@ -48,8 +48,8 @@ PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool d
     const PetscReal moved[DIM] = {r[3 * k] - start[3 * k], r[3 * k + 1] - start[3 * k + 1],
                                   r[3 * k + 2] - start[3 * k + 2]};
 
-    attempted->displacement = PetscMax(attempted->displacement, Norm(moved));
-    if (!(Norm(moved) < PETSC_MAX_REAL)) attempted->broken = PETSC_TRUE;
+    trial->displacement = PetscMax(trial->displacement, Norm(moved));
+    if (!(Norm(moved) < PETSC_MAX_REAL)) trial->broken = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

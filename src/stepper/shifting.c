@@ -2,12 +2,10 @@
    particle gains its neighbours lose, so that the centre of mass, momentum and angular momentum stay; in the drop
    impact at 0.5 mm that costs about 5 % of the kinetic energy at 5 ms. Speeds and gradient are those that the source of
    the pressure has summed already, of the velocity before the pressure: a pass over the pairs less. */
-#include "types.h"
-
-#define LAMBDA_SHIFTED 0.2 /* at most: spray, or a sheet or thread of one particle, not shifted */
+#include "stepper_impl.h"
 
 #define SHIFT FIELD_WORK3 /* dr */
-#define SHARE FIELD_WORK1 /* see OperatorsShares */
+#define SHARE FIELD_WORK1 /* see OperatorsCompensationWeights */
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
    'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
@@ -17,7 +15,7 @@ static void Wish(Stepper stepper, PetscReal dt, PetscInt a, PetscReal dr[DIM])
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
   const PetscReal  cap   = stepper->shifting_cap * cloud->domain->spacing,
                   factor = -stepper->shifting_strength * KernelSmoothingLength(cloud->kernel) * dt *
-                           cloud->field[FIELD_CONTRAST][a];
+                           cloud->field[FIELD_VELOCITY_JUMP][a];
   PetscReal length;
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
@@ -53,7 +51,7 @@ static void Taylor(Cloud cloud, PetscInt a, const PetscReal dr[DIM], PetscReal c
   const PetscReal *G = cloud->field[FIELD_GRADIENT] + DIM * DIM * a;
   PetscReal        along[DIM];
 
-  TensorApply(cloud->field[FIELD_MOMENT] + 6 * a, dr[0], dr[1], dr[2], along);
+  TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, dr[0], dr[1], dr[2], along);
   for (PetscInt d = 0; d < DIM; d++) change[d] = Dot(G + DIM * d, along);
 }
 
@@ -103,7 +101,7 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
     PetscReal dr[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
-    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_SHIFTED) continue;
+    if (cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA) continue;
     Wish(stepper, dt, a, dr);
     Taylor(cloud, a, dr, change + DIM * a);
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += dr[d];
@@ -114,18 +112,18 @@ static PetscErrorCode ShiftPlain(Stepper stepper, PetscReal dt, PetscReal x[], P
 PetscErrorCode Shift(Stepper stepper, PetscReal dt)
 {
   Cloud      cloud  = stepper->cloud;
-  PetscReal *change = cloud->field[FIELD_ACCELERATION], *u = cloud->field[FIELD_PREDICTED],
+  PetscReal *change = cloud->field[FIELD_ACCELERATION], *u = cloud->field[FIELD_VELOCITY_STAR],
             *v = cloud->field[FIELD_VELOCITY], *x = cloud->field[FIELD_START];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SHIFT), 0, 0, 0, 0));
   if (stepper->shifting_conserved) {
-    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
-    PetscCall(OperatorsShares(cloud));
+    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
+    PetscCall(OperatorsCompensationWeights(cloud));
     PetscCall(Wishes(stepper, dt));
     PetscCall(Displace(stepper, x, change));
     PetscCall(CloudUpdate(cloud, FIELD_START));
-    PetscCall(OperatorsConserve(cloud, x, u, change));
+    PetscCall(OperatorsCompensate(cloud, x, u, change));
   } else
     PetscCall(ShiftPlain(stepper, dt, x, change));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = u[k] + change[k];

@@ -1,9 +1,9 @@
 /* Stage one of a step, and what is measured where it was evaluated: density, surface, divergence, work. */
-#include "types.h"
+#include "stepper_impl.h"
 
-/* Sum of m v.u of the fluid for a field u, this rank: the power (W) of an acceleration; of FIELD_PREDICTED (J), the
+/* Sum of m v.u of the fluid for a field u, this rank: the power (W) of an acceleration; of FIELD_VELOCITY_STAR (J), the
    change of which is the work of an implicit force. */
-static PetscReal Overlap(Cloud cloud, PetscInt field)
+static PetscReal MassWeightedDot(Cloud cloud, PetscInt field)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[field];
   PetscReal        sum = 0;
@@ -21,9 +21,9 @@ static PetscReal Area(Cloud cloud, PetscInt a)
 }
 
 /* What the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA, is made of. The flux of the
-   liquid through its surface should vanish; what it does not is taken out in Judge as if it were spread evenly, because
-   the pressure that all of a drop has in common would do work on it. */
-static void CapillaryWork(Cloud cloud, PetscReal dt, Attempted *attempted)
+   liquid through its surface should vanish; what it does not is taken out in CheckTrial as if it were spread evenly,
+   because the pressure that all of a drop has in common would do work on it. */
+static void CapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
                   *capillary = cloud->field[FIELD_CAPILLARY];
@@ -32,10 +32,10 @@ static void CapillaryWork(Cloud cloud, PetscReal dt, Attempted *attempted)
     const PetscReal area = Area(cloud, a), inward = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
 
     if (area == 0) continue;
-    attempted->tension_work += capillary[a] * inward;
-    attempted->inward += inward;
-    attempted->area += area;
-    attempted->capillary_area += capillary[a] * area;
+    trial->tension_work += capillary[a] * inward;
+    trial->inward += inward;
+    trial->area += area;
+    trial->capillary_area += capillary[a] * area;
   }
 }
 
@@ -44,19 +44,18 @@ PetscBool ViscosityIsExplicit(Stepper stepper)
   return (PetscBool)(SceneHasViscosity(stepper->cloud->scene) && !stepper->viscous.implicit);
 }
 
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous,
-                        Attempted *attempted)
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous, StepTrial *trial)
 {
   Cloud      cloud        = stepper->cloud;
   PetscReal *acceleration = cloud->field[FIELD_ACCELERATION], *v = cloud->field[FIELD_VELOCITY],
-            *predicted = cloud->field[FIELD_PREDICTED];
+            *predicted = cloud->field[FIELD_VELOCITY_STAR];
   PetscReal before     = 0; /* power of what acts so far, W */
 
   PetscFunctionBegin;
   if (!viscous) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (ViscosityIsExplicit(stepper)) {
     if (!viscous) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
-    attempted->viscous_work = dt * Overlap(cloud, FIELD_ACCELERATION);
+    trial->viscous_work = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
   }
   if (stepper->damping == 1)
     for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -65,24 +64,24 @@ PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[]
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
       for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += g[d];
     }
-  if (TensionReach(stepper->tension) > 0) before = Overlap(cloud, FIELD_ACCELERATION);
+  if (TensionReach(stepper->tension) > 0) before = MassWeightedDot(cloud, FIELD_ACCELERATION);
   PetscCall(TensionApply(stepper->tension, cloud));
   if (TensionReach(stepper->tension) > 0) {
-    attempted->tension_work = dt * (Overlap(cloud, FIELD_ACCELERATION) - before);
-    CapillaryWork(cloud, dt, attempted);
+    trial->tension_work = dt * (MassWeightedDot(cloud, FIELD_ACCELERATION) - before);
+    CapillaryWork(cloud, dt, trial);
   }
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) predicted[k] = stepper->damping * v[k] + dt * acceleration[k];
   for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++) predicted[k] = v[k];
   if (stepper->viscous.implicit) {
-    before = Overlap(cloud, FIELD_PREDICTED);
-    PetscCall(ViscousSolve(stepper, dt, density, &attempted->viscous));
-    attempted->viscous_work = Overlap(cloud, FIELD_PREDICTED) - before;
+    before = MassWeightedDot(cloud, FIELD_VELOCITY_STAR);
+    PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
+    trial->viscous_work = MassWeightedDot(cloud, FIELD_VELOCITY_STAR) - before;
   } else
-    PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted)
+PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
   PetscReal *div;
@@ -91,18 +90,18 @@ PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attemp
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal ratio = cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a];
 
-    attempted->density = PetscMax(attempted->density, ratio);
-    attempted->surface += BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension * Area(cloud, a);
+    trial->density = PetscMax(trial->density, ratio);
+    trial->surface += BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension * Area(cloud, a);
     if (cloud->integer[INT_SURFACE][a]) continue;
-    attempted->error += ratio;
-    attempted->error2 += PetscSqr(ratio - 1);
-    attempted->inside++;
+    trial->error += ratio;
+    trial->error2 += PetscSqr(ratio - 1);
+    trial->inside++;
   }
   if (!divergence) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(cloud->n_owned, &div));
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (!cloud->integer[INT_SURFACE][a]) attempted->divergence2 += PetscSqr(div[a]);
+    if (!cloud->integer[INT_SURFACE][a]) trial->divergence2 += PetscSqr(div[a]);
   PetscCall(PetscFree(div));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

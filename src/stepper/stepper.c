@@ -1,4 +1,4 @@
-#include "types.h"
+#include "stepper_impl.h"
 
 #define MAX_HALVINGS            10
 #define COMPRESSIBLE_RELAXATION 25 /* default of -pressure_relaxation_ratio: a faster repair does work on the sound */
@@ -212,10 +212,10 @@ PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepperForget(Stepper stepper)
+PetscErrorCode StepperReset(Stepper stepper)
 {
   PetscFunctionBegin;
-  PetscCall(PressureForget(stepper->pressure));
+  PetscCall(PressureReset(stepper->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -240,7 +240,7 @@ static void KineticEnergy(Cloud cloud, PetscReal *energy, PetscReal *mass)
   }
 }
 
-/* What Judge sums over the ranks. */
+/* What CheckTrial sums over the ranks. */
 enum {
   SUM_ERROR2,
   SUM_DIVERGENCE2,
@@ -258,23 +258,22 @@ enum {
 };
 
 /* The verdict over all ranks; 'why' says what is wrong, empty if nothing is. */
-static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *attempted, PetscReal sums[SUM_COUNT],
-                            char why[], size_t length)
+static PetscErrorCode CheckTrial(Stepper stepper, PetscReal dt, const StepTrial *trial, PetscReal sums[SUM_COUNT],
+                                 char why[], size_t length)
 {
   Cloud           cloud    = stepper->cloud;
   const PetscReal spacing  = cloud->domain->spacing;
-  PetscReal       local[3] = {attempted->displacement / spacing, attempted->density, (PetscReal)attempted->broken},
-            largest[3], all;
-  PetscReal parts[SUM_COUNT] = {[SUM_ERROR2]      = attempted->error2,
-                                [SUM_DIVERGENCE2] = attempted->divergence2,
-                                [SUM_INSIDE]      = (PetscReal)attempted->inside,
-                                [SUM_ERROR]       = attempted->error,
-                                [SUM_SURFACE]     = attempted->surface,
-                                [SUM_VISCOUS]     = attempted->viscous_work,
-                                [SUM_TENSION]     = attempted->tension_work,
-                                [SUM_INWARD]      = attempted->inward,
-                                [SUM_AREA]        = attempted->area,
-                                [SUM_CAPILLARY]   = attempted->capillary_area};
+  PetscReal       local[3] = {trial->displacement / spacing, trial->density, (PetscReal)trial->broken}, largest[3], all;
+  PetscReal       parts[SUM_COUNT] = {[SUM_ERROR2]      = trial->error2,
+                                      [SUM_DIVERGENCE2] = trial->divergence2,
+                                      [SUM_INSIDE]      = (PetscReal)trial->inside,
+                                      [SUM_ERROR]       = trial->error,
+                                      [SUM_SURFACE]     = trial->surface,
+                                      [SUM_VISCOUS]     = trial->viscous_work,
+                                      [SUM_TENSION]     = trial->tension_work,
+                                      [SUM_INWARD]      = trial->inward,
+                                      [SUM_AREA]        = trial->area,
+                                      [SUM_CAPILLARY]   = trial->capillary_area};
 
   PetscFunctionBegin;
   why[0] = 0;
@@ -282,17 +281,16 @@ static PetscErrorCode Judge(Stepper stepper, PetscReal dt, const Attempted *atte
   PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(parts, sums, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
   all = stepper->energy_at_hand * sums[SUM_MASS];
-  if (attempted->viscous < 0)
+  if (trial->viscous < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
                             "larger -viscous_ksp_max_it or -viscous_ksp_rtol",
-                            KSPConvergedReasons[attempted->viscous], (double)dt));
-  else if (attempted->pressure.reason < 0)
+                            KSPConvergedReasons[trial->viscous], (double)dt));
+  else if (trial->pressure.reason < 0)
     PetscCall(PetscSNPrintf(why, length,
                             "the pressure solver stopped with %s after %" PetscInt_FMT
                             " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol",
-                            KSPConvergedReasons[attempted->pressure.reason], attempted->pressure.iterations,
-                            (double)dt));
+                            KSPConvergedReasons[trial->pressure.reason], trial->pressure.iterations, (double)dt));
   else if (largest[2] > 0)
     PetscCall(PetscSNPrintf(why, length,
                             "positions or velocities are not numbers any more (step %g s): try a smaller -time_cfl",
@@ -339,20 +337,20 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   stepper->first = (PetscBool)(state->step == 0);
   *failed        = PETSC_TRUE;
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
-    Attempted attempted = {0};
+    StepTrial trial = {0};
 
     SceneSetTime(cloud->scene, state->time + (stepper->centered ? 0.5 * dt : 0));
-    PetscCall(stepper->scheme(stepper, dt, diagnose, &attempted));
-    PetscCall(Judge(stepper, dt, &attempted, sums, why, length));
-    iterations += attempted.pressure.iterations;
-    state->solver_error = attempted.pressure.density;
+    PetscCall(stepper->scheme(stepper, dt, diagnose, &trial));
+    PetscCall(CheckTrial(stepper, dt, &trial, sums, why, length));
+    iterations += trial.pressure.iterations;
+    state->solver_error = trial.pressure.density;
     if (!why[0]) {
       *failed = PETSC_FALSE;
       break;
     }
     state->rejected++;
     PetscCall(PetscInfo(NULL, "step of %g s rolled back: %s\n", (double)dt, why));
-    PetscCall(PressureForget(stepper->pressure));
+    PetscCall(PressureReset(stepper->pressure));
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudCommit(cloud, &state->lost));
@@ -371,8 +369,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt)
 {
-  Cloud     cloud     = stepper->cloud;
-  Attempted attempted = {0};
+  Cloud     cloud = stepper->cloud;
+  StepTrial trial = {0};
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
@@ -380,7 +378,7 @@ PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal
   PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(StageOne(stepper, *dt, PressureDensity(stepper->pressure), PETSC_FALSE, &attempted));
+  PetscCall(StageOne(stepper, *dt, PressureDensity(stepper->pressure), PETSC_FALSE, &trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -391,8 +389,8 @@ ViscosityForm StepperViscosityForm(Stepper stepper)
 
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 {
-  Cloud     cloud     = stepper->cloud;
-  Attempted attempted = {0};
+  Cloud     cloud = stepper->cloud;
+  StepTrial trial = {0};
   PetscReal sums[SUM_COUNT];
   char      why[1];
 
@@ -400,8 +398,8 @@ PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
   PetscCall(CloudBegin(cloud, PETSC_FALSE));
   PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(Diagnose(stepper, PETSC_FALSE, &attempted));
-  PetscCall(Judge(stepper, 0, &attempted, sums, why, sizeof(why)));
+  PetscCall(Diagnose(stepper, PETSC_FALSE, &trial));
+  PetscCall(CheckTrial(stepper, 0, &trial, sums, why, sizeof(why)));
   Measure(sums, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -417,11 +415,11 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
   PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(PetscArraycpy(cloud->field[FIELD_PREDICTED], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
+  PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_STAR], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   PetscCall(PressureSetUp(stepper->pressure, dt));
   PetscCall(ViscousPrepare(stepper));
-  PetscCall(PressureForget(stepper->pressure));
+  PetscCall(PressureReset(stepper->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,8 +40,8 @@ ViscosityForm StepperViscosityForm(Stepper stepper);
 /* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
  */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
-/* StepperForget - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
-PetscErrorCode StepperForget(Stepper stepper);
+/* StepperReset - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
+PetscErrorCode StepperReset(Stepper stepper);
 /* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each
    step (1: the real dynamics with body force). Not collective. */
 PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor);

@@ -1,12 +1,12 @@
 /* Implicit viscosity: (1 - dt V) u = v + dt a, V the viscous operator, a all other accelerations of stage one; backward
    Euler. Rows are scaled with the mass, which makes the operator symmetric and positive; it is applied by
    pairs, not assembled. */
-#include "types.h"
+#include "stepper_impl.h"
 
 #define VISCOUS_RATIO  30   /* Couette flow at 20 spacings: largest error 0.8 % of the wall's speed */
 #define VISCOUS_RTOL   1e-8 /* momentum is kept to about this */
 #define VISCOUS_MAXITS 2000
-#define FIELD_ITERATE  FIELD_PREDICTED /* where the operator finds its argument */
+#define FIELD_ITERATE  FIELD_VELOCITY_STAR /* where the operator finds its argument */
 
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
 {
@@ -149,7 +149,7 @@ PetscErrorCode ViscousPrepare(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* b = m (predicted + dt V(0; velocity of walls)), x = v; 'predicted' is FIELD_PREDICTED, which is overwritten. */
+/* b = m (predicted + dt V(0; velocity of walls)), x = v; 'predicted' is FIELD_VELOCITY_STAR, which is overwritten. */
 static PetscErrorCode RightHandSide(Stepper stepper)
 {
   Cloud        cloud   = stepper->cloud;
@@ -159,7 +159,7 @@ static PetscErrorCode RightHandSide(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(VecGetArrayWrite(viscous->x, &x));
   PetscCall(VecGetArrayWrite(viscous->b, &b));
-  PetscCall(PetscArraycpy(x, cloud->field[FIELD_PREDICTED], DIM * cloud->n_fluid));
+  PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY_STAR], DIM * cloud->n_fluid));
   PetscCall(Load(stepper, NULL, PETSC_TRUE));
   PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, viscous->pair, FIELD_ITERATE, b));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
@@ -192,7 +192,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   PetscCall(KSPSolve(viscous->ksp, viscous->b, viscous->x));
   PetscCall(KSPGetConvergedReason(viscous->ksp, reason));
   PetscCall(Load(stepper, viscous->x, PETSC_TRUE));
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,10 +9,9 @@
 
    Density diffusion keeps the pressure smooth: Molteni & Colagrossi 2009, without the hydrostatic part (Fourtakas et
    al. 2019), which would pull the liquid of a film at rest apart. */
-#include "types.h"
+#include "stepper_impl.h"
 
-#define TAIT_EXPONENT 7   /* water; Monaghan 1994 */
-#define LAMBDA_ALONE  0.2 /* at most: a spray particle, which has no pressure */
+#define TAIT_EXPONENT 7 /* water; Monaghan 1994 */
 
 PetscErrorCode CompressibleSetFromOptions(Stepper s, OptionItems PetscOptionsObject)
 {
@@ -113,9 +112,9 @@ static PetscErrorCode ExtendToWalls(Stepper stepper)
 /* The new pressure of the fluid from the source. */
 static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
 {
-  Cloud           cloud = stepper->cloud;
-  const PetscReal c2    = PetscSqr(stepper->sound_speed);
-  PetscReal      *p     = cloud->field[FIELD_PRESSURE], *rhs, *diffusion;
+  Cloud           cloud       = stepper->cloud;
+  const PetscReal c2          = PetscSqr(stepper->sound_speed);
+  PetscReal      *p           = cloud->field[FIELD_PRESSURE], *rhs, *diffusion;
   const PetscBool accumulates = PressureTakesDivergence(stepper->pressure);
 
   PetscFunctionBegin;
@@ -129,7 +128,7 @@ static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal B = cloud->rest_density[a] * c2 / TAIT_EXPONENT, change = dt * dt * rhs[a];
 
-    if (cloud->field[FIELD_LAMBDA][a] <= LAMBDA_ALONE)
+    if (cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA)
       p[a] = 0;
     else if (accumulates)
       p[a] = B * ((1 + p[a] / B) * PetscExpReal(TAIT_EXPONENT * change) - 1) + dt * diffusion[a];
@@ -141,7 +140,7 @@ static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FIELD_PREDICTED = v + dt a. */
+/* FIELD_VELOCITY_STAR = v + dt a. */
 static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 {
   Cloud            cloud = stepper->cloud;
@@ -149,8 +148,8 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
-    cloud->field[FIELD_PREDICTED][k] = stepper->damping * v[k] + dt * a[k];
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+    cloud->field[FIELD_VELOCITY_STAR][k] = stepper->damping * v[k] + dt * a[k];
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -186,9 +185,9 @@ static PetscErrorCode PressureCompressed(Stepper stepper, PetscReal dt, Pressure
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SchemeWeaklyCompressible(Stepper stepper, PetscReal dt, PetscBool diagnose, Attempted *attempted)
+PetscErrorCode SchemeWeaklyCompressible(Stepper stepper, PetscReal dt, PetscBool diagnose, StepTrial *trial)
 {
   PetscFunctionBegin;
-  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureCompressed, attempted));
+  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureCompressed, trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,7 @@
    as the surface particles of a rank and their surroundings need, and no rank asks another unless its ghosts do not
    reach that far. A rank whose surface is so spread that it must take larger cells evaluates more and keeps the same.
  */
-#include "types.h"
+#include "tension_impl.h"
 
 #define MAX_CELLS (1 << 25) /* above, the cells are made larger: a bound of the memory */
 #define JOIN      3         /* cells along x from one mark to the next within which one stroke marks around both */

@@ -1,4 +1,4 @@
-#include "types.h"
+#include "tension_impl.h"
 
 #define CHUNK 512
 

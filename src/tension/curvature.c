@@ -11,7 +11,7 @@
    Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
    contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is set
    right in grad phi (SumMirrored) and in the normals of the images (Mirror). */
-#include "types.h"
+#include "tension_impl.h"
 
 #define ALIKE      0.2       /* n_a . n_b above: the same side of the liquid */
 #define FEWEST     (DIM + 2) /* normals a fit needs */

@@ -24,7 +24,7 @@
    -0.5 sigma, and the crown of the drop impact holds. Repulsion of 4/3 as much would leave no wave to grow, but pushes
    particles out of the plane more. The pull of the edge stays, to what sums over a lattice of that spacing differ from
    integrals (2 % of W_c). */
-#include "types.h"
+#include "tension_impl.h"
 
 #define THICKNESS_SPRAY 0.41 /* over the spacing; below, S would be more than that of a sphere: a constant slope */
 #define LACK_NONE       0.2  /* of phi to the flat surface that grad phi tells of; below: none of S' */

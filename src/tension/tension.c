@@ -1,4 +1,4 @@
-#include "types.h"
+#include "tension_impl.h"
 
 static PetscFunctionList TensionList = NULL;
 

@@ -11,7 +11,7 @@ allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
 # The headers a folder shows to the others; what it has besides is its own.
 declare -A public=([neighbors]=cloud.h)
 # Second public headers, and files the makefile generates.
-extra=" stepper/state.h "
+extra=" stepper/state.h neighbors/rows.h "
 generated=" names.h "
 bad=0
 fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
@@ -44,6 +44,14 @@ while IFS=: read -r file line text; do
     fail "$file:$line includes $header, a private header of src/$to; its public one is ${public[$to]:-$to.h}"
   fi
 done < <(grep -nE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' -r src --include='*.[ch]' | sort)
+
+# One convention for private headers: <folder>_impl.h, and <file>.h beside <file>.c for what only a few files share.
+while IFS= read -r header; do
+  folder=$(basename "$(dirname "$header")") name=$(basename "$header" .h)
+  [ "$name" = "$folder" ] || [ "$name" = "${folder}_impl" ] || [ "$name.h" = "${public[$folder]:-}" ] ||
+    [[ "$extra" == *" $folder/$name.h "* ]] || [ -f "${header%.h}.c" ] ||
+    fail "$header is neither the header of its folder, ${folder}_impl.h nor that of a file beside it"
+done < <(find src -name '*.h' | sort)
 
 [ "$count" -gt 0 ] || fail "no include was found under src/"
 [ "$bad" = 0 ] && echo "ok layers ($count includes)"

@@ -5,7 +5,7 @@
 
      compare -options_file run.opts [-state FILE]
 */
-#include "../../src/sim/types.h"
+#include "../../src/sim/sim_impl.h"
 #include <hdf5.h>
 #include <malloc.h>
 
@@ -213,7 +213,7 @@ static PetscErrorCode Try(Sim sim, PetscReal dt, PetscReal rtol, Vec reference, 
   out->ran   = PETSC_TRUE;
   out->setup = out->solve = out->difference = PETSC_INFINITY;
   for (PetscInt repeat = 0; repeat < REPEATS; repeat++) {
-    PetscCall(PressureForget(sim->pressure));
+    PetscCall(PressureReset(sim->pressure));
     PetscCall(PressureAssemble(sim->pressure, dt, &A, &b));
     heap = HeapInUse();
     PetscCall(Spent(sim->comm, "PCSetUp", &before[0]));

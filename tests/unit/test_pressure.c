@@ -46,9 +46,10 @@ static PetscErrorCode MakePressure(Setup *s, PetscBool paper)
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal v = RandomUnit(2, (unsigned long long)(DIM * s->cloud->integer[INT_ID][a] + d));
 
-      s->cloud->field[FIELD_PREDICTED][DIM * a + d] = s->cloud->integer[INT_LAYER][a] || d >= s->domain->dim ? 0 : v;
+      s->cloud->field[FIELD_VELOCITY_STAR][DIM * a + d] =
+        s->cloud->integer[INT_LAYER][a] || d >= s->domain->dim ? 0 : v;
     }
-  PetscCall(CloudUpdate(s->cloud, FIELD_PREDICTED));
+  PetscCall(CloudUpdate(s->cloud, FIELD_VELOCITY_STAR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -218,7 +219,7 @@ static PetscErrorCode TestClosure(PetscBool paper, const char label[])
     const PetscReal *n    = s.cloud->field[FIELD_NORMAL] + DIM * a;
     PetscReal        Bn[DIM], due = 0;
 
-    TensorApply(s.cloud->field[FIELD_MOMENT] + 6 * a, n[0], n[1], n[2], Bn);
+    TensorApply(s.cloud->field[FIELD_CORRECTION] + 6 * a, n[0], n[1], n[2], Bn);
     if (paper)
       due = s.cloud->integer[INT_SURFACE][a] == 1 ? pairs : 0;
     else if (fluid)
@@ -349,8 +350,8 @@ static PetscErrorCode TestRotatingSquare(PetscInt side, const char closure[], Pe
     cloud->field[FIELD_POSITION][k] += dt * cloud->field[FIELD_VELOCITY][k];
   PetscCall(CloudMoved(cloud, PETSC_TRUE));
   PetscCall(MakePressure(&s, PETSC_FALSE));
-  PetscCall(PetscArraycpy(cloud->field[FIELD_PREDICTED], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_STAR], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscCall(PressureSolve(s.pressure, dt, &result));
   nearest = 1.1 * PETSC_SQRT2 / 2 * spacing; /* the four around the middle */
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {

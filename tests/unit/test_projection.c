@@ -35,7 +35,7 @@ static PetscReal Length(Cloud cloud)
 {
   PetscReal sum = 0;
 
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) sum += PetscSqr(cloud->field[FIELD_PREDICTED][k]);
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) sum += PetscSqr(cloud->field[FIELD_VELOCITY_STAR][k]);
   return PetscSqrtReal(SetupSum(sum));
 }
 
@@ -55,13 +55,13 @@ static PetscErrorCode TestCrowd(const char gradient[])
   PetscCall(PressureCreate(s.cloud, &s.pressure));
   PetscCall(PressureSetTypes(s.pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, gradient, PETSC_FALSE));
   PetscCall(PressureSetFromOptions(s.pressure));
-  v = s.cloud->field[FIELD_PREDICTED];
+  v = s.cloud->field[FIELD_VELOCITY_STAR];
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
     for (PetscInt d = 0; d < DIM; d++)
       v[DIM * a + d] = d < 2 ? RandomUnit(3, (unsigned long long)(DIM * s.cloud->integer[INT_ID][a] + d)) - 0.5 : 0;
   first = Length(s.cloud);
   for (PetscInt k = 0; k < REPEATED; k++) {
-    PetscCall(CloudUpdate(s.cloud, FIELD_PREDICTED));
+    PetscCall(CloudUpdate(s.cloud, FIELD_VELOCITY_STAR));
     PetscCall(PressureSolve(s.pressure, dt, &result));
     PetscCall(PressureAcceleration(s.pressure));
     for (PetscInt l = 0; l < DIM * s.cloud->n_fluid; l++) v[l] += dt * s.cloud->field[FIELD_WORK3][l];

@@ -282,8 +282,7 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-bodies a,a", "twice", "refuse_twice"));
   PetscCall(Refused(CUBE "-bodies 2a", "'2a' is not a name", "refuse_name"));
   PetscCall(Refused(CUBE "-bodies box", "taken", "refuse_box_name"));
-  PetscCall(
-    Refused(CUBE "-bodies a -a_shape cone", "half_space, stl, thread, wave", "refuse_shape"));
+  PetscCall(Refused(CUBE "-bodies a -a_shape cone", "half_space, stl, thread, wave", "refuse_shape"));
   PetscCall(Refused(CUBE BALL "-a_velocity_type spin", "taylor_green", "refuse_velocity_type"));
   PetscCall(Refused(CUBE "-bodies a -a_shape sphere", "-a_radius is missing", "refuse_no_radius"));
   PetscCall(Refused(CUBE BALL "-a_radius -1", "-a_radius must be positive", "refuse_radius"));

@@ -1,7 +1,7 @@
 /* Shifting: the centre of mass, momentum and angular momentum stay, in two and three dimensions, of one and of two
    liquids; it does move particles, and to where they are more even; a step has what it reads. Runs on any number of
    ranks. */
-#include "../../src/stepper/types.h"
+#include "../../src/stepper/stepper_impl.h"
 #include "setup.h"
 #include "check.h"
 
@@ -66,12 +66,12 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   uneven                      = Unevenness(cloud);
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt d = 0; d < DIM; d++)
-      cloud->field[FIELD_PREDICTED][DIM * a + d] =
+      cloud->field[FIELD_VELOCITY_STAR][DIM * a + d] =
         d < cloud->domain->dim ? 1 + RandomUnit(9, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d)) : 0;
-  PetscCall(CloudUpdate(cloud, FIELD_PREDICTED));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscCall(PetscArraycpy(cloud->field[FIELD_START], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
-  Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_PREDICTED], before);
-  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_PREDICTED], PETSC_TRUE, 0, NULL));
+  Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_VELOCITY_STAR], before);
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, 0, NULL));
   PetscCall(Shift(stepper, DT));
   Sums(cloud, cloud->field[FIELD_START], cloud->field[FIELD_VELOCITY], after);
   for (PetscInt i = 0; i < turns; i++) {
@@ -103,7 +103,7 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
 /* Whatever the source of the pressure is, a step sums the speeds that its shifting reads. */
 static PetscErrorCode CheckSpeeds(const char options[], const char label[])
 {
-  Attempted attempted = {0};
+  StepTrial trial = {0};
   Setup     s;
   Stepper   stepper;
   PetscReal unknown = 0;
@@ -113,9 +113,9 @@ static PetscErrorCode CheckSpeeds(const char options[], const char label[])
   PetscCall(PressureCreate(s.cloud, &s.pressure));
   PetscCall(StepperCreate(s.cloud, s.tension, s.pressure, &stepper));
   PetscCall(StepperSetFromOptions(stepper));
-  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_CONTRAST][a] = -1;
-  PetscCall(SchemeConsistent(stepper, 1e-4, PETSC_FALSE, &attempted));
-  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) unknown += s.cloud->field[FIELD_CONTRAST][a] < 0;
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_VELOCITY_JUMP][a] = -1;
+  PetscCall(SchemeConsistent(stepper, 1e-4, PETSC_FALSE, &trial));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) unknown += s.cloud->field[FIELD_VELOCITY_JUMP][a] < 0;
   CHECK_CLOSE(SetupSum(unknown), 0, 0, label);
   PetscCall(StepperDestroy(&stepper));
   PetscCall(SetupClose(&s));

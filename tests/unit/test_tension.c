@@ -2,7 +2,7 @@
    curvature, and at walls. Lengths in spacings, tension 1. Runs on any number of ranks. */
 #include "setup.h"
 #include "check.h"
-#include "../../src/tension/types.h"
+#include "../../src/tension/tension_impl.h"
 
 #define MAX_POINTS 16000
 #define JITTER     0.1 /* of each coordinate, spacings */

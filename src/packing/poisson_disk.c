@@ -2,7 +2,7 @@
    the free surface, then the volume. Departures: the samples stand half a spacing inside the surface, where the centres
    of particles belong; the volume is filled by plain darts whose distance shrinks until there are V / d0^dim of them,
    the number that can reach rho_0; TAO takes the place of their relaxation. */
-#include "types.h"
+#include "packing_impl.h"
 
 #define SURFACE_RADIUS  0.95 /* first distance between surface samples, spacings */
 #define SURFACE_DARTS   15   /* a grid cell crossed by the surface */

@@ -23,7 +23,7 @@ typedef struct {
   PetscReal inward, area, capillary_area;
   PetscInt  inside; /* particles in those sums */
   PetscBool broken; /* not a number, this rank */
-} Attempted;
+} StepTrial;
 
 typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
 
@@ -40,7 +40,7 @@ typedef struct {
   Vec           x, b; /* velocities of the fluid, [n_fluid][3] */
 } Viscous;
 
-typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, Attempted *);
+typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, StepTrial *);
 
 /* How the pressure of a step comes about: FIELD_PRESSURE of owned particles and ghosts. */
 typedef PetscErrorCode (*PressureStep)(Stepper, PetscReal dt, PressureResult *);
@@ -70,38 +70,37 @@ struct _p_Stepper {
   PetscReal sound_speed, sound_mach, sound_cfl, density_diffusion, lattice_sum;
 };
 
-PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, Attempted *);
-PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, Attempted *);
-PetscErrorCode SchemeWeaklyCompressible(Stepper, PetscReal, PetscBool, Attempted *);
+PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, StepTrial *);
+PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, StepTrial *);
+PetscErrorCode SchemeWeaklyCompressible(Stepper, PetscReal, PetscBool, StepTrial *);
 /* CompressibleSetFromOptions - the options of the weakly compressible scheme, inside an options block;
    CompressibleCheck - refuses bad values, after it, and chooses the speed of sound for the scene's velocity (m/s).
    Collective. */
 PetscErrorCode CompressibleSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode CompressibleCheck(Stepper stepper, PetscReal velocity);
 /* ConsistentStep - the step that the consistent and the weakly compressible scheme share. Collective. */
-PetscErrorCode ConsistentStep(Stepper, PetscReal, PetscBool, PressureStep, Attempted *);
+PetscErrorCode ConsistentStep(Stepper, PetscReal, PetscBool, PressureStep, StepTrial *);
 /* PressureProjected - by PressureSolve. Collective. */
 PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result);
 /* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
-   FIELD_PREDICTED = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
+   FIELD_VELOCITY_STAR = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
    viscosity divides by. viscous: OperatorsMoments has left the viscous term in FIELD_ACCELERATION. Also
-   attempted->viscous_work and tension_work. Viscosity acts at the new velocity in steps that StepSize made implicit.
+   trial->viscous_work and tension_work. Viscosity acts at the new velocity in steps that StepSize made implicit.
    Collective. */
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous,
-                        Attempted *attempted);
+PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous, StepTrial *trial);
 /* ViscosityIsExplicit - in this step; false also without viscosity. Not collective. */
 PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
-   ViscousSolve - FIELD_PREDICTED (of the fluid, without viscosity) becomes the velocity u with u = predicted + dt V u,
-   ghosts included, walls with their own velocity. Overwrites FIELD_WORK1, FIELD_WORK3. Collective. */
+   ViscousSolve - FIELD_VELOCITY_STAR (of the fluid, without viscosity) becomes the velocity u with u = predicted + dt V
+   u, ghosts included, walls with their own velocity. Overwrites FIELD_WORK1, FIELD_WORK3. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], KSPConvergedReason *reason);
 PetscErrorCode ViscousDestroy(Stepper stepper);
 /* Diagnose - density error, largest density, area of the free surface and (if asked) divergence of FIELD_VELOCITY, at
    the positions where moments and surface were last evaluated. Not collective. */
-PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, Attempted *attempted);
-/* Shift - moves FIELD_START (the new positions, m) towards an even distribution and takes FIELD_PREDICTED (the new
+PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, StepTrial *trial);
+/* Shift - moves FIELD_START (the new positions, m) towards an even distribution and takes FIELD_VELOCITY_STAR (the new
    velocity, m/s) to where the particles then are: into FIELD_VELOCITY; reads what the last OperatorsDivergence summed.
    If shifting is conserved, centre of mass, momentum and angular momentum of the fluid stay, to round-off, except what
    mirrors and the box's period do to them. Lists, kernels and B are those of FIELD_POSITION. Overwrites FIELD_WORK1,

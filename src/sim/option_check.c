@@ -1,4 +1,4 @@
-#include "types.h"
+#include "sim_impl.h"
 
 /* Options that PETSc reads during the run or at its end. */
 static const char *const late[] = {

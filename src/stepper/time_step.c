@@ -1,11 +1,10 @@
 /* The size of the time step. */
-#include "types.h"
+#include "stepper_impl.h"
 
 #define VISCOUS_LIMIT   0.08 /* dt <= this h^2/nu: 0.125 is marginal for the form of Morris et al. */
 #define LAST_LONGER     1e-3 /* a last step may be longer by this share of it */
 #define CAPILLARY_LIMIT 0.25 /* dt <= this sqrt(rho h^3/(2 pi sigma)) (Brackbill et al. 1992) */
 #define FORCE_LIMIT     0.03 /* dt <= this sqrt(h/|g|): a jittered film at rest is stable at 0.03, not at 0.045 */
-#define SPRAY_LAMBDA    0.2  /* at most: a particle almost alone, which meets no pressure */
 #define SPRAY_SHARE     0.8  /* of -displacement_max that it may move in a step */
 #define GROWTH          1.2  /* from one step to the next, at most */
 #define SAMPLES         5    /* points a direction at which the initial velocity of a body is read */

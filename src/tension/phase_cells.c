@@ -1,5 +1,5 @@
 /* The liquid around a cell, in columns that the compiler can vectorise over. */
-#include "types.h"
+#include "tension_impl.h"
 
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
 {
