@@ -1,5 +1,6 @@
 #include "halo.h"
 #include "search.h"
+#include "work.h"
 
 /* Cell of the canonical order of ParticlesSort, in kernel supports. */
 #define SORT_CELL 1.0
@@ -61,6 +62,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
 
   PetscFunctionBegin;
   if (!c) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudFreeWork(c));
   PetscCall(HaloDestroy(&c->halo));
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
@@ -83,8 +85,8 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
 static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
 {
   PetscFunctionBegin;
-  if (cloud->first && n <= cloud->capacity)
-    PetscFunctionReturn(PETSC_SUCCESS); /* also a rank without particles has the arrays */
+  /* also a rank without particles has the arrays; one place more than needed: vectors of three are loaded as four */
+  if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
@@ -341,6 +343,13 @@ PetscErrorCode CloudUpdate(Cloud cloud, FieldId field)
   PetscFunctionBegin;
   PetscCheck(Fields[field].parity != PARITY_NONE, cloud->comm, PETSC_ERR_PLIB, "ghosts have no %s", Fields[field].name);
   PetscCall(HaloUpdate(cloud->halo, Fields[field].width, Fields[field].parity, cloud->field[field]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudUpdateArray(Cloud cloud, PetscInt width, Parity parity, PetscReal array[])
+{
+  PetscFunctionBegin;
+  PetscCall(HaloUpdate(cloud->halo, width, parity, array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,6 +23,8 @@ typedef struct {
   PetscInt *start, *order, *of_point;
 } CellGrid;
 
+typedef struct _p_WorkArray WorkArray;
+
 typedef struct _p_Cloud {
   MPI_Comm   comm;
   Domain     domain;    /* borrowed */
@@ -53,6 +55,7 @@ typedef struct _p_Cloud {
      support from the wall (1); see OperatorsNoSlip. */
   PetscReal  wall_factor[WALL_FACTORS + 1];
   CellGrid   grid;             /* of the last search, over all n_total points */
+  WorkArray *work;             /* of CloudGetWork, a list */
   PetscReal  slack;            /* m, how far particles may move before the halo is built again */
   PetscReal  reach;            /* m, largest kernel support in use */
   PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
@@ -90,12 +93,22 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);
 /* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image; refuses fields that
    have none. Collective. */
 PetscErrorCode CloudUpdate(Cloud cloud, FieldId field);
+/* CloudUpdateArray - the same for an array of [n_total][width] numbers that change like that under a mirror.
+ * Collective.
+ */
+PetscErrorCode CloudUpdateArray(Cloud cloud, PetscInt width, Parity parity, PetscReal array[]);
 /* CloudUpdateInt - the same for an integer field. Collective. */
 PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
 /* CloudCommit - the step is accepted: stored fields go back to the swarm (periodic positions are wrapped with the next
    migration). Particles that left through
    an open face are removed; their number is added to *lost (global). Collective. */
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
+
+/* CloudGetWork - an array with room for [n_total][width] numbers and a vector behind them, contents undefined, for the
+   use of one function, which gives it back with CloudRestoreWork. The arrays are kept for the next caller. Ghosts
+   chosen anew in between may be more than it has room for; its first n_owned rows stay. Not collective. */
+PetscErrorCode CloudGetWork(Cloud cloud, PetscInt width, PetscReal **array);
+PetscErrorCode CloudRestoreWork(Cloud cloud, PetscReal **array);
 
 /* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size, along x a 'split'th of it. In two
    dimensions one layer of cells. Not collective. */

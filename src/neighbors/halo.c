@@ -270,6 +270,10 @@ static void ApplyImages(Halo halo, PetscInt width, Parity parity, PetscReal *gho
       value[3] *= s[0] * s[1];
       value[4] *= s[0] * s[2];
       value[5] *= s[1] * s[2];
+    } else if (parity == PARITY_AXIAL) {
+      value[0] *= s[1] * s[2];
+      value[1] *= s[0] * s[2];
+      value[2] *= s[0] * s[1];
     } else {
       for (PetscInt d = 0; d < DIM; d++) value[d] = s[d] * value[d] + (parity == PARITY_POINT ? image->offset[d] : 0);
     }

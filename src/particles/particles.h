@@ -13,6 +13,7 @@ typedef enum {
   PARITY_SCALAR, /* unchanged */
   PARITY_POINT,  /* shifted or mirrored as a point */
   PARITY_VECTOR, /* the component normal to the mirror changes sign */
+  PARITY_AXIAL,  /* a torque or a rotation: the components along the mirror change sign */
   PARITY_TENSOR, /* symmetric, xx yy zz xy xz yz: off-diagonals change sign with each mirror they are normal to */
   PARITY_NONE    /* has no image: owned particles only */
 } Parity;

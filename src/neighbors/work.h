@@ -1,0 +1,10 @@
+/* Private to neighbors/: the arrays of CloudGetWork. */
+#ifndef ISPH_WORK_H
+#define ISPH_WORK_H
+
+#include "cloud.h"
+
+/* CloudFreeWork - frees them. Not collective. */
+PetscErrorCode CloudFreeWork(Cloud cloud);
+
+#endif
