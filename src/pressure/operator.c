@@ -6,6 +6,11 @@
    are folded into their parent (P^T A P), pairs of wall particles left out. */
 #include "pressure_impl.h"
 
+const PetscReal *PressureDensity(Pressure pressure)
+{
+  return pressure->summed ? pressure->cloud->field[FIELD_DENSITY] : pressure->cloud->rest_density;
+}
+
 /* Whether every pair has the same material: then the cloud's own factors are the weights. */
 static PetscBool OneDensity(Pressure pressure)
 {
@@ -231,17 +236,6 @@ static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A)
-{
-  MatNullSpace constant = NULL;
-
-  PetscFunctionBegin;
-  if (pressure->constant_null) PetscCall(MatNullSpaceCreate(pressure->cloud->comm, PETSC_TRUE, 0, NULL, &constant));
-  PetscCall(MatSetNullSpace(A, constant));
-  PetscCall(MatNullSpaceDestroy(&constant));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode OperatorSetUp(Pressure pressure)
 {
   Cloud cloud = pressure->cloud;
@@ -259,6 +253,5 @@ PetscErrorCode OperatorSetUp(Pressure pressure)
     PetscCall(MatShellSetOperation(pressure->operator, MATOP_GET_DIAGONAL, (void (*)(void))MatGetDiagonal_Pairs));
     PetscCall(MatSetOption(pressure->operator, MAT_SPD, PETSC_TRUE));
   }
-  PetscCall(OperatorNullSpace(pressure, pressure->operator));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -152,23 +152,6 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[])
-{
-  PetscFunctionBegin;
-  PetscCall(pressure->source(pressure, dt, rhs));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscBool PressureTakesDivergence(Pressure pressure)
-{
-  return (PetscBool)(pressure->source == SourceDivergence);
-}
-
-const PetscReal *PressureDensity(Pressure pressure)
-{
-  return pressure->summed ? pressure->cloud->field[FIELD_DENSITY] : pressure->cloud->rest_density;
-}
-
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
 {
   PetscFunctionBegin;
@@ -178,19 +161,6 @@ PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
   if (pressure->source == SourceDivergence)
     PetscCall(PetscViewerASCIIPrintf(viewer, ", relaxation time %g s", (double)pressure->relaxation_time));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PressureReset(Pressure pressure)
-{
-  PetscFunctionBegin;
-  PetscCall(KSPDestroy(&pressure->ksp));
-  PetscCall(VecDestroy(&pressure->b));
-  PetscCall(VecDestroy(&pressure->x));
-  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
-  PetscCall(MatDestroy(&pressure->operator));
-  pressure->kept    = -1;
-  pressure->rebuild = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -84,14 +84,6 @@ const PetscReal *PressureDensity(Pressure pressure);
    (1/m2); sum, sum V W with the particle itself, what the density term takes for rest density (1). Not collective. */
 void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum);
 
-/* The PC type -pc_type twolevel: see pc_twolevel.c. */
-#define PCTWOLEVEL "twolevel"
-/* PCTwoLevelRegister - makes the type known. Not collective; as often as one likes. */
-PetscErrorCode PCTwoLevelRegister(void);
-/* PCTwoLevelSetGrid - particle spacing (m), box (m) and which directions are periodic; rows' places come by
-   PCSetCoordinates, before each set-up. Does nothing to a PC of another type. Collective. */
-PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3],
-                                 const PetscBool periodic[3]);
 /* PressureReset - drops the preconditioner and the solver, as after a restart. Collective. */
 PetscErrorCode PressureReset(Pressure pressure);
 

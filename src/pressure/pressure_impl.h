@@ -3,6 +3,7 @@
 #define ISPH_PRESSURE_TYPES_H
 
 #include "../operators/operators.h"
+#include "../twolevel/twolevel.h"
 #include "pressure.h"
 
 #define SURFACE_TABLE 512
@@ -78,15 +79,11 @@ PetscErrorCode SystemColumns(Pressure pressure);
 /* SystemAssemble - matrix into store s after OperatorSetUp. Collective. */
 PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s);
 PetscErrorCode MatrixStoreReset(MatrixStore *s);
-/* SystemRightHandSide - into pressure->b, after OperatorSetUp. Collective. */
-PetscErrorCode SystemRightHandSide(Pressure pressure, PetscReal dt);
 /* SystemChildren - lists the deeper wall particles of each row if the layout is new. Not collective. */
 PetscErrorCode SystemChildren(Pressure pressure);
 /* OperatorSetUp - weights of the pairs, their sums and what the closure adds, at the positions of the cloud; creates
    the operator if there is none. Collective. */
 PetscErrorCode OperatorSetUp(Pressure pressure);
-/* OperatorNullSpace - A has the constant as its null space if no row was closed, otherwise none. Collective. */
-PetscErrorCode OperatorNullSpace(Pressure pressure, Mat A);
 
 /* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
 PetscErrorCode SetDensityConvergence(Pressure pressure);

@@ -17,6 +17,19 @@ static PetscErrorCode DefaultOption(const char name[], const char value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureReset(Pressure pressure)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPDestroy(&pressure->ksp));
+  PetscCall(VecDestroy(&pressure->b));
+  PetscCall(VecDestroy(&pressure->x));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
+  PetscCall(MatDestroy(&pressure->operator));
+  pressure->kept    = -1;
+  pressure->rebuild = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The solver of this row layout: CG, the two-level preconditioner, tolerance in the true residual; then the user's
  * options. */
 static PetscErrorCode CreateSolver(Pressure pressure)
@@ -59,6 +72,39 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A has the constant as its null space if no row was closed, otherwise none. */
+static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
+{
+  MatNullSpace constant = NULL;
+
+  PetscFunctionBegin;
+  if (pressure->constant_null) PetscCall(MatNullSpaceCreate(pressure->cloud->comm, PETSC_TRUE, 0, NULL, &constant));
+  PetscCall(MatSetNullSpace(A, constant));
+  PetscCall(MatNullSpaceDestroy(&constant));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The right-hand side, at the closures of OperatorSetUp. */
+static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
+{
+  Cloud        cloud = pressure->cloud;
+  PetscScalar *rhs;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
+  PetscCall(VecGetArrayWrite(pressure->b, &rhs));
+  PetscCall(pressure->source(pressure, dt, rhs));
+  for (PetscInt r = 0; r < cloud->n_rows; r++)
+    rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
+  for (PetscInt r = 0; r < cloud->n_fluid; r++) /* the missing neighbours have the pressure of surface tension */
+    rhs[r] += pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
+  for (PetscInt r = 0; r < cloud->n_rows; r++) /* nothing around that could carry a pressure */
+    if (pressure->pairs[r] == 0) rhs[r] = 0;
+  PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The system at the positions of the cloud, its matrix, if entries are wanted, in the store that the preconditioner
  * does not need; makes the solver if the layout changed. */
 static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries)
@@ -68,14 +114,16 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
   pressure->dt = dt;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(OperatorSetUp(pressure));
+  PetscCall(SetNullSpace(pressure, pressure->operator));
   pressure->A = pressure->operator;
   if (entries || pressure->assembled) {
     pressure->current = pressure->kept == 0 ? 1 : 0;
     PetscCall(SystemAssemble(pressure, &pressure->store[pressure->current]));
     pressure->A = pressure->store[pressure->current].A;
+    PetscCall(SetNullSpace(pressure, pressure->A));
   }
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
-  PetscCall(SystemRightHandSide(pressure, dt));
+  PetscCall(SetRightHandSide(pressure, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -223,14 +271,5 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
     cloud->field[FIELD_PRESSURE][a] = PetscRealPart(x[cloud->row[a] - cloud->row_start]);
   PetscCall(VecRestoreArrayRead(pressure->x, &x));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PressureAcceleration(Pressure pressure)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
-  PetscCall(pressure->gradient(pressure, pressure->cloud->field[FIELD_WORK3]));
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -234,26 +234,5 @@ PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s)
   PetscCall(CountEntries(pressure, s));
   PetscCall(FillEntries(pressure, s));
   PetscCall(WrapMatrix(pressure, s));
-  PetscCall(OperatorNullSpace(pressure, s->A));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode SystemRightHandSide(Pressure pressure, PetscReal dt)
-{
-  Cloud        cloud = pressure->cloud;
-  PetscScalar *rhs;
-
-  PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
-  PetscCall(VecGetArrayWrite(pressure->b, &rhs));
-  PetscCall(pressure->source(pressure, dt, rhs));
-  for (PetscInt r = 0; r < cloud->n_rows; r++)
-    rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
-  for (PetscInt r = 0; r < cloud->n_fluid; r++) /* the missing neighbours have the pressure of surface tension */
-    rhs[r] += pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
-  for (PetscInt r = 0; r < cloud->n_rows; r++) /* nothing around that could carry a pressure */
-    if (pressure->pairs[r] == 0) rhs[r] = 0;
-  PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

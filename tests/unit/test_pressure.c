@@ -29,7 +29,7 @@
 #define PERIODIC "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y periodic -box_z periodic " BODY
 #define SHUT     "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y symmetry -box_z wall " BODY
 
-/* The two sets of pieces: what the scheme 'density_invariant' takes, and 'consistent'. */
+/* The two sets of types: those of the scheme 'density_invariant' and those of 'consistent'. */
 static PetscErrorCode MakePressure(Setup *s, PetscBool paper)
 {
   PetscFunctionBegin;

@@ -67,7 +67,7 @@ static PetscErrorCode TestCrowd(const char gradient[])
     for (PetscInt l = 0; l < DIM * s.cloud->n_fluid; l++) v[l] += dt * s.cloud->field[FIELD_WORK3][l];
   }
   PetscCall(PetscSNPrintf(name, sizeof(name), "crowded_surface_%s", gradient));
-  CHECK_CLOSE(Length(s.cloud) / first, 0.5, 0.5, name); /* 1e8 times as long without CLOSURE_LEAST in pieces.c */
+  CHECK_CLOSE(Length(s.cloud) / first, 0.5, 0.5, name); /* 1e8 times as long without CLOSURE_LEAST in closure.c */
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,4 @@
-/* Private to pressure/: the background grid of the two-level preconditioner. It knows points and weights, not
- * particles. */
+/* Private to twolevel/: the background grid of the preconditioner. It knows points and weights. */
 #ifndef ISPH_COARSE_GRID_H
 #define ISPH_COARSE_GRID_H
 

@@ -1,131 +1,9 @@
-/* The small types that combine into a projection: sources, closures at the free surface, gradients. */
+/* The acceleration -grad p/rho of the fluid by the pressure.
+
+     symmetric   -sum_b m_b (p_a/rho_a^2 + p_b/rho_b^2) grad W: Eq. (9) of Kuri et al., conserves momentum
+     corrected   -B_a sum_b V (p_b - p_a) grad W/rho_a and a background pressure inside, symmetric near the surface
+     conserved   corrected; the neighbours take up what its difference to symmetric adds to the momentum */
 #include "pressure_impl.h"
-
-/* --- sources: minus the right-hand side of div(grad p/rho) --- */
-
-/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). A wall particle that is not covered by liquid all around lacks density without
-   any liquid being rarefied, and its row, with few pairs, would turn that into a suction that tears particles off
-   whatever the step. So walls push, they do not pull. */
-PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
-{
-  Cloud            cloud = pressure->cloud;
-  const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_rows; a++) rhs[a] = (rho[a] / rest[a] - 1) / (dt * dt);
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = PetscMax(rhs[a], 0);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-#define LAMBDA_FULL 0.95 /* above: a full neighbourhood, F = 1 */
-#define LAMBDA_THIN 0.3  /* below: too few neighbours for F; only compression counts */
-
-/* e_a = F_a - rho_a/(rho_0 S), S the sum V W on a full lattice: the density defect that is neither the free surface's
-   nor the kernel's. */
-static PetscReal DensityDefect(Pressure pressure, PetscInt a)
-{
-  Cloud            cloud    = pressure->cloud;
-  const PetscReal *gradient = cloud->field[FIELD_NORMAL] + DIM * a, lambda = cloud->field[FIELD_LAMBDA][a];
-  PetscReal        fraction = 1, defect;
-
-  if (lambda < LAMBDA_FULL) {
-    const PetscReal place = Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
-    const PetscInt  k     = (PetscInt)PetscMin(place, (PetscReal)(SURFACE_TABLE - 1));
-    const PetscReal t     = PetscMin(place - k, 1.0);
-
-    fraction = (1 - t) * pressure->surface_fraction[k] + t * pressure->surface_fraction[k + 1];
-  }
-  defect = fraction - cloud->field[FIELD_DENSITY][a] / (cloud->rest_density[a] * pressure->lattice_sum);
-  return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
-}
-
-/* A relaxation in fewer steps overshoots: the Couette flow with implicit viscosity at dt = 3 T blows up. */
-#define RELAXATION_STEPS 5
-
-/* (1/dt) div v* with corrected kernel gradients, plus e/(dt T), T at least RELAXATION_STEPS dt; wall rows: plain
-   divergence, deeper layers folded in. Positions are those of the middle of a centered step, the new velocity belongs
-   to its end, 'ahead' of them. Free of divergence in the middle, it would have dt/2 tr (grad v)^2 at the end: the
-   density would drift by that times T, and the pressure's work on it is a loss of dt/2 |grad p|^2/rho a volume and
-   time, 3 % of the energy of Taylor-Green vortices of Re 1000 at 50 spacings. */
-PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[])
-{
-  Cloud           cloud = pressure->cloud;
-  const PetscReal rate  = 1 / (dt * PetscMax(pressure->relaxation_time, RELAXATION_STEPS * dt));
-
-  PetscFunctionBegin;
-  if (cloud->n_owned > pressure->div_capacity) {
-    pressure->div_capacity = cloud->capacity;
-    PetscCall(PetscFree(pressure->div));
-    PetscCall(PetscMalloc1(pressure->div_capacity, &pressure->div));
-  }
-  PetscCall(
-    OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, pressure->ahead * dt, pressure->div));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -pressure->div[a] / dt - DensityDefect(pressure, a) * rate;
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -pressure->div[a] / dt;
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    rhs[cloud->row[a] - cloud->row_start] -= pressure->div[a] / dt;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* --- closures --- */
-
-/* Eq. (11): (2 p_a - p_b) in place of (p_a - p_b). */
-PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
-{
-  return pressure->cloud->integer[INT_SURFACE][a] == 1 ? diagonal : 0;
-}
-
-/* Nair & Tomar (2014) fill the diagonal of a row near the surface up to that of a full neighbourhood: as if the missing
-   neighbours had p = 0, which puts the zero where they would be, 0.8 spacings outside the surface (the first pressure
-   of a rotating square is then 8 % too large at 40 spacings a side). As if they had -p_a, mirrored in the surface as in
-   Eq. (11), is twice the filling: 2.2 %. */
-#define LAMBDA_CLOSURE 0.9 /* fluid below this lambda has its diagonal filled up */
-
-/* Crowded particles near the surface (two fronts meet) lack nothing that could be filled, but their free side pushes
-   them as before: by Eq. (9) a pressure p drives them by 2 p n/rho, n = sum V grad W, and the corrected divergence of
-   that is 2 n.B n p/rho. Rows closed by less than half of it make each projection reverse a velocity and enlarge it, 5
-   to 15 times where they are not closed at all, whatever the step. At rest density the filling is 2.5 to 6 n.B n/rho,
-   for all kernels and h; crowded rows get no less. */
-#define CLOSURE_LEAST 2.5
-
-PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
-{
-  Cloud     cloud   = pressure->cloud;
-  PetscReal filling = 0, mass, n[DIM];
-
-  if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
-  mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
-  if (cloud->field[FIELD_LAMBDA][a] < LAMBDA_CLOSURE)
-    filling = pressure->closure_factor * PetscMax(0, pressure->lattice_diagonal * mass - diagonal);
-  if (!cloud->integer[INT_SURFACE][a]) return filling;
-  {
-    const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a;
-
-    TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
-    return PetscMax(filling, CLOSURE_LEAST * Dot(n, normal) * mass);
-  }
-}
-
-void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)
-{
-  const PetscInt dim   = cloud->domain->dim,
-                 reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1;
-  const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel), V = cloud->domain->volume;
-
-  *diagonal = *sum = 0;
-  for (PetscInt k = dim == 3 ? -reach : 0; k <= (dim == 3 ? reach : 0); k++)
-    for (PetscInt j = -reach; j <= reach; j++)
-      for (PetscInt i = -reach; i <= reach; i++) {
-        const PetscReal r2 = d0 * d0 * (i * i + j * j + k * k);
-        PetscReal       W, F;
-
-        KernelEvaluate(cloud->kernel, 1, &r2, &W, &F);
-        *sum += V * W;
-        if (r2 > 0) *diagonal -= 2 * V * F * r2 / (r2 + eta2);
-      }
-}
-
-/* --- gradients: acceleration -grad p/rho --- */
 
 /* -sum c (r_a - r_b) over the row of a; c: as its factors, padded. */
 static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[], PetscReal out[DIM])
@@ -285,5 +163,14 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
   PetscCall(PetscArrayzero(cloud->field[FIELD_WORK3], DIM * cloud->n_owned));
   PetscCall(OperatorsCompensate(cloud, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY_STAR], change));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) acceleration[k] = corrected[k] + change[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureAcceleration(Pressure pressure)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
+  PetscCall(pressure->gradient(pressure, pressure->cloud->field[FIELD_WORK3]));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /* The two-level preconditioner on synthetic matrices: symmetric, positive, few iterations, on any number of ranks (also
  * one without rows). */
-#include "../../src/pressure/pressure.h"
+#include "../../src/twolevel/twolevel.h"
 #include "check.h"
 
 #define SPACING 0.5

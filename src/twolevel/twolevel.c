@@ -27,7 +27,7 @@
 #include <petsc/private/pcimpl.h>
 
 #include "coarse_grid.h"
-#include "pressure.h"
+#include "twolevel.h"
 
 #define DEFAULT_OMEGA 1.4
 #define DEFAULT_RATIO (8 / 3.)
@@ -94,8 +94,8 @@ static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[3], const PetscReal upper[3],
-                                 const PetscBool periodic[3])
+PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[DIM], const PetscReal upper[DIM],
+                                 const PetscBool periodic[DIM])
 {
   PetscFunctionBegin;
   PetscTryMethod(pc, "PCTwoLevelSetGrid_C", (PC, PetscReal, const PetscReal[], const PetscReal[], const PetscBool[]),

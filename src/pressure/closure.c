@@ -1,0 +1,63 @@
+/* How the free surface closes the equation: what is added to the diagonal of the row of a particle whose neighbours are
+   incomplete, as if the missing ones had a pressure that is known.
+
+     doubled         A_aa + sum_b K_ab: Eq. (11) of Kuri et al., after Bockmann et al. 2012
+     full_diagonal   A_aa + c max(0, Lambda_0 m/rho - A_aa), Lambda_0 the diagonal of a full lattice: Nair & Tomar 2014
+ */
+#include "pressure_impl.h"
+
+/* Eq. (11): (2 p_a - p_b) in place of (p_a - p_b). */
+PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
+{
+  return pressure->cloud->integer[INT_SURFACE][a] == 1 ? diagonal : 0;
+}
+
+/* Nair & Tomar (2014) fill the diagonal of a row near the surface up to that of a full neighbourhood: as if the missing
+   neighbours had p = 0, which puts the zero where they would be, 0.8 spacings outside the surface (the first pressure
+   of a rotating square is then 8 % too large at 40 spacings a side). As if they had -p_a, mirrored in the surface as in
+   Eq. (11), is twice the filling: 2.2 %. */
+#define LAMBDA_CLOSURE 0.9 /* fluid below this lambda has its diagonal filled up */
+
+/* Crowded particles near the surface (two fronts meet) lack nothing that could be filled, but their free side pushes
+   them as before: by Eq. (9) a pressure p drives them by 2 p n/rho, n = sum V grad W, and the corrected divergence of
+   that is 2 n.B n p/rho. Rows closed by less than half of it make each projection reverse a velocity and enlarge it, 5
+   to 15 times where they are not closed at all, whatever the step. At rest density the filling is 2.5 to 6 n.B n/rho,
+   for all kernels and h; crowded rows get no less. */
+#define CLOSURE_LEAST 2.5
+
+PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
+{
+  Cloud     cloud   = pressure->cloud;
+  PetscReal filling = 0, mass, n[DIM];
+
+  if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
+  mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
+  if (cloud->field[FIELD_LAMBDA][a] < LAMBDA_CLOSURE)
+    filling = pressure->closure_factor * PetscMax(0, pressure->lattice_diagonal * mass - diagonal);
+  if (!cloud->integer[INT_SURFACE][a]) return filling;
+  {
+    const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a;
+
+    TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
+    return PetscMax(filling, CLOSURE_LEAST * Dot(n, normal) * mass);
+  }
+}
+
+void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)
+{
+  const PetscInt dim   = cloud->domain->dim,
+                 reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1;
+  const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel), V = cloud->domain->volume;
+
+  *diagonal = *sum = 0;
+  for (PetscInt k = dim == 3 ? -reach : 0; k <= (dim == 3 ? reach : 0); k++)
+    for (PetscInt j = -reach; j <= reach; j++)
+      for (PetscInt i = -reach; i <= reach; i++) {
+        const PetscReal r2 = d0 * d0 * (i * i + j * j + k * k);
+        PetscReal       W, F;
+
+        KernelEvaluate(cloud->kernel, 1, &r2, &W, &F);
+        *sum += V * W;
+        if (r2 > 0) *diagonal -= 2 * V * F * r2 / (r2 + eta2);
+      }
+}
