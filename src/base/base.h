@@ -63,6 +63,37 @@ static inline PetscReal Norm(const PetscReal a[DIM])
   return PetscSqrtReal(Dot(a, a));
 }
 
+/* Cells of a box, n[0] by n[1] by n[2] of them, are numbered with x fastest. CellIndex - the number of cell (x, y, z).
+   CellCoordinates - the cell of a number. CellNext - takes cell on to the next one of the block first[d] <= cell[d] <=
+   last[d], which must not be empty; false after the last. A loop over a block:
+
+     PetscInt cell[DIM] = {first[0], first[1], first[2]};
+
+     do {
+       const PetscInt index = CellIndex(n, cell[0], cell[1], cell[2]);
+       ...
+     } while (CellNext(first, last, cell)); */
+static inline PetscInt CellIndex(const PetscInt n[DIM], PetscInt x, PetscInt y, PetscInt z)
+{
+  return (z * n[1] + y) * n[0] + x;
+}
+
+static inline void CellCoordinates(const PetscInt n[DIM], PetscInt index, PetscInt cell[DIM])
+{
+  cell[0] = index % n[0];
+  cell[1] = index / n[0] % n[1];
+  cell[2] = index / (n[0] * n[1]);
+}
+
+static inline PetscBool CellNext(const PetscInt first[DIM], const PetscInt last[DIM], PetscInt cell[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) {
+    if (cell[d]++ < last[d]) return PETSC_TRUE;
+    cell[d] = first[d];
+  }
+  return PETSC_FALSE;
+}
+
 /* UserError - the one way to refuse bad input: one sentence (what, where, what is allowed) on standard error and a
    non-zero exit of all ranks through main's return. Collective in effect: every rank must reach it with the same
    message (options are the same on every rank). Use as  PetscCheckUser(condition, comm, "format", ...). */

@@ -116,49 +116,4 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
                              PetscInt split);
 PetscErrorCode CellGridReset(CellGrid *grid);
 
-/* --- rows of pairs: what every operator's loop starts with --- */
-
-/* PairsAhead - asks for n entries of the list's arrays that a loop over all rows will read in some fourteen rows. There
-   is more of them than a core's cache holds, and processors do not look far enough ahead: the solver's product takes a
-   fifth longer without, other loops a twentieth. (To ask for what the search will write gains nothing.) */
-#define PAIRS_AHEAD 1024
-#define CACHE_LINE  64
-#define PairsAhead(array, n)                                                                                           \
-  do {                                                                                                                 \
-    const char *ahead = (const char *)((array) + PAIRS_AHEAD), *end = (const char *)((array) + PAIRS_AHEAD + (n));     \
-                                                                                                                       \
-    for (; ahead < end; ahead += CACHE_LINE) __builtin_prefetch(ahead);                                                \
-  } while (0)
-
-#define ROW_CAPACITY 2120 /* not a multiple of 512: rows of the arrays must not share cache sets */
-
-/* One particle's neighbours: index, r_ab = r_a - r_b (m), squared distance (m2), kernel values; n of them. */
-typedef struct {
-  PetscInt        n;
-  const PetscInt *index;
-  PetscReal       dx[ROW_CAPACITY], dy[ROW_CAPACITY], dz[ROW_CAPACITY], r2[ROW_CAPACITY];
-  PetscReal       W[ROW_CAPACITY], F[ROW_CAPACITY];
-} PairRow;
-
-/* PairRowLoad - geometry of particle a's row from positions x ([n_total][3], m). Not collective. */
-static inline void PairRowLoad(Cloud cloud, const PetscReal *restrict x, PetscInt a, PairRow *restrict row)
-{
-  const PetscInt *restrict index = cloud->list + cloud->first[a];
-  const PetscReal xa = x[3 * a], ya = x[3 * a + 1], za = x[3 * a + 2];
-
-  row->n     = cloud->first[a + 1] - cloud->first[a];
-  row->index = index;
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscReal dx = xa - x[3 * index[k]], dy = ya - x[3 * index[k] + 1], dz = za - x[3 * index[k] + 2];
-
-    row->dx[k] = dx;
-    row->dy[k] = dy;
-    row->dz[k] = dz;
-    row->r2[k] = dx * dx + dy * dy + dz * dz;
-  }
-}
-
-#include "rows.h"
-
 #endif

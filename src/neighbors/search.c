@@ -1,5 +1,6 @@
 /* Cells over the points of the cloud, and the list of neighbours. */
 #include "search.h"
+#include "pairs.h"
 
 #define LINES_AROUND 9     /* of cells along x */
 #define SPLIT        4     /* cells along x in the kernel's support */

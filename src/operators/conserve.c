@@ -1,4 +1,5 @@
 /* Changes of velocity that neighbours pay for, so that momentum and angular momentum stay. */
+#include "../neighbors/pairs.h"
 #include "operators.h"
 
 /* What the passes hand to the neighbours. TURN stands where a symmetric tensor has yz, xz, xy: an axial vector changes

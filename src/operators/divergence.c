@@ -1,4 +1,5 @@
 /* Divergence of a velocity field; sliding along walls does not count. */
+#include "../neighbors/pairs.h"
 #include "operators.h"
 
 /* The part of a velocity u (m/s) that is normal to the wall of dummy particle b: in the directions of the faces it is

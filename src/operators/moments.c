@@ -1,3 +1,4 @@
+#include "../neighbors/pairs.h"
 #include "operators.h"
 
 #define CLUMP_WEIGHT 0.2 /* of the term that resists pairing (Lind et al. 2012; Monaghan 2000) */

@@ -1,3 +1,4 @@
+#include "../neighbors/pairs.h"
 #include "operators.h"
 
 #define PLANE   64   /* points of an integral over a layer of dummies */

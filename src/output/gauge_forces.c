@@ -1,4 +1,5 @@
 /* Forces of the liquid on the walls of the box and on solids. */
+#include "../neighbors/pairs.h"
 #include "output_impl.h"
 
 static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};

@@ -2,6 +2,7 @@
 #ifndef ISPH_PACKING_TYPES_H
 #define ISPH_PACKING_TYPES_H
 
+#include "../neighbors/pairs.h"
 #include "packing.h"
 
 /* Points this close to a boundary, in spacings, count as on it: far below any jitter, far above rounding. */

@@ -2,6 +2,7 @@
 #ifndef ISPH_PRESSURE_TYPES_H
 #define ISPH_PRESSURE_TYPES_H
 
+#include "../neighbors/pairs.h"
 #include "../operators/operators.h"
 #include "../twolevel/twolevel.h"
 #include "pressure.h"

@@ -2,6 +2,7 @@
    particle gains its neighbours lose, so that the centre of mass, momentum and angular momentum stay; in the drop
    impact at 0.5 mm that costs about 5 % of the kinetic energy at 5 ms. Speeds and gradient are those that the source of
    the pressure has summed already, of the velocity before the pressure: a pass over the pairs less. */
+#include "../neighbors/pairs.h"
 #include "stepper_impl.h"
 
 #define SHIFT FIELD_WORK3 /* dr */

@@ -9,6 +9,7 @@
 
    Density diffusion keeps the pressure smooth: Molteni & Colagrossi 2009, without the hydrostatic part (Fourtakas et
    al. 2019), which would pull the liquid of a film at rest apart. */
+#include "../neighbors/pairs.h"
 #include "stepper_impl.h"
 
 #define TAIT_EXPONENT 7 /* water; Monaghan 1994 */

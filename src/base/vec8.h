@@ -1,18 +1,17 @@
-/* Rows of pairs for the loops that matter: eight pairs at a time. A vector of a neighbour is loaded as one register of
-   four numbers, the fourth without meaning; eight of them are turned into eight x, eight y, eight z, in half the time
-   of gathering these. A row's last octet goes on into the next row, that of the last into padding; what is too much
-   weighs nothing. The vectors are those of GCC and clang, for any processor. */
-#ifndef ISPH_ROWS_H
-#define ISPH_ROWS_H
+/* Eight numbers, or eight vectors, at a time: what the pair loops that cost most are written with. The vector types are
+   those of GCC and clang, so the code compiles for any processor; the two or three operations that these compilers do
+   badly have a second form in AVX-512 intrinsics. */
+#ifndef ISPH_VEC8_H
+#define ISPH_VEC8_H
 
 #if defined(__AVX512F__)
   #include <immintrin.h>
 #endif
-#include "cloud.h" /* which includes this file at its end */
+#include "base.h"
 
 typedef PetscReal Vec4 __attribute__((vector_size(4 * sizeof(PetscReal))));
 
-/* Vec4Load - x[0] to x[2], and x[3], which must exist: arrays of the cloud have room behind the last particle. */
+/* Vec4Load - x[0] to x[3]; the last of these must exist, also where only three are meant. */
 static inline Vec4 Vec4Load(const PetscReal x[])
 {
   Vec4 t;
@@ -21,6 +20,7 @@ static inline Vec4 Vec4Load(const PetscReal x[])
   return t;
 }
 
+/* Vec4Store - stores the first three of the four numbers. */
 static inline void Vec4Store(Vec4 t, PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) x[d] = t[d];
@@ -32,10 +32,12 @@ typedef PetscReal Vec8 __attribute__((vector_size(VEC8 * sizeof(PetscReal))));
 typedef int64_t   Vec8Mask __attribute__((vector_size(VEC8 * sizeof(int64_t))));
 typedef float     Vec8Single __attribute__((vector_size(VEC8 * sizeof(float))));
 
+/* Eight vectors of three numbers. */
 typedef struct {
   Vec8 x, y, z;
 } Vec8x3;
 
+/* Vec8Set - eight times s. */
 static inline Vec8 Vec8Set(PetscReal s)
 {
   return (Vec8){s, s, s, s, s, s, s, s};
@@ -50,7 +52,7 @@ static inline Vec8 Vec8Load(const PetscReal x[])
   return t;
 }
 
-/* Vec8LoadSingle - the same of single precision. */
+/* Vec8LoadSingle - the same from an array in single precision. */
 static inline Vec8 Vec8LoadSingle(const float x[])
 {
 #if defined(__AVX512F__)
@@ -63,13 +65,14 @@ static inline Vec8 Vec8LoadSingle(const float x[])
 #endif
 }
 
-/* Vec8Gather - p[b] of eight particles b; one by one, which is faster than a processor's own gathering. */
+/* Vec8Gather - p[b[0]] to p[b[7]]. They are loaded one by one, which is faster than the processor's gather instruction.
+ */
 static inline Vec8 Vec8Gather(const PetscReal p[], const PetscInt b[VEC8])
 {
   return (Vec8){p[b[0]], p[b[1]], p[b[2]], p[b[3]], p[b[4]], p[b[5]], p[b[6]], p[b[7]]};
 }
 
-/* Vec8First - the first n of the eight, zero for the others. */
+/* Vec8First - the first n of the eight numbers of t, and zeros in place of the others. */
 static inline Vec8 Vec8First(Vec8 t, PetscInt n)
 {
   const Vec8Mask place = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -77,12 +80,13 @@ static inline Vec8 Vec8First(Vec8 t, PetscInt n)
   return (Vec8)((Vec8Mask)t & (place < n));
 }
 
+/* Vec8x3Set - eight times the vector v. */
 static inline Vec8x3 Vec8x3Set(const PetscReal v[DIM])
 {
   return (Vec8x3){Vec8Set(v[0]), Vec8Set(v[1]), Vec8Set(v[2])};
 }
 
-/* Vec8OfTwo - a[0] to a[3], b[0] to b[3]. */
+/* Vec8OfTwo - a[0] to a[3], then b[0] to b[3]. */
 static inline Vec8 Vec8OfTwo(const PetscReal a[], const PetscReal b[])
 {
 #if defined(__AVX512F__)
@@ -92,11 +96,12 @@ static inline Vec8 Vec8OfTwo(const PetscReal a[], const PetscReal b[])
 #endif
 }
 
-/* Where the vectors of eight particles begin. */
+/* Where the vectors of eight particles begin in an array [n][3]. */
 typedef struct {
   uint32_t at[VEC8];
 } Vec8Offsets;
 
+/* Vec8Locate - the places of particles b[0] to b[7]; one set of places serves several arrays. */
 static inline Vec8Offsets Vec8Locate(const PetscInt b[VEC8])
 {
   Vec8Offsets p;
@@ -105,7 +110,9 @@ static inline Vec8Offsets Vec8Locate(const PetscInt b[VEC8])
   return p;
 }
 
-/* Vec8x3Collect - the vectors of eight particles from v ([n_total][3]). */
+/* Vec8x3Collect - the vectors of eight particles from v ([n][3], with room for one number behind the last vector). Each
+   vector is loaded as a register of four numbers, the fourth without meaning, and eight of these are transposed to
+   eight x, eight y and eight z: this takes half the time of gathering them. */
 static inline Vec8x3 Vec8x3Collect(const PetscReal v[], const Vec8Offsets *places)
 {
   const uint32_t *at = places->at;
@@ -127,7 +134,7 @@ static inline Vec8x3 Vec8x3Difference(Vec8x3 a, Vec8x3 b)
   return (Vec8x3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-/* Vec8x3Add - sum += f v. */
+/* Vec8x3Add - adds f v to sum. */
 static inline void Vec8x3Add(Vec8x3 *sum, Vec8 f, Vec8x3 v)
 {
   sum->x += f * v.x;
@@ -135,11 +142,13 @@ static inline void Vec8x3Add(Vec8x3 *sum, Vec8 f, Vec8x3 v)
   sum->z += f * v.z;
 }
 
+/* Vec8x3Dot - the eight products a.b. */
 static inline Vec8 Vec8x3Dot(Vec8x3 a, Vec8x3 b)
 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/* Vec8Max - the larger of a and b, eight times. */
 static inline Vec8 Vec8Max(Vec8 a, Vec8 b)
 {
   const Vec8Mask larger = a > b;
@@ -147,12 +156,13 @@ static inline Vec8 Vec8Max(Vec8 a, Vec8 b)
   return (Vec8)((larger & (Vec8Mask)a) | (~larger & (Vec8Mask)b));
 }
 
+/* Vec8Halves - the sum of the first four and the last four numbers. */
 static inline Vec4 Vec8Halves(Vec8 t)
 {
   return __builtin_shufflevector(t, t, 0, 1, 2, 3) + __builtin_shufflevector(t, t, 4, 5, 6, 7);
 }
 
-/* Vec8Sums - the sums of the eight numbers of each. */
+/* Vec8Sums - the sum over the eight numbers of a, of b, of c and of d. */
 static inline Vec4 Vec8Sums(Vec8 a, Vec8 b, Vec8 c, Vec8 d)
 {
   const Vec4 ha = Vec8Halves(a), hb = Vec8Halves(b), hc = Vec8Halves(c), hd = Vec8Halves(d);
@@ -162,41 +172,16 @@ static inline Vec4 Vec8Sums(Vec8 a, Vec8 b, Vec8 c, Vec8 d)
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
-/* Vec8x3Sum - those of three, and of a fourth. */
+/* Vec8x3Sum - the sum over the eight vectors of v and, as the fourth number, that over 'fourth'. */
 static inline Vec4 Vec8x3Sum(Vec8x3 v, Vec8 fourth)
 {
   return Vec8Sums(v.x, v.y, v.z, fourth);
 }
 
-/* PaddedLength - n rounded up to whole octets. */
+/* PaddedLength - n rounded up to a multiple of eight. */
 static inline PetscInt PaddedLength(PetscInt n)
 {
   return (n + VEC8 - 1) / VEC8 * VEC8;
-}
-
-/* The pairs of one particle. What the padded index names exists, and weighs nothing. */
-typedef struct {
-  PetscInt        n;
-  const PetscInt *index;
-  PetscReal       f[ROW_CAPACITY + VEC8]; /* factor of the pair: F = KernelScales' scale_f times it */
-} Row;
-
-/* RowLoad - the pairs of a as the last search found them. Not collective. */
-static inline void RowLoad(Cloud cloud, PetscInt a, Row *row)
-{
-  const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first;
-  const float *restrict from = cloud->slope + first;
-
-  row->n     = n;
-  row->index = cloud->list + first;
-  PairsAhead(row->index, n);
-  PairsAhead(from, n);
-  for (PetscInt k = 0; k < n; k += VEC8) { /* the arrays have room behind the last row */
-    const Vec8 f = Vec8LoadSingle(from + k);
-
-    (void)memcpy(row->f + k, &f, sizeof(f));
-  }
-  for (PetscInt k = n; k < n + VEC8; k++) row->f[k] = 0;
 }
 
 #endif
