@@ -8,17 +8,24 @@ typedef struct {
 static PetscErrorCode BoxSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Domain domain = body->domain;
-  Box   *box;
+  Box   *box    = (Box *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&box));
-  body->shape_data = box;
   PetscCall(PetscArraycpy(box->lower, domain->lower, DIM));
   PetscCall(PetscArraycpy(box->upper, domain->upper, DIM));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower", "Lower corner of a box (m)",
                                 "ShapeBox", box->lower, NULL));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper", "Upper corner of a box (m)",
                                 "ShapeBox", box->upper, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode BoxSetUp(Body body)
+{
+  Domain     domain = body->domain;
+  const Box *box    = (const Box *)body->shape_data;
+
+  PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++) {
     PetscCheckUser(box->upper[d] > box->lower[d], domain->comm,
                    "-%supper must be above -%slower in every direction: %g m is not above %g m", body->prefix,
@@ -52,9 +59,9 @@ static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const ShapeOps *ShapeBox(void)
+const BodyChoice *ShapeBox(void)
 {
-  static const ShapeOps ops = {BoxSetFromOptions, BoxDistance, BoxBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Box), BoxSetFromOptions, BoxSetUp}, BoxDistance, BoxBounds, NULL};
 
-  return &ops;
+  return &ops.choice;
 }

@@ -6,18 +6,16 @@ typedef struct {
   PetscReal center[DIM]; /* half-way up, m */
   PetscReal axis[DIM];   /* unit vector */
   PetscReal radius;      /* m */
+  PetscReal height;      /* m; 0: infinite */
   PetscReal half_height; /* m; PETSC_MAX_REAL: infinite */
 } Cylinder;
 
 static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Domain    domain = body->domain;
-  Cylinder *cylinder;
-  PetscReal height = 0;
+  Domain    domain   = body->domain;
+  Cylinder *cylinder = (Cylinder *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&cylinder));
-  body->shape_data = cylinder;
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a cylinder (m)",
                                 "ShapeCylinder", cylinder->center, NULL));
   PetscCall(
@@ -25,13 +23,23 @@ static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptions
   cylinder->axis[2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
                             cylinder->axis));
-  PetscCall(PetscOptionsReal("-height", "Height of a cylinder, centered (m); 0: infinite", "ShapeCylinder", height,
-                             &height, NULL));
-  PetscCheckUser(height >= 0 && !PetscIsInfOrNanReal(height), domain->comm,
-                 "-%sheight must be positive, or 0 for an infinite cylinder, not %g m", body->prefix, (double)height);
+  PetscCall(PetscOptionsReal("-height", "Height of a cylinder, centered (m); 0: infinite", "ShapeCylinder",
+                             cylinder->height, &cylinder->height, NULL));
+  PetscCheckUser(cylinder->height >= 0 && !PetscIsInfOrNanReal(cylinder->height), domain->comm,
+                 "-%sheight must be positive, or 0 for an infinite cylinder, not %g m", body->prefix,
+                 (double)cylinder->height);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CylinderSetUp(Body body)
+{
+  Cylinder *cylinder = (Cylinder *)body->shape_data;
+
+  PetscFunctionBegin;
+  PetscCall(BodyCheckLength(body, "-radius", cylinder->radius));
   /* In two dimensions the plane cuts a cylinder about z half-way up, whatever its height. */
-  if (domain->dim == 2 && cylinder->axis[2] != 0) height = 0;
-  cylinder->half_height = height > 0 ? 0.5 * height : PETSC_MAX_REAL;
+  if (body->domain->dim == 2 && cylinder->axis[2] != 0) cylinder->height = 0;
+  cylinder->half_height = cylinder->height > 0 ? 0.5 * cylinder->height : PETSC_MAX_REAL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,9 +72,12 @@ static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]
   }
 }
 
-const ShapeOps *ShapeCylinder(void)
+const BodyChoice *ShapeCylinder(void)
 {
-  static const ShapeOps ops = {CylinderSetFromOptions, CylinderDistance, CylinderBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Cylinder), CylinderSetFromOptions, CylinderSetUp},
+                               CylinderDistance,
+                               CylinderBounds,
+                               NULL};
 
-  return &ops;
+  return &ops.choice;
 }

@@ -6,23 +6,30 @@
 typedef struct {
   PetscReal center[DIM]; /* m */
   PetscReal radii[DIM];  /* m */
+  PetscBool given;       /* the radii */
 } Ellipsoid;
 
 static PetscErrorCode EllipsoidSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Domain     domain = body->domain;
-  Ellipsoid *ellipsoid;
-  PetscBool  found;
+  Domain     domain    = body->domain;
+  Ellipsoid *ellipsoid = (Ellipsoid *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&ellipsoid));
-  body->shape_data = ellipsoid;
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of an ellipsoid (m)",
                                 "ShapeEllipsoid", ellipsoid->center, NULL));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-radii",
                                 "Radii of an ellipsoid along x, y, z (m), required", "ShapeEllipsoid", ellipsoid->radii,
-                                &found));
-  PetscCheckUser(found, domain->comm, "-%sradii is missing: the radii of the ellipsoid (m) must be given",
+                                &ellipsoid->given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode EllipsoidSetUp(Body body)
+{
+  Domain           domain    = body->domain;
+  const Ellipsoid *ellipsoid = (const Ellipsoid *)body->shape_data;
+
+  PetscFunctionBegin;
+  PetscCheckUser(ellipsoid->given, domain->comm, "-%sradii is missing: the radii of the ellipsoid (m) must be given",
                  body->prefix);
   for (PetscInt d = 0; d < domain->dim; d++) {
     PetscCheckUser(ellipsoid->radii[d] > 0, domain->comm, "-%sradii must be positive, not %g m", body->prefix,
@@ -100,9 +107,12 @@ static void EllipsoidBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
   }
 }
 
-const ShapeOps *ShapeEllipsoid(void)
+const BodyChoice *ShapeEllipsoid(void)
 {
-  static const ShapeOps ops = {EllipsoidSetFromOptions, EllipsoidDistance, EllipsoidBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Ellipsoid), EllipsoidSetFromOptions, EllipsoidSetUp},
+                               EllipsoidDistance,
+                               EllipsoidBounds,
+                               NULL};
 
-  return &ops;
+  return &ops.choice;
 }

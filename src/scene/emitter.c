@@ -7,10 +7,11 @@ typedef struct {
   PetscReal modulation, frequency; /* of the speed: e (1), 2 pi f (rad/s) */
 } Emitter;
 
-PetscErrorCode BodyTypeLiquid(Body body, OptionItems PetscOptionsObject)
+const BodyChoice *BodyTypeLiquid(void)
 {
-  PetscFunctionBegin;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  static const BodyChoice ops = {0, NULL, NULL};
+
+  return &ops;
 }
 
 /* Length (m) of the body's bounds along its velocity. */
@@ -25,28 +26,35 @@ static PetscReal LengthAlong(Body body, PetscReal speed)
   return length;
 }
 
-PetscErrorCode BodyTypeEmitter(Body body, OptionItems PetscOptionsObject)
+static PetscErrorCode EmitterSetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  const PetscReal speed = Norm(body->uniform);
+  Emitter        *e     = (Emitter *)body->emitter;
+
+  PetscFunctionBegin;
+  e->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
+  PetscCall(PetscOptionsReal("-interval", "Time between fillings of an emitter (s); default: a jet without gaps",
+                             "SceneSetFromOptions", e->interval, &e->interval, NULL));
+  PetscCall(PetscOptionsReal("-start", "Time of an emitter's first filling (s)", "SceneSetFromOptions", e->start,
+                             &e->start, NULL));
+  PetscCall(PetscOptionsInt("-count", "Number of fillings of an emitter; 0: no end", "SceneSetFromOptions", e->count,
+                            &e->count, NULL));
+  PetscCall(PetscOptionsReal("-modulation", "Amplitude of an emitter's speed over the speed, in [0, 1)",
+                             "SceneSetFromOptions", e->modulation, &e->modulation, NULL));
+  PetscCall(PetscOptionsReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "SceneSetFromOptions",
+                             e->frequency, &e->frequency, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode EmitterSetUp(Body body)
 {
   MPI_Comm        comm  = body->domain->comm;
   const PetscReal speed = Norm(body->uniform);
-  Emitter        *e;
+  Emitter        *e     = (Emitter *)body->emitter;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&e));
-  body->emitter = e;
   PetscCheckUser(speed > 0, comm, "-%stype emitter needs -%svelocity, not zero: the liquid must leave the shape",
                  body->prefix, body->prefix);
-  e->interval = LengthAlong(body, speed) / speed;
-  PetscCall(PetscOptionsReal("-interval", "Time between fillings of an emitter (s); default: a jet without gaps",
-                             "BodyTypeEmitter", e->interval, &e->interval, NULL));
-  PetscCall(
-    PetscOptionsReal("-start", "Time of an emitter's first filling (s)", "BodyTypeEmitter", e->start, &e->start, NULL));
-  PetscCall(PetscOptionsInt("-count", "Number of fillings of an emitter; 0: no end", "BodyTypeEmitter", e->count,
-                            &e->count, NULL));
-  PetscCall(PetscOptionsReal("-modulation", "Amplitude of an emitter's speed over the speed, in [0, 1)",
-                             "BodyTypeEmitter", e->modulation, &e->modulation, NULL));
-  PetscCall(PetscOptionsReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "BodyTypeEmitter",
-                             e->frequency, &e->frequency, NULL));
   PetscCheckUser(e->interval >= LengthAlong(body, speed) / speed * (1 - 1e-9) && !PetscIsInfOrNanReal(e->interval),
                  comm, "-%sinterval is %g s; it must be at least %g s, in which the liquid leaves the shape",
                  body->prefix, (double)e->interval, (double)(LengthAlong(body, speed) / speed));
@@ -57,6 +65,13 @@ PetscErrorCode BodyTypeEmitter(Body body, OptionItems PetscOptionsObject)
                  body->prefix, body->prefix);
   e->frequency *= 2 * PETSC_PI;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const BodyChoice *BodyTypeEmitter(void)
+{
+  static const BodyChoice ops = {sizeof(Emitter), EmitterSetFromOptions, EmitterSetUp};
+
+  return &ops;
 }
 
 PetscBool BodyEmits(Body body)

@@ -8,11 +8,9 @@ typedef struct {
 
 static PetscErrorCode HalfSpaceSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  HalfSpace *half;
+  HalfSpace *half = (HalfSpace *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&half));
-  body->shape_data = half;
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-point",
                                 "Point of the surface of a half-space (m)", "ShapeHalfSpace", half->point, NULL));
   half->normal[body->domain->dim - 1] = 1;
@@ -42,9 +40,12 @@ static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
   }
 }
 
-const ShapeOps *ShapeHalfSpace(void)
+const BodyChoice *ShapeHalfSpace(void)
 {
-  static const ShapeOps ops = {HalfSpaceSetFromOptions, HalfSpaceDistance, HalfSpaceBounds, NULL};
+  static const ShapeOps ops = {{sizeof(HalfSpace), HalfSpaceSetFromOptions, NULL},
+                               HalfSpaceDistance,
+                               HalfSpaceBounds,
+                               NULL};
 
-  return &ops;
+  return &ops.choice;
 }

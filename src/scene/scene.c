@@ -1,38 +1,35 @@
-/* The scene: its bodies by name, the registered shapes, overlap, and the body forces. */
+/* The scene: its bodies by name, the registered shapes, and the body forces. */
 #include "scene_impl.h"
 #include <ctype.h>
 
-#define OVERLAP_TOLERANCE 1e-6 /* of the spacing; bodies that touch do not overlap */
-#define NORMAL_STEP       0.1  /* of the spacing, of the differences that give a normal */
+#define NORMAL_STEP 0.1 /* of the spacing, of the differences that give a normal */
 
-static PetscFunctionList ShapeList    = NULL;
-static PetscFunctionList VelocityList = NULL;
-static PetscFunctionList TypeList     = NULL;
+static BodyChoices Choices = {NULL, NULL, NULL}; /* the registered ones */
 
 static PetscErrorCode SceneFinalizePackage(void)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&ShapeList));
-  PetscCall(PetscFunctionListDestroy(&VelocityList));
-  PetscCall(PetscFunctionListDestroy(&TypeList));
+  PetscCall(PetscFunctionListDestroy(&Choices.shapes));
+  PetscCall(PetscFunctionListDestroy(&Choices.velocities));
+  PetscCall(PetscFunctionListDestroy(&Choices.types));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SceneRegisterAll(void)
 {
   PetscFunctionBegin;
-  if (ShapeList) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFunctionListAdd(&ShapeList, "box", ShapeBox));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "sphere", ShapeSphere));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "cylinder", ShapeCylinder));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "ellipsoid", ShapeEllipsoid));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "half_space", ShapeHalfSpace));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "stl", ShapeStl));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "thread", ShapeThread));
-  PetscCall(PetscFunctionListAdd(&ShapeList, "wave", ShapeWave));
-  PetscCall(PetscFunctionListAdd(&TypeList, "liquid", BodyTypeLiquid));
-  PetscCall(PetscFunctionListAdd(&TypeList, "emitter", BodyTypeEmitter));
-  PetscCall(VelocityRegisterAll(&VelocityList));
+  if (Choices.shapes) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "box", ShapeBox));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "sphere", ShapeSphere));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "cylinder", ShapeCylinder));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "ellipsoid", ShapeEllipsoid));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "half_space", ShapeHalfSpace));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "stl", ShapeStl));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "thread", ShapeThread));
+  PetscCall(PetscFunctionListAdd(&Choices.shapes, "wave", ShapeWave));
+  PetscCall(PetscFunctionListAdd(&Choices.types, "liquid", BodyTypeLiquid));
+  PetscCall(PetscFunctionListAdd(&Choices.types, "emitter", BodyTypeEmitter));
+  PetscCall(VelocityRegisterAll(&Choices.velocities));
   PetscCall(PetscRegisterFinalize(SceneFinalizePackage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -141,22 +138,6 @@ static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CheckOverlap(Scene scene)
-{
-  const PetscReal tolerance = OVERLAP_TOLERANCE * scene->domain->spacing;
-  PetscReal       x[DIM];
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->count; a++) {
-    for (PetscInt b = a + 1; b < scene->count; b++) {
-      PetscCheckUser(!SceneLatticeSearch(scene->body[a], scene->body[b], -tolerance, x), scene->domain->comm,
-                     "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch",
-                     scene->body[a]->name, scene->body[b]->name, (double)x[0], (double)x[1], (double)x[2]);
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode SceneSetFromOptions(Scene scene)
 {
   Domain domain = scene->domain;
@@ -170,47 +151,24 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
                  "-bodies is missing: the names of one or more bodies of liquid must be given");
   PetscCall(CreateBodies(scene, &bodies, scene->body, &scene->count));
   PetscCall(CreateBodies(scene, &solids, scene->solid, &scene->solids));
-  for (PetscInt b = 0; b < scene->count; b++)
-    PetscCall(BodySetFromOptions(scene->body[b], TypeList, ShapeList, VelocityList));
-  for (PetscInt b = 0; b < scene->solids; b++) PetscCall(SolidSetFromOptions(scene->solid[b], ShapeList));
-  PetscCall(CheckOverlap(scene));
+  for (PetscInt b = 0; b < scene->count; b++) {
+    PetscCall(BodySetFromOptions(scene->body[b], &Choices));
+    PetscCall(BodyCheckInside(scene->body[b]));
+  }
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    PetscCall(SolidSetFromOptions(scene->solid[b], &Choices));
+    PetscCall(BodyCheckInside(scene->solid[b]));
+  }
+  PetscCall(SceneCheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool SceneLatticeSearch(Body a, Body b, PetscReal bound, PetscReal x[DIM])
+PetscErrorCode SceneHelp(MPI_Comm comm)
 {
-  Domain          domain = a->domain;
-  const PetscReal d0     = domain->spacing;
-  PetscReal       lower[2][DIM], upper[2][DIM];
-  PetscInt64      first[DIM] = {0, 0, 0}, last[DIM] = {0, 0, 0};
-
-  BodyBounds(a, lower[0], upper[0]);
-  BodyBounds(b, lower[1], upper[1]);
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal  low = PetscMax(lower[0][d], lower[1][d]), high = PetscMin(upper[0][d], upper[1][d]);
-    const PetscInt64 cells = (PetscInt64)PetscMax(1, PetscFloorReal((domain->upper[d] - domain->lower[d]) / d0 + 0.5));
-
-    if (low > high) return PETSC_FALSE;
-    first[d] = PetscMin((PetscInt64)((low - domain->lower[d]) / d0), cells - 1);
-    last[d]  = PetscMin((PetscInt64)((high - domain->lower[d]) / d0), cells - 1);
-  }
-  x[2] = 0;
-  for (PetscInt64 k = first[2]; k <= last[2]; k++) {
-    if (domain->dim == DIM) x[2] = domain->lower[2] + ((PetscReal)k + 0.5) * d0;
-    for (PetscInt64 j = first[1]; j <= last[1]; j++) {
-      x[1] = domain->lower[1] + ((PetscReal)j + 0.5) * d0;
-      for (PetscInt64 i = first[0]; i <= last[0];) {
-        PetscReal s;
-
-        x[0] = domain->lower[0] + ((PetscReal)i + 0.5) * d0;
-        s    = PetscMax(BodyDistance(a, x), BodyDistance(b, x));
-        if (s < bound) return PETSC_TRUE;
-        /* No point nearer than s - bound has a distance below the bound. */
-        i += 1 + (PetscInt64)PetscMin((s - bound) / d0, (PetscReal)(last[0] - i));
-      }
-    }
-  }
-  return PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(SceneRegisterAll());
+  PetscCall(BodyHelp(comm, &Choices));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer)

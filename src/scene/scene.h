@@ -46,16 +46,6 @@ typedef struct {
 typedef struct _p_Body  *Body;
 typedef struct _p_Scene *Scene;
 
-/* A shape: signed distance (m, negative inside; at least the right sign and a lower bound of the distance in size) and
-   the corners of a box that holds it. One file a shape, one registration line in scene.c. */
-typedef struct {
-  PetscErrorCode (*setfromoptions)(Body        body,
-                                   OptionItems PetscOptionsObject); /* reads its sizes inside an options block */
-  PetscReal (*distance)(Body body, const PetscReal x[DIM]);
-  void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
-  void (*displace)(Body body, PetscReal x[DIM]); /* see BodyDisplace; NULL: not at all */
-} ShapeOps;
-
 /* SceneCreate - a scene in a domain (borrowed, must outlive the scene). Collective. */
 PetscErrorCode SceneCreate(Domain domain, Scene *scene);
 /* SceneSetFromOptions - reads the bodies, -gravity (m/s2), -gravity_amplitude (m/s2), -gravity_frequency (Hz),
@@ -64,6 +54,10 @@ PetscErrorCode SceneCreate(Domain domain, Scene *scene);
    tension, a body wholly outside the box, and bodies that overlap (more than rounding; checked on the points of a
    lattice of the particle spacing). Collective. */
 PetscErrorCode SceneSetFromOptions(Scene scene);
+/* SceneHelp - makes -help list every option that a body can have, with <body> for its name: one block for what all
+   bodies share, then one for each shape, each initial velocity field and each type of body. Reads no value and needs no
+   scene. Prints nothing without -help. Collective. */
+PetscErrorCode SceneHelp(MPI_Comm comm);
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
 PetscErrorCode SceneDestroy(Scene *scene);
 

@@ -6,18 +6,42 @@
 #include "scene.h"
 
 #define SCENE_NAME_LENGTH 64
+#define SURFACE_TOLERANCE                                                                                              \
+  1e-6 /* of the spacing: points of a surface itself are outside, and bodies that touch do not overlap, whatever the   \
+          rounding */
+
+/* Shapes, velocity fields and types of bodies are choices, each a table of functions that begins with this. Any of them
+   may be NULL or 0. */
+typedef struct {
+  size_t size; /* of its own data in the body, bytes; they start as zeros */
+  /* Reads its options inside an options block; refuses a value that is wrong by itself. -help calls no more than this.
+   */
+  PetscErrorCode (*setfromoptions)(Body body, OptionItems PetscOptionsObject);
+  /* Refuses what is missing or does not fit together, and prepares the rest. */
+  PetscErrorCode (*setup)(Body body);
+} BodyChoice;
+
+/* PetscFunctionList holds functions: each choice is registered as one that returns its table. */
+typedef const BodyChoice *(*BodyChoiceTable)(void);
+
+typedef struct {
+  PetscFunctionList shapes, velocities, types;
+} BodyChoices;
+
+/* A shape. */
+typedef struct {
+  BodyChoice choice;
+  /* Signed distance of x (m), negative inside: of the right sign, and in size at most the distance. */
+  PetscReal (*distance)(Body body, const PetscReal x[DIM]);
+  void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* corners of a box that holds it, m */
+  void (*displace)(Body body, PetscReal x[DIM]);                         /* see BodyDisplace; NULL: not at all */
+} ShapeOps;
 
 /* An initial velocity field, added to the uniform part -<b>_velocity. */
 typedef struct {
-  size_t size;                                                                 /* of the data, bytes */
-  PetscErrorCode (*setfromoptions)(Body body, OptionItems PetscOptionsObject); /* NULL: no numbers */
-  void (*add)(Body body, const PetscReal x[DIM],
-              PetscReal v[DIM]); /* adds its velocity (m/s) at x (m) to v; NULL: zero */
+  BodyChoice choice;
+  void (*add)(Body body, const PetscReal x[DIM], PetscReal v[DIM]); /* adds to v (m/s) at x (m); NULL: zero */
 } VelocityOps;
-
-/* PetscFunctionList holds functions: each type is registered as one that returns its table. */
-typedef const ShapeOps *(*ShapeTable)(void);
-typedef const VelocityOps *(*VelocityTable)(void);
 
 struct _p_Body {
   Domain             domain; /* borrowed */
@@ -27,12 +51,12 @@ struct _p_Body {
   char               velocity_type[SCENE_NAME_LENGTH];
   const ShapeOps    *shape;
   const VelocityOps *velocity;
-  void              *shape_data; /* of the shape's own struct, allocated by its setfromoptions, freed with PetscFree */
+  void              *shape_data;    /* the shape's own struct, freed with PetscFree */
   void              *velocity_data; /* as shape_data */
   PetscReal          uniform[DIM];  /* uniform part of the velocity, m/s */
   Material           material;
   char               type[SCENE_NAME_LENGTH];
-  void              *emitter; /* of an emitter, freed with PetscFree; NULL: liquid */
+  void              *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
   PetscInt           color;
 };
 
@@ -48,48 +72,47 @@ struct _p_Scene {
   PetscReal shake[DIM];                        /* that part at the time set last, m/s2 */
 };
 
-/* The tables of the shapes, one file each; registered in scene.c. */
-const ShapeOps *ShapeBox(void);
-const ShapeOps *ShapeSphere(void);
-const ShapeOps *ShapeStl(void);
-const ShapeOps *ShapeCylinder(void);
-const ShapeOps *ShapeEllipsoid(void);
-const ShapeOps *ShapeHalfSpace(void);
-const ShapeOps *ShapeThread(void);
-const ShapeOps *ShapeWave(void);
-
-/* A type of body reads its options inside an options block, after shape and velocity; liquid has none. */
-typedef PetscErrorCode (*BodyType)(Body body, OptionItems PetscOptionsObject);
-PetscErrorCode BodyTypeLiquid(Body body, OptionItems PetscOptionsObject);
-PetscErrorCode BodyTypeEmitter(Body body, OptionItems PetscOptionsObject);
+/* The tables of shapes, one file each, and of types; registered in scene.c. The type's options are read last: it may
+   use shape and velocity. */
+const BodyChoice *ShapeBox(void);
+const BodyChoice *ShapeSphere(void);
+const BodyChoice *ShapeStl(void);
+const BodyChoice *ShapeCylinder(void);
+const BodyChoice *ShapeEllipsoid(void);
+const BodyChoice *ShapeHalfSpace(void);
+const BodyChoice *ShapeThread(void);
+const BodyChoice *ShapeWave(void);
+const BodyChoice *BodyTypeLiquid(void);
+const BodyChoice *BodyTypeEmitter(void);
 
 /* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
 
 /* BodyCreate - a body of water at rest that fills the box, to be set by its options. BodySetFromOptions - reads all of
-   -<b>_*; shapes and velocities are the lists of registered types. Refuses (UserError) what SceneSetFromOptions says of
-   one body. Collective. */
+   -<b>_*. Refuses (UserError) what SceneSetFromOptions says of one body. BodyHelp - shows -help the
+   options of all bodies and of each choice, with <body> for the name. Collective. */
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
-PetscErrorCode BodySetFromOptions(Body body, PetscFunctionList types, PetscFunctionList shapes,
-                                  PetscFunctionList velocities);
+PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices);
+PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices);
 /* SolidSetFromOptions - the shape alone: all a solid has. Collective. */
-PetscErrorCode SolidSetFromOptions(Body body, PetscFunctionList shapes);
+PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 
-/* BodyOptionsLength - reads a length (m) that must be given, positive and finite. Collective. */
+/* BodyOptionsLength - reads a length (m) that must be positive and finite. BodyCheckLength - refuses 0: the option is
+   missing. Collective. */
 PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
                                  PetscReal *length);
+PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length);
 /* BodyOptionsAxis - reads a direction: x, y, z or a vector of any non-zero length; returns the unit vector. axis ([3])
    holds the default on entry. In two dimensions it must lie in the plane, or along z where 'normal_allowed'.
    Collective. */
 PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
                                PetscBool normal_allowed, PetscReal axis[DIM]);
 
-/* SceneLatticeSearch - looks for a point where both bodies' signed distance is below a bound (m): among the centres of
-   the lattice cells of the particle spacing, counted from the lower corner of the box, that the intersection of the two
-   bodies' bounds touches. The two may be one body. Skips what the distances exclude. Returns whether there is one, and
-   the point x (m). Not collective. */
-PetscBool SceneLatticeSearch(Body a, Body b, PetscReal bound, PetscReal x[DIM]);
+/* BodyCheckInside - refuses (UserError) a body without a point in the box. SceneCheckOverlap - refuses bodies that
+   overlap. Collective. */
+PetscErrorCode BodyCheckInside(Body body);
+PetscErrorCode SceneCheckOverlap(Scene scene);
 
 #endif

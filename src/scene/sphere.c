@@ -8,15 +8,20 @@ typedef struct {
 
 static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Sphere *sphere;
+  Sphere *sphere = (Sphere *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&sphere));
-  body->shape_data = sphere;
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a sphere (m)",
                                 "ShapeSphere", sphere->center, NULL));
   PetscCall(
     BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a sphere (m), required", &sphere->radius));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SphereSetUp(Body body)
+{
+  PetscFunctionBegin;
+  PetscCall(BodyCheckLength(body, "-radius", ((const Sphere *)body->shape_data)->radius));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,9 +44,9 @@ static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const ShapeOps *ShapeSphere(void)
+const BodyChoice *ShapeSphere(void)
 {
-  static const ShapeOps ops = {SphereSetFromOptions, SphereDistance, SphereBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Sphere), SphereSetFromOptions, SphereSetUp}, SphereDistance, SphereBounds, NULL};
 
-  return &ops;
+  return &ops.choice;
 }

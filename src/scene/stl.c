@@ -9,6 +9,8 @@
 
 /* The table: nodes lower + (i, j, k) cell, x fastest, 0 <= i < n[0] and so on; the band's width around the surface. */
 typedef struct {
+  char      path[PETSC_MAX_PATH_LEN];
+  PetscReal scale, offset[DIM];      /* of the file's unit, m */
   PetscReal lower[DIM], upper[DIM];  /* of the surface, m */
   PetscReal origin[DIM], cell, band; /* m */
   PetscInt  n[DIM];
@@ -121,12 +123,14 @@ static void AddCrossings(Stl *stl, const PetscReal corner[9])
 static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], const PetscReal lower[DIM],
                                const PetscReal upper[DIM])
 {
-  Domain          domain = body->domain;
-  Stl             head   = {.cell = CELL * domain->spacing, .band = BAND * domain->spacing}, *stl;
-  PetscReal       nodes  = 1;
-  const PetscReal margin = head.band + 2 * head.cell;
+  Domain    domain = body->domain;
+  Stl       head   = *(const Stl *)body->shape_data, *stl;
+  PetscReal nodes  = 1, margin;
 
   PetscFunctionBegin;
+  head.cell = CELL * domain->spacing;
+  head.band = BAND * domain->spacing;
+  margin    = head.band + 2 * head.cell;
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal low  = PetscMax(lower[d], domain->lower[d]) - margin,
                     high = PetscMin(upper[d], domain->upper[d]) + margin;
@@ -143,7 +147,8 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
     "smaller shape",
     body->name, (double)nodes, MAX_NODES);
   PetscCall(PetscCalloc(sizeof(Stl) + (size_t)nodes * sizeof(float), &stl));
-  *stl             = head;
+  *stl = head;
+  PetscCall(PetscFree(body->shape_data));
   body->shape_data = stl;
   for (PetscInt k = 0; k < (PetscInt)nodes; k++) stl->distance[k] = (float)head.band;
   for (PetscInt t = 0; t < n; t++) AddDistance(stl, corner + 9 * t);
@@ -153,17 +158,29 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
 
 static PetscErrorCode StlSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Domain    domain                   = body->domain;
-  char      path[PETSC_MAX_PATH_LEN] = "";
-  PetscReal scale = 1, offset[DIM] = {0, 0, 0}, *corner, lower[DIM], upper[DIM];
-  PetscInt  n;
+  Stl *stl = (Stl *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsString("-file", "STL file with a closed surface, binary or text, required", "ShapeStl", path,
-                               path, sizeof(path), NULL));
-  PetscCall(PetscOptionsReal("-scale", "Length of the unit of an STL file (m)", "ShapeStl", scale, &scale, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-offset",
-                                "Where the origin of an STL file lies (m)", "ShapeStl", offset, NULL));
+  stl->scale = 1;
+  PetscCall(PetscOptionsString("-file", "STL file with a closed surface, binary or text, required", "ShapeStl",
+                               stl->path, stl->path, sizeof(stl->path), NULL));
+  PetscCall(
+    PetscOptionsReal("-scale", "Length of the unit of an STL file (m)", "ShapeStl", stl->scale, &stl->scale, NULL));
+  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-offset",
+                                "Where the origin of an STL file lies (m)", "ShapeStl", stl->offset, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode StlSetUp(Body body)
+{
+  const Domain    domain = body->domain;
+  const Stl      *stl    = (const Stl *)body->shape_data;
+  const char     *path   = stl->path;
+  const PetscReal scale  = stl->scale;
+  PetscReal      *corner, lower[DIM], upper[DIM];
+  PetscInt        n;
+
+  PetscFunctionBegin;
   PetscCheckUser(path[0], domain->comm, "-%sfile is missing: the STL file of the shape must be given", body->prefix);
   PetscCheckUser(scale > 0 && !PetscIsInfOrNanReal(scale), domain->comm,
                  "-%sscale must be positive and finite, not %g m", body->prefix, (double)scale);
@@ -175,7 +192,7 @@ static PetscErrorCode StlSetFromOptions(Body body, OptionItems PetscOptionsObjec
   for (PetscInt k = 0; k < 9 * n; k++) {
     const PetscInt d = k % DIM;
 
-    corner[k] = scale * corner[k] + offset[d];
+    corner[k] = scale * corner[k] + stl->offset[d];
     lower[d]  = PetscMin(lower[d], corner[k]);
     upper[d]  = PetscMax(upper[d], corner[k]);
   }
@@ -222,9 +239,9 @@ static void StlBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const ShapeOps *ShapeStl(void)
+const BodyChoice *ShapeStl(void)
 {
-  static const ShapeOps ops = {StlSetFromOptions, StlDistance, StlBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Stl), StlSetFromOptions, StlSetUp}, StlDistance, StlBounds, NULL};
 
-  return &ops;
+  return &ops.choice;
 }

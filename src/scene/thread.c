@@ -11,6 +11,7 @@ typedef struct {
   PetscReal axis[DIM];   /* unit vector */
   PetscReal radius;      /* m */
   PetscReal amplitude;   /* m */
+  PetscReal wave_length; /* m */
   PetscReal k;           /* 2 pi over the wave's length, 1/m */
   PetscReal scale;       /* amplitude/I1(k radius), m */
   PetscReal stretch;     /* the map changes distances at most by this factor, 1 */
@@ -33,15 +34,10 @@ static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
 
 static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Domain    domain = body->domain;
-  Thread   *thread;
-  PetscReal length = 0, I0, I1;
+  Thread *thread = (Thread *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&thread));
-  body->shape_data = thread;
-  PetscCheckUser(domain->dim == 3, domain->comm, "-%sshape thread needs three dimensions", body->prefix);
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center",
+  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center",
                                 "A point on the axis where the thread is thickest (m)", "ShapeThread", thread->center,
                                 NULL));
   PetscCall(
@@ -51,14 +47,28 @@ static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsOb
                             thread->axis));
   PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves of a thread's radius (m)", "ShapeThread",
                              thread->amplitude, &thread->amplitude, NULL));
-  PetscCall(
-    BodyOptionsLength(body, PetscOptionsObject, "-wave_length", "Length of the waves along a thread (m)", &length));
-  thread->k = 2 * PETSC_PI / length;
+  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length",
+                              "Length of the waves along a thread (m), required", &thread->wave_length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ThreadSetUp(Body body)
+{
+  Domain    domain = body->domain;
+  Thread   *thread = (Thread *)body->shape_data;
+  PetscReal I0, I1;
+
+  PetscFunctionBegin;
+  PetscCheckUser(domain->dim == 3, domain->comm, "-%sshape thread needs three dimensions", body->prefix);
+  PetscCall(BodyCheckLength(body, "-radius", thread->radius));
+  PetscCall(BodyCheckLength(body, "-wave_length", thread->wave_length));
+  thread->k = 2 * PETSC_PI / thread->wave_length;
   PetscCheckUser(PetscAbsReal(thread->amplitude) <= 0.2 * thread->radius, domain->comm,
                  "-%swave_amplitude is %g m; it must not be above a fifth of the radius", body->prefix,
                  (double)thread->amplitude);
   PetscCheckUser(thread->k * thread->radius <= PETSC_PI, domain->comm,
-                 "-%swave_length is %g m; it must not be below twice the radius", body->prefix, (double)length);
+                 "-%swave_length is %g m; it must not be below twice the radius", body->prefix,
+                 (double)thread->wave_length);
   Bessel(thread->k * thread->radius, &I0, &I1);
   thread->scale = thread->amplitude / (I1 * thread->k * thread->radius);
   Bessel(FAR * thread->k * thread->radius, &I0, &I1);
@@ -137,9 +147,12 @@ static void ThreadBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const ShapeOps *ShapeThread(void)
+const BodyChoice *ShapeThread(void)
 {
-  static const ShapeOps ops = {ThreadSetFromOptions, ThreadDistance, ThreadBounds, ThreadDisplace};
+  static const ShapeOps ops = {{sizeof(Thread), ThreadSetFromOptions, ThreadSetUp},
+                               ThreadDistance,
+                               ThreadBounds,
+                               ThreadDisplace};
 
-  return &ops;
+  return &ops.choice;
 }

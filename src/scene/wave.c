@@ -9,20 +9,17 @@
 typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m; upper[up]: the level */
   PetscReal amplitude;              /* m */
+  PetscReal length;                 /* m */
   PetscReal k;                      /* 2 pi over the wave's length, 1/m */
+  PetscBool given;                  /* the amplitude */
 } Wave;
 
 static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Domain         domain = body->domain;
-  const PetscInt up     = domain->dim - 1;
-  Wave          *wave;
-  PetscReal      length = 0, halves;
-  PetscBool      found;
+  Domain domain = body->domain;
+  Wave  *wave   = (Wave *)body->shape_data;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&wave));
-  body->shape_data = wave;
   PetscCall(PetscArraycpy(wave->lower, domain->lower, DIM));
   PetscCall(PetscArraycpy(wave->upper, domain->upper, DIM));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower", "Lower corner of a wave's box (m)",
@@ -30,23 +27,34 @@ static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObje
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
                                 "Upper corner of a wave's box, the last number is the mean level (m)", "ShapeWave",
                                 wave->upper, NULL));
+  PetscCall(PetscOptionsReal("-wave_amplitude",
+                             "Amplitude of the wave (m), positive: a crest stands at the lower x, required",
+                             "ShapeWave", wave->amplitude, &wave->amplitude, &wave->given));
+  wave->length = PetscMax(0, wave->upper[0] - wave->lower[0]);
+  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length",
+                              "Length of the wave along x (m), default the width of its box", &wave->length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WaveSetUp(Body body)
+{
+  Domain         domain = body->domain;
+  const PetscInt up     = domain->dim - 1;
+  Wave          *wave   = (Wave *)body->shape_data;
+  PetscReal      halves;
+
+  PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++)
     PetscCheckUser(wave->upper[d] > wave->lower[d], domain->comm, "-%supper must be above -%slower in every direction",
                    body->prefix, body->prefix);
-  PetscCall(PetscOptionsReal("-wave_amplitude",
-                             "Amplitude of the wave (m), positive: a crest stands at the lower x, required",
-                             "ShapeWave", 0, &wave->amplitude, &found));
-  PetscCheckUser(found && PetscAbsReal(wave->amplitude) < 0.5 * (wave->upper[up] - wave->lower[up]), domain->comm,
+  PetscCheckUser(wave->given && PetscAbsReal(wave->amplitude) < 0.5 * (wave->upper[up] - wave->lower[up]), domain->comm,
                  "-%swave_amplitude must be given and below half the depth, %g m", body->prefix,
                  0.5 * (double)(wave->upper[up] - wave->lower[up]));
-  length = wave->upper[0] - wave->lower[0];
-  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length",
-                              "Length of the wave along x (m), default the width of its box", &length));
-  wave->k = 2 * PETSC_PI / length;
-  halves  = 2 * (wave->upper[0] - wave->lower[0]) / length;
+  wave->k = 2 * PETSC_PI / wave->length;
+  halves  = 2 * (wave->upper[0] - wave->lower[0]) / wave->length;
   PetscCheckUser(halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < ROUNDING, domain->comm,
                  "-%swave_length is %g m: the width of the body, %g m, must hold a whole number of half waves",
-                 body->prefix, (double)length, (double)(wave->upper[0] - wave->lower[0]));
+                 body->prefix, (double)wave->length, (double)(wave->upper[0] - wave->lower[0]));
   PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < 0.5, domain->comm,
                  "-%swave_amplitude is %g m: more than 0.08 of the wave's length is no wave of this form", body->prefix,
                  (double)wave->amplitude);
@@ -150,9 +158,9 @@ static void WaveDisplace(Body body, PetscReal x[DIM])
   }
 }
 
-const ShapeOps *ShapeWave(void)
+const BodyChoice *ShapeWave(void)
 {
-  static const ShapeOps ops = {WaveSetFromOptions, WaveDistance, WaveBounds, WaveDisplace};
+  static const ShapeOps ops = {{sizeof(Wave), WaveSetFromOptions, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace};
 
-  return &ops;
+  return &ops.choice;
 }

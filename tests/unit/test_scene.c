@@ -1,6 +1,7 @@
 /* Bodies: shapes and their distances, velocity fields, materials, refusals. */
 #include "../../src/scene/scene.h"
 #include "refuse.h"
+#include <stdarg.h>
 
 #define CUBE    "-spacing 0.1 -box_lower -1,-1,-1 -box_upper 1,1,1 "
 #define SQUARE  "-dimension 2 " CUBE
@@ -312,6 +313,50 @@ static PetscErrorCode TestRefusals(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static char   help[65536]; /* what -help printed */
+static size_t help_length;
+
+static PetscErrorCode KeepHelp(MPI_Comm comm, const char format[], ...)
+{
+  va_list arguments;
+
+  PetscFunctionBegin;
+  va_start(arguments, format);
+  help_length += (size_t)vsnprintf(help + help_length, sizeof(help) - help_length, format, arguments);
+  va_end(arguments);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -help lists the options of all bodies and of each shape, velocity field and type, without a scene. */
+static PetscErrorCode TestHelp(void)
+{
+  static const char *const options[]                           = {"density",       "velocity",
+                                                                  "upper",         "radius",
+                                                                  "height",        "radii",
+                                                                  "normal",        "file",
+                                                                  "scale",         "wave_length",
+                                                                  "rotation_rate", "strain_center",
+                                                                  "shear_normal",  "taylor_green_wavelength",
+                                                                  "interval",      "modulation",
+                                                                  "count"};
+  PetscErrorCode (*const printer)(MPI_Comm, const char[], ...) = PetscHelpPrintf;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
+  PetscHelpPrintf = KeepHelp;
+  PetscCall(SceneHelp(PETSC_COMM_WORLD));
+  PetscHelpPrintf = printer;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
+    char option[64], name[64];
+
+    PetscCall(PetscSNPrintf(option, sizeof(option), "  -<body>_%s <", options[k]));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "help_%s", options[k]));
+    CHECK(strstr(help, option), name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -321,6 +366,7 @@ int main(int argc, char **argv)
   PetscCall(TestVelocities());
   PetscCall(TestScene());
   PetscCall(TestRefusals());
+  PetscCall(TestHelp());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

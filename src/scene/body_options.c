@@ -1,0 +1,244 @@
+/* The options of one body: shape, material, velocity, type. */
+#include "scene_impl.h"
+#include <stdlib.h>
+
+static const char *const AxisNames[DIM] = {"x", "y", "z"};
+
+PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
+                                 PetscReal *length)
+{
+  PetscBool found;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsReal(option, help, "SceneSetFromOptions", *length, length, &found));
+  PetscCheckUser(!found || (*length > 0 && !PetscIsInfOrNanReal(*length)), body->domain->comm,
+                 "-%s%s must be positive and finite, not %g m", body->prefix, option + 1, (double)*length);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(length > 0, body->domain->comm, "-%s%s is missing: it must be given (m) and positive", body->prefix,
+                 option + 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The numbers of "1,0,-2"; count is -1 when the text is something else. */
+static void ParseNumbers(const char text[], PetscInt most, PetscReal number[], PetscInt *count)
+{
+  char *end;
+
+  for (*count = 0; *count < most; text = end + 1) {
+    number[(*count)++] = (PetscReal)strtod(text, &end);
+    if (end == text || (*end && *end != ',')) *count = -1;
+    if (*count < 0 || !*end) return;
+  }
+  *count = -1;
+}
+
+PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
+                               PetscBool normal_allowed, PetscReal axis[DIM])
+{
+  Domain    domain = body->domain;
+  PetscInt  count, largest = 0;
+  PetscReal v[DIM] = {0, 0, 0}, size;
+  PetscBool found, planar;
+  char      text[SCENE_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  for (PetscInt d = 1; d < DIM; d++) largest = axis[d] > axis[largest] ? d : largest;
+  PetscCall(PetscOptionsString(option, help, "SceneSetFromOptions", AxisNames[largest], text, sizeof(text), &found));
+  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  if (text[0] >= 'x' && text[0] <= 'z' && !text[1])
+    v[text[0] - 'x'] = 1;
+  else {
+    ParseNumbers(text, DIM, v, &count);
+    PetscCheckUser(count == domain->dim || count == DIM, domain->comm,
+                   "-%s%s %s is no direction: it must be x, y, z or %s numbers", body->prefix, option + 1, text,
+                   domain->dim == 2 ? "two or three" : "three");
+  }
+  /* Two scalings: a length such as 1e-200 has no square. */
+  size = PetscMax(PetscAbsReal(v[0]), PetscMax(PetscAbsReal(v[1]), PetscAbsReal(v[2])));
+  PetscCheckUser(size > 0 && !PetscIsInfOrNanReal(v[0] + v[1] + v[2]), domain->comm,
+                 "-%s%s %s must be finite and not zero", body->prefix, option + 1, text);
+  for (PetscInt d = 0; d < DIM; d++) v[d] /= size;
+  size   = Norm(v);
+  planar = v[2] == 0 || (normal_allowed && v[0] == 0 && v[1] == 0) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCheckUser(domain->dim == DIM || planar, domain->comm, "-%s%s %s must lie in the plane%s in two dimensions",
+                 body->prefix, option + 1, text, normal_allowed ? " or along z" : "");
+  for (PetscInt d = 0; d < DIM; d++) axis[d] = v[d] / size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads which of the choices of a list is taken; name: the default on entry. */
+static PetscErrorCode ReadChoice(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
+                                 const char what[], PetscFunctionList list, char name[SCENE_NAME_LENGTH],
+                                 const BodyChoice **choice)
+{
+  BodyChoiceTable table;
+  char            names[NAMES_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsFList(option, help, "SceneSetFromOptions", list, name, name, SCENE_NAME_LENGTH, NULL));
+  PetscCall(PetscFunctionListFind(list, name, &table));
+  PetscCall(ListNames(list, names));
+  PetscCheckUser(table, body->domain->comm, "-%s%s %s is not a %s; there are %s", body->prefix, option + 1, name, what,
+                 names);
+  *choice = table();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
+{
+  const BodyChoice *choice;
+
+  PetscFunctionBegin;
+  PetscCall(ReadChoice(body, PetscOptionsObject, "-shape", "Shape of the body, cut by the box", "shape", shapes,
+                       body->shape_type, &choice));
+  body->shape = (const ShapeOps *)choice;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
+{
+  Material *m    = &body->material;
+  MPI_Comm  comm = body->domain->comm;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsReal("-density", "Density (kg/m3)", "SceneSetFromOptions", m->density, &m->density, NULL));
+  PetscCheckUser(m->density > 0 && !PetscIsInfOrNanReal(m->density), comm,
+                 "-%sdensity must be positive and finite, not %g kg/m3", body->prefix, (double)m->density);
+  PetscCall(PetscOptionsReal("-viscosity", "Dynamic viscosity (Pa s)", "SceneSetFromOptions", m->viscosity,
+                             &m->viscosity, NULL));
+  PetscCheckUser(m->viscosity >= 0 && !PetscIsInfOrNanReal(m->viscosity), comm,
+                 "-%sviscosity must be finite and not negative, not %g Pa s", body->prefix, (double)m->viscosity);
+  PetscCall(
+    PetscOptionsReal("-tension", "Surface tension (N/m)", "SceneSetFromOptions", m->tension, &m->tension, NULL));
+  PetscCheckUser(m->tension >= 0 && !PetscIsInfOrNanReal(m->tension), comm,
+                 "-%stension must be finite and not negative, not %g N/m", body->prefix, (double)m->tension);
+  PetscCall(
+    PetscOptionsInt("-color", "Label of the body in pictures", "SceneSetFromOptions", body->color, &body->color, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, PetscFunctionList velocities)
+{
+  const BodyChoice *choice;
+
+  PetscFunctionBegin;
+  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_DIRECTION, "-velocity",
+                                "Uniform part of the initial velocity (m/s)", "SceneSetFromOptions", body->uniform,
+                                NULL));
+  PetscCall(ReadChoice(body, PetscOptionsObject, "-velocity_type", "Initial velocity field, added to the uniform part",
+                       "velocity field", velocities, body->velocity_type, &choice));
+  body->velocity = (const VelocityOps *)choice;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadType(Body body, OptionItems PetscOptionsObject, PetscFunctionList types,
+                               const BodyChoice **type)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadChoice(body, PetscOptionsObject, "-type", "What the body is", "type of body", types, body->type, type));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The options of a choice, into new data. */
+static PetscErrorCode ReadOptionsOf(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*data));
+  if (choice->size) PetscCall(PetscCalloc(choice->size, data));
+  if (choice->setfromoptions) PetscCall(choice->setfromoptions(body, PetscOptionsObject));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetUp(const BodyChoice *choice, Body body)
+{
+  PetscFunctionBegin;
+  if (choice->setup) PetscCall(choice->setup(body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
+{
+  char              title[2 * SCENE_NAME_LENGTH];
+  const BodyChoice *type;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
+  PetscCall(SetUp(&body->shape->choice, body));
+  PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
+  PetscCall(ReadOptionsOf(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
+  PetscCall(SetUp(&body->velocity->choice, body));
+  PetscCall(
+    ReadType(body, PetscOptionsObject, choices->types, &type)); /* last: an emitter looks at shape and velocity */
+  PetscCall(ReadOptionsOf(type, body, PetscOptionsObject, &body->emitter));
+  PetscCall(SetUp(type, body));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
+{
+  char title[2 * SCENE_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
+  PetscCall(SetUp(&body->shape->choice, body));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Shows the options of each choice of a list; option: the one that makes it; data: its place in the body. */
+static PetscErrorCode HelpChoices(Body body, PetscFunctionList list, const char option[], void **data)
+{
+  const char    **names;
+  int             count;
+  char            title[3 * SCENE_NAME_LENGTH];
+  BodyChoiceTable table;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListGet(list, &names, &count));
+  for (int k = 0; k < count && names[k]; k++) { /* PETSc counts the end too */
+    PetscCall(PetscFunctionListFind(list, names[k], &table));
+    if (!table()->setfromoptions) continue;
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Body with -%s%s %s", body->prefix, option, names[k]));
+    PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+    PetscCall(ReadOptionsOf(table(), body, PetscOptionsObject, data));
+    PetscOptionsEnd();
+  }
+  PetscCall(PetscFree(names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
+{
+  Domain            domain;
+  Body              body;
+  const BodyChoice *type;
+
+  PetscFunctionBegin;
+  PetscCall(DomainCreate(comm, &domain));
+  PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no body of a scene is called so */
+  PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
+  PetscCall(ReadType(body, PetscOptionsObject, choices->types, &type));
+  PetscOptionsEnd();
+  PetscCall(HelpChoices(body, choices->shapes, "shape", &body->shape_data));
+  PetscCall(HelpChoices(body, choices->velocities, "velocity_type", &body->velocity_data));
+  PetscCall(HelpChoices(body, choices->types, "type", &body->emitter));
+  PetscCall(BodyDestroy(&body));
+  PetscCall(DomainDestroy(&domain));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,76 @@
+/* Whether bodies reach into the box, and whether they overlap. */
+#include "scene_impl.h"
+
+/* Looks for a point where the signed distances of two bodies, which may be one, are both below a bound (m): among the
+   centres of the lattice cells of the particle spacing, counted from the lower corner of the box, that the bounds of
+   both bodies touch. Skips what the distances exclude. Returns whether there is such a point, and the point x (m). */
+static PetscBool Meet(Body a, Body b, PetscReal bound, PetscReal x[DIM])
+{
+  Domain          domain = a->domain;
+  const PetscReal d0     = domain->spacing;
+  PetscReal       lower[2][DIM], upper[2][DIM];
+  PetscInt64      first[DIM] = {0, 0, 0}, last[DIM] = {0, 0, 0};
+
+  BodyBounds(a, lower[0], upper[0]);
+  BodyBounds(b, lower[1], upper[1]);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal  low = PetscMax(lower[0][d], lower[1][d]), high = PetscMin(upper[0][d], upper[1][d]);
+    const PetscInt64 cells = (PetscInt64)PetscMax(1, PetscFloorReal((domain->upper[d] - domain->lower[d]) / d0 + 0.5));
+
+    if (low > high) return PETSC_FALSE;
+    first[d] = PetscMin((PetscInt64)((low - domain->lower[d]) / d0), cells - 1);
+    last[d]  = PetscMin((PetscInt64)((high - domain->lower[d]) / d0), cells - 1);
+  }
+  x[2] = 0;
+  for (PetscInt64 k = first[2]; k <= last[2]; k++) {
+    if (domain->dim == DIM) x[2] = domain->lower[2] + ((PetscReal)k + 0.5) * d0;
+    for (PetscInt64 j = first[1]; j <= last[1]; j++) {
+      x[1] = domain->lower[1] + ((PetscReal)j + 0.5) * d0;
+      for (PetscInt64 i = first[0]; i <= last[0];) {
+        PetscReal s;
+
+        x[0] = domain->lower[0] + ((PetscReal)i + 0.5) * d0;
+        s    = PetscMax(BodyDistance(a, x), BodyDistance(b, x));
+        if (s < bound) return PETSC_TRUE;
+        /* No point nearer than s - bound has a distance below the bound. */
+        i += 1 + (PetscInt64)PetscMin((s - bound) / d0, (PetscReal)(last[0] - i));
+      }
+    }
+  }
+  return PETSC_FALSE;
+}
+
+/* Its bounds miss the box, or every lattice point is farther from it than a cell's diagonal. */
+PetscErrorCode BodyCheckInside(Body body)
+{
+  Domain    domain = body->domain;
+  PetscReal lower[DIM], upper[DIM], x[DIM];
+  PetscBool inside = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  BodyBounds(body, lower, upper);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (upper[d] - lower[d] <= SURFACE_TOLERANCE * domain->spacing) inside = PETSC_FALSE;
+  }
+  if (inside) inside = Meet(body, body, PetscSqrtReal((PetscReal)domain->dim) * domain->spacing, x);
+  PetscCheckUser(inside, domain->comm,
+                 "the body %s is wholly outside the box: its shape must reach into -box_lower to -box_upper",
+                 body->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneCheckOverlap(Scene scene)
+{
+  const PetscReal tolerance = SURFACE_TOLERANCE * scene->domain->spacing;
+  PetscReal       x[DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->count; a++) {
+    for (PetscInt b = a + 1; b < scene->count; b++) {
+      PetscCheckUser(!Meet(scene->body[a], scene->body[b], -tolerance, x), scene->domain->comm,
+                     "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch",
+                     scene->body[a]->name, scene->body[b]->name, (double)x[0], (double)x[1], (double)x[2]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
