@@ -32,7 +32,7 @@ int main(int argc, char **argv)
 
   if (MPI_Init(&argc, &argv) || UserErrorHandlerPush())
     return 2; /* before the options are read: a missing options file is the user's error too */
-  code = (int)OptionsFilesCheck(MPI_COMM_WORLD, argc, argv);
+  code = (int)CommandLineCheck(MPI_COMM_WORLD, argc, argv);
   if (!code) code = (int)PetscInitialize(&argc, &argv, NULL, help);
   if (!code) {
     code = (int)Run();

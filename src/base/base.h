@@ -123,9 +123,16 @@ PetscErrorCode JournalOpen(MPI_Comm comm, const char path[]);
 PetscErrorCode JournalClose(void);
 void           JournalText(const char text[]);
 
-/* OptionsFilesCheck - refuses (UserError) options files on the command line that include themselves. Collective; after
-   MPI_Init and before PetscInitialize. */
-PetscErrorCode OptionsFilesCheck(MPI_Comm comm, int argc, char *argv[]);
+/* CommandLineCheck - refuses (UserError) options files on the command line that include themselves, and an argument
+   that is neither an option nor its value; makes -h and --help PETSc's -help. Collective; after MPI_Init and before
+   PetscInitialize. */
+PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[]);
+
+/* HelpWanted - whether -help is given without -dump_options. A class then reads the options of all its types, one
+   options block a type with the type in its title, so that -help lists them all; otherwise those of the chosen type
+   only. PETSc prints a block of the same title once. The program stops when all options are read. Not collective. */
+#define DUMP_OPTION "-dump_options"
+PetscBool HelpWanted(void);
 
 /* RandomUnit - a uniform number in [0,1) from a seed and a counter (SplitMix64): the same on any number of ranks. */
 static inline PetscReal RandomUnit(unsigned long long seed, unsigned long long counter)

@@ -1,4 +1,5 @@
-/* Options files that include themselves: PETSc follows them until the stack ends. */
+/* What the command line asks: options files that include themselves, which PETSc follows until the stack ends; plain
+   arguments; and help. */
 #include "base.h"
 #include <stdio.h>
 #include <string.h>
@@ -25,11 +26,26 @@ static PetscBool Shallow(const char file[], int left)
   return good;
 }
 
-PetscErrorCode OptionsFilesCheck(MPI_Comm comm, int argc, char *argv[])
+PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[])
 {
-  for (int k = 1; k + 1 < argc; k++)
-    if (!strcmp(argv[k], KEY) && !Shallow(argv[k + 1], DEPTH_MAX))
+  static char help[] = "-help";
+
+  for (int k = 1; k < argc; k++) {
+    if (!strcmp(argv[k], "-h") || !strcmp(argv[k], "--help")) argv[k] = help;
+    if (argv[k][0] != '-' && argv[k - 1][0] != '-')
+      return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", argv[k], argv[k]);
+    if (!strcmp(argv[k], KEY) && k + 1 < argc && !Shallow(argv[k + 1], DEPTH_MAX))
       return UserError(comm, "the options file %s includes itself, or others more than %d deep", argv[k + 1],
                        DEPTH_MAX);
+  }
   return PETSC_SUCCESS;
+}
+
+PetscBool HelpWanted(void)
+{
+  PetscBool help = PETSC_FALSE, dump = PETSC_FALSE;
+
+  (void)PetscOptionsHasHelp(NULL, &help);
+  (void)PetscOptionsHasName(NULL, NULL, DUMP_OPTION, &dump);
+  return (PetscBool)(help && !dump);
 }

@@ -57,6 +57,31 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses to start without a scene. For -help the least of a scene is made up, so that all classes come to their
+ * options.
+ */
+static PetscErrorCode CheckScene(Sim sim)
+{
+  static const char *const least[][2] = {{"-spacing", "1"},
+                                         {"-box_lower", "0,0,0"},
+                                         {"-box_upper", "10,10,10"},
+                                         {"-bodies", "liquid"},
+                                         {"-time_step_max", "1"}};
+  PetscBool                any        = HelpWanted(), set;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(least); k++) {
+    PetscCall(PetscOptionsHasName(NULL, NULL, least[k][0], &set));
+    if (!set && HelpWanted()) PetscCall(PetscOptionsSetValue(NULL, least[k][0], least[k][1]));
+    any = (PetscBool)(any || set);
+  }
+  PetscCheckUser(
+    any, sim->comm,
+    "no scene is given: -options_file names its file, for instance cases/drop_impact/case.opts; -help lists "
+    "all options");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 {
   MPI_Comm comm = sim->comm;
@@ -64,6 +89,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscFunctionBegin;
   PetscCall(DumpStart(sim));
   PetscCall(PetscOptionsHasHelp(NULL, stop));
+  PetscCall(CheckScene(sim));
   PetscCall(ReadOwnOptions(sim));
   PetscCall(DomainCreate(comm, &sim->domain));
   PetscCall(DomainSetFromOptions(sim->domain));

@@ -19,7 +19,7 @@ GOOD = BOX + POOL
 
 def refused(name, options, words, ranks=1, folder=None):
     """The options must be refused with a sentence that holds all the words."""
-    path = folder or runs.scratch(name)
+    path = folder or runs.scratch(name.replace(" ", "_"))
     began = time.time()
     process = runs.start(options + f" -output_dir {path}", ranks)
     took = time.time() - began
@@ -48,6 +48,8 @@ def checksums(folder):
 refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
 refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
 refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_something_else"])
+refused("no_scene", "", ["no scene", "-options_file", "-help"])
+refused("file_without_option", "my.opts", ["my.opts", "-options_file my.opts"])
 refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
 own = runs.scratch("own.opts")
 with open(own, "w", encoding="utf-8") as file:
