@@ -1,15 +1,15 @@
 # isph: incompressible SPH on PETSc.   make | make run | make test | make test-long | make lint | make clean
 #   make verify, make verify-long   runs of cases/ against exact solutions, a table; CASE=couette: of one case; JOBS=1
 #   make convergence CASE=couette   a case at several spacings; writes the tables of its README
-#   make verify-readme              writes the table of README.md from the last runs
+#   make verify-readme              writes the tables of cases/README.md and of the cases from the last runs
 #   make reference CASE=thin_film   the volume-of-fluid computations that some checks compare with, anew (needs gerris)
-#   make extremes                   the limits of scenes, steps, solvers: a table and a map in output/extremes/; extremes-readme: README's
+#   make extremes                   the limits of scenes, steps, solvers: table and map; extremes-readme: in tests/extremes/
 #   make long-run                   a million steps of a small scene: nothing drifts
 #   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
 #   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
-#   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; make bench-readme: README's table
-#   make tradeoff CASE=central_force        error and CPU time of each choice: table, CSV, chart in output/tradeoff/
+#   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
+#   make tradeoff CASE=central_force        error and CPU time of each choice; tradeoff-readme: in tests/tradeoff/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
@@ -75,7 +75,7 @@ run: packages
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
-# The main case at the paper's spacing, a quarter of the box, 60 ms: half an hour on two cores, then its figures.
+# The main case at the paper's spacing, a quarter of the box, 60 ms: some ten minutes on two cores, then its figures.
 paper: packages
 	$(MAKE) isph
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
@@ -185,7 +185,7 @@ compare-solvers: $(COMPARE)
 tradeoff: isph
 	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
 
-# the case's table and, with the sweeps of the five scenes at hand, that of the top README
+# The table of the case and, once the five scenes have been swept, the summary in tests/tradeoff/README.md.
 tradeoff-readme:
 	@$(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)" --readme
 	@$(PYTHON) tests/tradeoff/summary.py

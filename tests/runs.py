@@ -1,5 +1,6 @@
 """Runs of ./isph for the tests: start, read back, judge. Tests are scripts that import this and end with done()."""
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -97,3 +98,14 @@ def series(folder):
     table = np.atleast_1d(np.genfromtxt(os.path.join(folder, "series.csv"), delimiter=",", names=True))
     table.dtype.names = [tables.plain(name) for name in table.dtype.names]
     return table
+
+
+def replace(path, name, text):
+    """Puts a generated text between the lines <!-- name --> and <!-- /name --> of a README."""
+    with open(path, encoding="utf-8") as file:
+        old = file.read()
+    new, n = re.subn(f"(<!-- {name} -->\n).*?(<!-- /{name} -->)", lambda m: m[1] + text + "\n" + m[2], old, flags=re.S)
+    if n != 1:
+        sys.exit(f"{path} must have the lines <!-- {name} --> and <!-- /{name} --> once, not {n} times")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(new)

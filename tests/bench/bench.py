@@ -2,7 +2,7 @@
 """Speed of the step: sizes x ranks x states x preconditioners.
 
   bench.py [--size quick|full] [--out FOLDER]   runs; FOLDER/bench.csv, bench.png, bench.md
-  bench.py --readme                             the table of README.md from the last bench.csv
+  bench.py --readme                             the tables of tests/bench/README.md from the last bench.csv
 
 quick: 16 k and 128 k particles, some eight minutes of one core; full: 1 M too, some forty, of which the states, made
 once, take half. The most telling runs come first; the table is written after each.
@@ -155,7 +155,7 @@ def main():
     arguments = parser.parse_args()
     table = os.path.join(arguments.out, "bench.csv")
     if arguments.readme:
-        report.readme(table, os.path.join(ROOT, "README.md"))
+        report.readme(table)
         return
     os.makedirs(os.path.join(arguments.out, "states"), exist_ok=True)
     rows = []

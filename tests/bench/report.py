@@ -1,13 +1,17 @@
 """Tables and chart of bench.csv."""
 import csv
-import re
+import os
+import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-BEGIN, END = "<!-- bench -->", "<!-- /bench -->"
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, ".."))
+import runs  # noqa: E402
+
 OWN, TOLERANCE = "twolevel", 1e-4
 
 
@@ -92,12 +96,9 @@ def markdown(path, target):
         file.write(text(path))
 
 
-def readme(path, target):
-    """Puts the tables between the markers."""
-    content = open(target, encoding="utf-8").read()
-    assert BEGIN in content and END in content, f"{target} lacks {BEGIN} ... {END}"
-    content = re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{text(path)}\n{END}", content, flags=re.S)
-    open(target, "w", encoding="utf-8").write(content)
+def readme(path):
+    """Puts the tables into the README beside this file."""
+    runs.replace(os.path.join(HERE, "README.md"), "bench", "\n" + text(path))
 
 
 def chart(path, target, events):

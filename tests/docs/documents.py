@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What README and the cases' READMEs say is so: options, make targets and files they name exist, their commands are
+"""What the READMEs and CONTRIBUTING.md say is so: options, make targets and files they name exist, their commands are
 understood, the scene of the tutorial runs word for word (for fewer milliseconds), its pictures and its film are made,
 the Python of the README runs on it, and `make install` gives programs that work."""
 import glob
@@ -20,9 +20,10 @@ PROGRAMS = ("make", "mpiexec", "chrt", "git", "apt-get", "xvfb-run", "sbatch", "
 
 def texts():
     """(path, text) of the documents."""
-    for path in [os.path.join(runs.ROOT, "README.md"), *sorted(glob.glob(runs.ROOT + "/cases/*/README.md"))]:
-        with open(path, encoding="utf-8") as file:
-            yield os.path.relpath(path, runs.ROOT), file.read()
+    for pattern in ("README.md", "CONTRIBUTING.md", "cases/README.md", "cases/*/README.md", "tests/*/README.md"):
+        for path in sorted(glob.glob(os.path.join(runs.ROOT, pattern))):
+            with open(path, encoding="utf-8") as file:
+                yield os.path.relpath(path, runs.ROOT), file.read()
 
 
 def known_options():
@@ -63,7 +64,8 @@ def unknown(text, targets):
 
 names = known_options()
 for path, text in texts():
-    spans = re.findall(r"`([^`\n]+)`", re.sub(r"<!-- (verify|measured) -->.*?<!-- /\1 -->", "", text, flags=re.S))
+    written = re.sub(r"<!-- (verify|measured|tradeoff|bench|extremes) -->.*?<!-- /\1 -->", "", text, flags=re.S)
+    spans = re.findall(r"`([^`\n]+)`", written)
     options = set()
     for span in spans:
         if not span.startswith(PROGRAMS):

@@ -5,8 +5,8 @@ refused with a sentence before the first step, or is stopped by a watch with a s
     tests/extremes/extremes.py [--all] [--only NAME] [--folder output/extremes] [--readme]
 
 With --all (make extremes) every run, a table, and the stability map as extremes.csv and extremes.png in the folder;
-without, the short part in make test; with --readme (make extremes-readme) the table of README.md and the map beside
-this file, from the folder. A run works when it ends with code 0 and, judged by its series,
+without, the short part in make test; with --readme (make extremes-readme) the table of the README beside this file
+and the map, from the folder. A run works when it ends with code 0 and, judged by its series,
   - all values are numbers and no particle was lost (unless the scene throws some out),
   - kinetic, potential and (as far as it is measured) surface energy together never rise above their lowest sum so far
     by more than ENERGY of what the scene has at hand, SURFACE where it has tension,
@@ -301,10 +301,11 @@ def main():
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--only", default="", help="runs whose axis or value contains this")
     parser.add_argument("--folder", default=os.path.join(runs.ROOT, "output", "extremes"))
-    parser.add_argument("--readme", action="store_true", help="write README.md's table and the map")
+    parser.add_argument("--readme", action="store_true", help="write the table and the map of tests/extremes")
     arguments = parser.parse_args()
     if arguments.readme:
-        sys.exit(report.readme(arguments.folder, runs.ROOT))
+        report.readme(arguments.folder)
+        return
     lines = []
     for number, trial in enumerate(TRIALS):
         if (trial.short or arguments.all) and arguments.only in f"{trial.axis} {trial.value}":

@@ -3,8 +3,10 @@ import csv
 import os
 import subprocess
 
+import runs
+
 COLORS = {"works": "#5aa469", "handled": "#b9d77c", "refused": "#9fb8d6", "stopped": "#e9b44c", "FAILED": "#d1495b"}
-MARKERS = "<!-- extremes -->", "<!-- /extremes -->"
+HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 def picture(lines, path, width=13, dpi=110):
@@ -71,18 +73,12 @@ def keep(lines, folder, root):
     picture(lines, os.path.join(folder, "extremes.png"))
 
 
-def readme(folder, root):
-    """Writes the table between the markers of README.md, and the map beside this file."""
-    path = os.path.join(root, "README.md")
+def readme(folder):
+    """Writes the table of the README beside this file, and the map."""
     with open(os.path.join(folder, "extremes.csv"), newline="", encoding="utf-8") as file:
         lines = list(csv.DictReader(file))
     with open(os.path.join(folder, "version.txt"), encoding="utf-8") as file:
         version = file.read().strip()
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    begin, end = text.index(MARKERS[0]) + len(MARKERS[0]), text.index(MARKERS[1])
     body = "\n".join(table(lines) + ["", f"{len(lines)} runs; written by `make extremes-readme` at version {version}."])
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(f"{text[:begin]}\n\n{body}\n\n{text[end:]}")
-    picture(lines, os.path.join(os.path.dirname(os.path.abspath(__file__)), "map.png"), 11, 80)
-    return 0
+    runs.replace(os.path.join(HERE, "README.md"), "extremes", f"\n{body}\n")
+    picture(lines, os.path.join(HERE, "map.png"), 11, 80)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The table of the top README: what each choice costs in five scenes, from their tradeoff.csv.
+"""The table of tests/tradeoff/README.md: what each choice costs in five scenes, from their tradeoff.csv.
 
     summary.py          after make tradeoff CASE=... of all five; make tradeoff-readme runs it
 """
@@ -57,7 +57,7 @@ def main():
     sweeps = {case: tradeoff.read(case) for case in SCENES}
     missing = [case for case, rows in sweeps.items() if not rows]
     if missing:
-        print(f"summary.py: without make tradeoff CASE={missing[0]} the top README stays as it is")
+        print(f"summary.py: without make tradeoff CASE={missing[0]} tests/tradeoff/README.md stays as it is")
         return
     lines = [{"choice": "the default", **{SCENES[c]: f"{r[0]['error']:.2g}, {r[0]['seconds']:.2g} s"
                                           for c, r in sweeps.items()}}]
@@ -72,7 +72,7 @@ def main():
     versions = ", ".join(sorted({row["version"] for rows in sweeps.values() for row in rows}))
     table = runner.table(lines, ["choice", *SCENES.values()])
     text = f"{table}\n\nWritten by `make tradeoff-readme` from the sweeps of version {versions}."
-    runner.replace(os.path.join(runs.ROOT, "README.md"), "tradeoff", "\n" + text + "\n")
+    runs.replace(os.path.join(HERE, "README.md"), "tradeoff", "\n" + text + "\n")
 
 
 if __name__ == "__main__":

@@ -202,7 +202,7 @@ def main():
         sys.exit(f"tradeoff.py: output/tradeoff/{case}/tradeoff.csv is missing; run make tradeoff CASE={case} first")
     table = text(case, scene, rows)
     if arguments.readme:
-        runner.replace(os.path.join(runs.ROOT, "cases", case, "README.md"), "tradeoff", "\n" + table + "\n")
+        runs.replace(os.path.join(runs.ROOT, "cases", case, "README.md"), "tradeoff", "\n" + table + "\n")
         return
     with open(os.path.join(OUTPUT, case, "table.md"), "w", encoding="utf-8") as file:
         file.write(table + "\n")

@@ -42,10 +42,16 @@ runs.check(reported, "printed_scheme_is_reported", printed)
 path = runs.scratch("README.md")
 with open(path, "w", encoding="utf-8") as file:
     file.write("a\n<!-- verify -->\nold\n<!-- /verify -->\nb\n")
-runner.replace(path, "verify", "new \\1")
+runs.replace(path, "verify", "new \\1")
 with open(path, encoding="utf-8") as file:
     text = file.read()
 runs.check(text == "a\n<!-- verify -->\nnew \\1\n<!-- /verify -->\nb\n", "markers", text)
+for name, place in (("verify", "cases"), ("tradeoff", "tests/tradeoff"), ("extremes", "tests/extremes"),
+                    ("bench", "tests/bench")):
+    with open(os.path.join(runs.ROOT, place, "README.md"), encoding="utf-8") as file:
+        text = file.read()
+    placed = text.count(f"<!-- {name} -->\n") == text.count(f"<!-- /{name} -->\n") == 1
+    runs.check(placed, f"markers_{name}", f"not once in {place}/README.md")
 order = runner.order_of([0.04, None, 0.01], [0.2, 0.1, 0.1])
 runs.check(order == "2.0", "observed_order", order)
 

@@ -4,7 +4,7 @@
                                            make verify, make verify-long
     runner.py --test [--size ...]          the part of `make test` and `make test-long`
     runner.py --convergence --case CASE    make convergence CASE=...
-    runner.py --readme                     make verify-readme: top README and cases with markers
+    runner.py --readme                     make verify-readme: cases/README.md, cases with markers
     runner.py --list                       the entries
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
@@ -215,17 +215,6 @@ def test(entries):
     return 1 if failed else 0
 
 
-def replace(path, name, text):
-    """Puts text between the markers <!-- name --> and <!-- /name --> of a file."""
-    with open(path, encoding="utf-8") as file:
-        old = file.read()
-    new, n = re.subn(f"(<!-- {name} -->\n).*?(<!-- /{name} -->)", lambda m: m[1] + text + "\n" + m[2], old, flags=re.S)
-    if n != 1:
-        sys.exit(f"runner.py: {path} must have the lines <!-- {name} --> and <!-- /{name} --> once, not {n} times")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(new)
-
-
 def order_of(errors, spacings):
     """Observed order between the coarsest and the finest run that have an error."""
     have = [(e, s) for e, s in zip(errors, spacings) if e is not None and math.isfinite(e) and e > 0]
@@ -294,7 +283,7 @@ def convergence(entries, case, jobs, existing):
                                      "error, between the coarsest and the finest run. Extrapolated: to spacing zero, "
                                      "linearly from the two finest, where the last three go one way."])
         print(text)
-        replace(os.path.join(runs.ROOT, "cases", name, "README.md"), "measured", "\n" + text + "\n")
+        runs.replace(os.path.join(runs.ROOT, "cases", name, "README.md"), "measured", "\n" + text + "\n")
     return 0
 
 
@@ -323,17 +312,17 @@ def side_by_side(rows):
 
 
 def readme():
-    """The tables between <!-- verify --> and <!-- /verify -->: all cases in the top README, its own in a case's."""
+    """The tables between <!-- verify --> and <!-- /verify -->: all cases in cases/README.md, its own in a case's."""
     rows = read_rows()
     if not rows:
         sys.exit("runner.py: output/verify/verify.csv is missing; run make verify first")
-    replace(os.path.join(runs.ROOT, "README.md"), "verify", "\n" + side_by_side(rows) + "\n")
+    runs.replace(os.path.join(runs.ROOT, "cases", "README.md"), "verify", "\n" + side_by_side(rows) + "\n")
     for case in dict.fromkeys(row["case"] for row in rows):
         path = os.path.join(runs.ROOT, "cases", case, "README.md")
         with open(path, encoding="utf-8") as file:
             marked = "<!-- verify -->" in file.read()
         if marked:
-            replace(path, "verify", "\n" + side_by_side([row for row in rows if row["case"] == case]) + "\n")
+            runs.replace(path, "verify", "\n" + side_by_side([row for row in rows if row["case"] == case]) + "\n")
     return 0
 
 

@@ -1,0 +1,156 @@
+#!/usr/bin/python3
+"""Figures quoted in README.md and in the presets' headers are those of the generated tables. Each quotation is a
+pattern whose groups are figures, and for each group where it comes from; a group must be the table's figure, rounded
+to the digits quoted. Figures that no quotation covers fail too: in the tables of README's sections SECTIONS, and in
+a preset's header any number before a unit or 'times'. LINT_ROOT: another tree, for a test of the test."""
+import os
+import re
+import sys
+
+ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+VERIFY, TRADEOFF, BENCH = "cases/README.md", "tests/tradeoff/README.md", "tests/bench/README.md"
+SECTIONS = ("## How good it is", "## How fast it is")
+PRESETS = ("fast", "balanced", "accurate", "paper", "printed", "quick", "quarter")
+
+
+def read(path):
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def tables(path):
+    """The rows of all tables of a document: lists of (column's title, cell). An empty first cell is that above it."""
+    rows, titles, above = [], None, ""
+    for line in read(path).splitlines():
+        cells = [cell.strip() for cell in line.split("|")[1:-1]]
+        if not cells:
+            titles = None
+        elif titles is None:
+            titles = cells
+        elif not set("".join(cells)) <= set("- :"):
+            above = cells[0] = cells[0] or above
+            rows.append(list(zip(titles, cells)))
+    return rows
+
+
+def look_up(path, keys, column, part=0):
+    """The number in a column of the only row that has these cells (options behind a name aside); part: which of several
+    numbers in the cell."""
+    found = [dict(row) for row in tables(path) if column in dict(row) and
+             all(any(cell == key or cell.startswith(key + " `") for _, cell in row) for key in keys)]
+    if len(found) != 1:
+        raise LookupError(f"{len(found)} rows of {path} have {keys} and a column '{column}'")
+    return found[0][column].split(": ")[-1].split(", ")[part]
+
+
+def verified(case, quantity, column="default scheme"):
+    return lambda: look_up(VERIFY, (case, quantity), column)
+
+
+def choice(name, scene, part, inverse=False):
+    """Error (0) or CPU time (1) over those of the defaults; inverse: how many times as quick."""
+    def figure():
+        value = look_up(TRADEOFF, (name,), scene, part)
+        return str(1 / float(value)) if inverse else value
+    return figure
+
+
+def speed(ranks, column):
+    return lambda: look_up(BENCH, ("1102944", "splash", ranks), column)
+
+
+def preconditioner(name, part):
+    return lambda: look_up(BENCH, (name,), "splash: us, iterations", part)
+
+
+def judged(part):
+    """Figures of the default scheme within (0) their tolerance, and all (1) that are judged."""
+    good, bad = (int(n) for n in re.search(r"(\d+) within tolerance, (\d+) not", read(VERIFY)).groups())
+    return lambda: str((good, good + bad)[part])
+
+
+DEPTH = "D(t) 2 to 35 ms, largest error over the largest D"
+ENERGY, FRONT = "kinetic energy at 10 ms", "front beside the reference, largest relative deviation from T = 1.19 on"
+DROP, IMPACT, VORTICES = "pressure in the inner half, mean from 20 ms on", "drop impact, 0.7 mm, to 20 ms", \
+    "Taylor-Green, 50 x 50"
+QUOTED = [
+    ("README.md", r"crater depth, [^|]*\| ([\d.]+) %", [verified("drop_impact, 0.25 mm", DEPTH)]),
+    ("README.md", r"crater diameter, [^|]*\| ([\d.]+) %",
+     [verified("drop_impact, 0.25 mm", "phi(t) 2 to 35 ms, largest error")]),
+    ("README.md", r"\| \| kinetic energy after 10 ms \| ([\d.]+) uJ \| ([\d.]+) uJ",
+     [verified("drop_impact, 0.25 mm", ENERGY), verified("drop_impact, 0.25 mm", ENERGY, "expected")]),
+    ("README.md", r"0\.5 mm \| kinetic energy after 10 ms \| ([\d.]+) uJ \| ([\d.]+) uJ \| ([\d.]+) uJ",
+     [verified("drop_impact, 0.5 mm", ENERGY, column) for column in ("default scheme", "expected", "as printed")]),
+    ("README.md", r"dam break \|[^|]*\| ([\d.]+) %", [verified("dam_break, collapse", FRONT)]),
+    ("README.md", r"drop at rest \|[^|]*\| ([\d.]+) Pa \| ([\d.]+) Pa \| ([\d.]+) Pa",
+     [verified("laplace_jump, 3-d", DROP, column) for column in ("default scheme", "expected", "as printed")]),
+    ("README.md", r"oscillating drop \|[^|]*\| ([\d.]+) ms \| ([\d.]+) ms \| ([\d.]+) ms",
+     [verified("oscillating_drop, 3-d", "period", column) for column in ("default scheme", "expected", "as printed")]),
+    ("README.md", r"Couette flow \|[^|]*\| ([\d.]+) % \| *\| ([\d.]+) %",
+     [verified("couette", "rms velocity error over U, largest of all times", column)
+      for column in ("default scheme", "as printed")]),
+    ("README.md", r"(\d+) of (\d+) judged figures", [judged(0), judged(1)]),
+    ("README.md", r"1 process, default[^|]*\| ([\d.]+) \| ([\d.]+)",
+     [speed("1", "us a particle and step"), speed("1", "iterations")]),
+    ("README.md", r"2 processes[^|]*\| ([\d.]+) \| ([\d.]+)",
+     [speed("2", "us a particle and step"), speed("2", "iterations")]),
+    ("README.md", r"jacobi`[^|]*\| ([\d.]+) \| ([\d.]+)", [preconditioner("jacobi", 0), preconditioner("jacobi", 1)]),
+    ("README.md", r"gamg`[^|]*\| ([\d.]+) \| ([\d.]+)", [preconditioner("gamg", 0), preconditioner("gamg", 1)]),
+    ("options/fast.opts", r"([\d.]+) times as quick, error ([\d.]+) times; Taylor-Green error ([\d.]+) times",
+     [choice("preset `fast`", IMPACT, 1, True), choice("preset `fast`", IMPACT, 0),
+      choice("preset `fast`", VORTICES, 0)]),
+    ("options/accurate.opts", r"Taylor-Green error ([\d.]+) times at ([\d.]+) times the CPU time",
+     [choice("preset `accurate`", VORTICES, 0), choice("preset `accurate`", VORTICES, 1)]),
+    ("options/accurate.opts", r"drop impact at 0\.7 mm ([\d.]+) times the error at ([\d.]+) times the time",
+     [choice("preset `accurate`", IMPACT, 0), choice("preset `accurate`", IMPACT, 1)]),
+    ("options/accurate.opts", r"spacing 0\.7 times as wide has ([\d.]+) times the error at ([\d.]+) times the time",
+     [choice("finer", IMPACT, 0), choice("finer", IMPACT, 1)]),
+    ("options/paper.opts", r"has ([\d.]+) times the error of the default scheme at 0\.7 mm and takes ([\d.]+) times",
+     [choice("preset `paper`", IMPACT, 0), choice("preset `paper`", IMPACT, 1)]),
+    ("options/paper.opts", r"at 0\.5 mm ([\d.]+) uJ of kinetic energy are left after 5 ms, ([\d.]+) uJ with the "
+     r"default scheme and ([\d.]+) uJ",
+     [verified("drop_impact, 0.5 mm", "kinetic energy at 5 ms", column)
+      for column in ("as printed", "default scheme", "expected")]),
+]
+
+
+def text_of(path):
+    """What is compared of a document: README's sections, or the comments of a preset as one line."""
+    text = read(path)
+    if path.endswith(".opts"):
+        return " ".join(line.strip("# \n") for line in text.splitlines() if line.startswith("#"))
+    return "\n".join(text.split(title + "\n")[1].split("\n## ")[0] for title in SECTIONS)
+
+
+def left_over(path, text):
+    """Numbers that look like results."""
+    if path.endswith(".opts"):
+        return re.findall(r"\d[\d.]*(?= (?:%|times|uJ|Pa)|-fold)", text)
+    return [number for line in text.splitlines() if line.startswith("|")
+            for cell in line.split("|")[3:] for number in re.findall(r"\d[\d.]*", cell)]
+
+
+bad, count = [], 0
+for document in ["README.md"] + [f"options/{preset}.opts" for preset in PRESETS]:
+    text = text_of(document)
+    for _, pattern, sources in (quoted for quoted in QUOTED if quoted[0] == document):
+        match = re.search(pattern, text)
+        if not match:
+            bad.append(f"{document} has nothing like {pattern}; change tests/lint/figures.py with it")
+            continue
+        for k, source in enumerate(sources, 1):
+            shown, figure = match[k], source()
+            value = float(figure.split()[0])
+            if text[match.end(k):].startswith(" %") and not figure.endswith("%"):
+                value *= 100
+            count += 1
+            if abs(float(shown) - value) > 0.501 * 10.0 ** -len(shown.partition(".")[2]):
+                bad.append(f"{document}: {shown} in '{match[0]}' is {value:g} in the generated table")
+        text = text[:match.start()] + re.sub(r"\d", "_", match[0]) + text[match.end():]
+    bad += [f"{document}: tests/lint/figures.py does not know where {number} comes from"
+            for number in left_over(document, text)]
+for line in bad:
+    print("FAIL figures:", line)
+if not bad:
+    print(f"ok figures ({count} compared)")
+sys.exit(1 if bad else 0)

@@ -1,0 +1,50 @@
+#!/usr/bin/python3
+"""README.md stays short: at most 200 lines of at most 120 columns. The tables of its method name functions of src/ as
+`file:function`: each is defined in that file, and each equation of the paper, (1) to (11), has one. LINT_ROOT: another
+tree, for a test of the test."""
+import os
+import re
+import sys
+
+ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+LINES, COLUMNS, EQUATIONS = 200, 120, 11
+bad = []
+
+
+def defines(path, function):
+    """Whether a file of src/ defines a function: its name and parameters at the start of a line, then a brace."""
+    try:
+        with open(os.path.join(ROOT, "src", path), encoding="utf-8") as file:
+            return re.search(rf"^[A-Za-z][\w *]*\b{function}\([^;{{]*\)\s*\{{", file.read(), re.M) is not None
+    except OSError:
+        return False
+
+
+def numbers(cell):
+    """The equations that a cell names: '(8) left' is 8, '(5)-(7)' is 5, 6, 7."""
+    ends = [int(n) for n in re.findall(r"\((\d+)\)", cell)]
+    return set(range(ends[0], ends[-1] + 1)) if ends else set()
+
+
+with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
+    text = file.read()
+lines = text.splitlines()
+if len(lines) > LINES:
+    bad.append(f"README.md has {len(lines)} lines, at most {LINES}")
+bad += [f"README.md:{k}: {len(line)} columns, at most {COLUMNS}" for k, line in enumerate(lines, 1)
+        if len(line) > COLUMNS]
+named, equations = 0, set()
+for k, line in enumerate(lines, 1):
+    for path, function in re.findall(r"`([\w/]+\.[ch]):(\w+)`", line):
+        named += 1
+        equations |= numbers(line.split("|")[1])
+        if not defines(path, function):
+            bad.append(f"README.md:{k}: src/{path} defines no function {function}")
+missing = sorted(set(range(1, EQUATIONS + 1)) - equations)
+if missing:
+    bad.append(f"README.md names no function for the equations {missing}")
+for line in bad:
+    print("FAIL readme:", line)
+if not bad:
+    print(f"ok readme ({len(lines)} lines, {named} functions)")
+sys.exit(1 if bad else 0)
