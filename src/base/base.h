@@ -134,14 +134,20 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[]);
 #define DUMP_OPTION "-dump_options"
 PetscBool HelpWanted(void);
 
-/* RandomUnit - a uniform number in [0,1) from a seed and a counter (SplitMix64): the same on any number of ranks. */
-static inline PetscReal RandomUnit(unsigned long long seed, unsigned long long counter)
+/* SplitMix64 - a 64-bit hash of a number: the output function of the generator of that name (Steele, Lea and Flood
+   2014). Not collective. */
+static inline unsigned long long SplitMix64(unsigned long long z)
 {
-  unsigned long long z = seed * 0x9E3779B97F4A7C15ULL + (counter + 1) * 0xD1B54A32D192ED03ULL;
-
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  z = z ^ (z >> 31);
+  return z ^ (z >> 31);
+}
+
+/* RandomUnit - a uniform number in [0,1) from a seed and a counter: the same on any number of ranks. Not collective. */
+static inline PetscReal RandomUnit(unsigned long long seed, unsigned long long counter)
+{
+  const unsigned long long z = SplitMix64(seed * 0x9E3779B97F4A7C15ULL + (counter + 1) * 0xD1B54A32D192ED03ULL);
+
   return (PetscReal)(z >> 11) * (1.0 / 9007199254740992.0);
 }
 

@@ -89,33 +89,30 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
 
 /* --- writing --- */
 
-static PetscErrorCode HeadPut(Storage *storage, const Head *head)
+static void HeadPut(H5File *h5, const Head *head)
 {
-  PetscFunctionBegin;
-  PetscCall(StoragePutText(storage, "format", CHECKPOINT_FORMAT));
-  PetscCall(StoragePutInt(storage, "format_version", CHECKPOINT_VERSION));
-  PetscCall(StoragePutText(storage, "version", ISPH_VERSION));
-  for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) PetscCall(StoragePutReal(storage, real_names[k], 1, &head->real[k]));
-  for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) PetscCall(StoragePutInt(storage, int_names[k], head->integer[k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  H5FilePutText(h5, "format", CHECKPOINT_FORMAT);
+  H5FilePutInt(h5, "format_version", CHECKPOINT_VERSION);
+  H5FilePutText(h5, "version", ISPH_VERSION);
+  for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) H5FilePutReal(h5, real_names[k], 1, &head->real[k]);
+  for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
 }
 
-static PetscErrorCode FieldsPut(Output output, Storage *storage, ParticleArrays *arrays, Rows rows)
+static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *arrays, Rows rows)
 {
   PetscInt counts = arrays->n;
   Rows     ranks  = {.n = 1, .start = output->rank, .total = output->size, .width = 1};
 
   PetscFunctionBegin;
-  PetscCall(StorageWrite(storage, "counts", STORAGE_INT, &ranks, &counts, "1", "particles of each rank"));
+  PetscCall(H5FileWrite(h5, "counts", H5FILE_INT, &ranks, &counts, "1", "particles of each rank"));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     rows.width = Fields[f].width;
-    PetscCall(StorageWrite(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit,
-                           Fields[f].meaning));
+    PetscCall(
+      H5FileWrite(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit, Fields[f].meaning));
   }
   rows.width = 1;
   for (PetscInt f = 0; f < INT_COUNT; f++)
-    PetscCall(
-      StorageWrite(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays->integer[f], "1", IntFieldMeanings[f]));
+    PetscCall(H5FileWrite(h5, IntFieldNames[f], H5FILE_INT, &rows, arrays->integer[f], "1", IntFieldMeanings[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +146,7 @@ static PetscErrorCode Prune(Output output, PetscInt step)
 PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 {
   ParticleArrays arrays;
-  Storage        storage;
+  H5File         h5;
   Rows           rows = {.n = 0, .start = 0, .total = 0, .width = 1};
   Head           head;
   PetscBool      failed;
@@ -170,12 +167,12 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   OutputCheckpointName(state->step, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
-  PetscCall(StorageCreate(output->comm, path, &storage));
-  PetscCall(HeadPut(&storage, &head));
-  PetscCall(FieldsPut(output, &storage, &arrays, rows));
-  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(H5FileCreate(output->comm, path, &h5));
+  HeadPut(&h5, &head);
+  PetscCall(FieldsPut(output, &h5, &arrays, rows));
+  PetscCall(H5FileClose(&h5, &failed));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
-  if (!failed) PetscCall(StorageSeal(output->comm, path, &failed));
+  if (!failed) PetscCall(FileSeal(output->comm, path, &failed));
   if (failed) PetscCall(FolderDiscard(output, name));
   PetscCheckUser(!failed, output->comm, "Cannot write the checkpoint %s/%s: is the disk full, or the folder gone?",
                  output->folder, name);
@@ -190,12 +187,22 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 /* What rank 0 finds wrong with a file. */
 typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION } FileVerdict;
 
-/* Reads the head, if it is one of a checkpoint. Rank 0. */
+/* Whether all numbers of the head are there. */
+static PetscBool HeadRead(H5File *h5, Head *head)
+{
+  PetscBool whole = PETSC_TRUE;
+
+  for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++) whole = H5FileGetReal(h5, real_names[k], &head->real[k]);
+  for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++) whole = H5FileGetInt(h5, int_names[k], &head->integer[k]);
+  return whole;
+}
+
+/* Reads the head, if the file is a checkpoint. Rank 0. */
 static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, FileVerdict *verdict)
 {
-  Storage     storage;
-  PetscBool   found, failed, whole = PETSC_TRUE;
-  PetscInt64  version = CHECKPOINT_VERSION;
+  H5File      h5;
+  PetscBool   failed;
+  PetscInt64  version;
   struct stat info;
   char        format[64];
 
@@ -204,29 +211,16 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, FileVerd
   if (stat(file, &info) || S_ISDIR(info.st_mode) || access(file, R_OK)) PetscFunctionReturn(PETSC_SUCCESS);
   *verdict = FILE_BROKEN;
   if (seal == SEAL_WRONG) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StorageOpen(PETSC_COMM_SELF, file, &storage));
-  if (storage.failed) {
+  PetscCall(H5FileOpen(PETSC_COMM_SELF, file, &h5));
+  if (h5.failed) {
     if (H5Fis_hdf5(file) <= 0) *verdict = FILE_FOREIGN;
-  } else {
-    PetscCall(StorageGetText(&storage, "format", format, sizeof(format), &found));
-    PetscCall(StorageGetInt(&storage, "format_version", &version, &whole));
-    if (!found || strcmp(format, CHECKPOINT_FORMAT))
-      *verdict = FILE_FOREIGN;
-    else if (version != CHECKPOINT_VERSION)
-      *verdict = FILE_OTHER_VERSION;
-    else {
-      for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) {
-        PetscCall(StorageGetReal(&storage, real_names[k], &head->real[k], &found));
-        whole = (PetscBool)(whole && found);
-      }
-      for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) {
-        PetscCall(StorageGetInt(&storage, int_names[k], &head->integer[k], &found));
-        whole = (PetscBool)(whole && found);
-      }
-      if (whole && seal == SEAL_GOOD) *verdict = FILE_GOOD;
-    }
-  }
-  PetscCall(StorageClose(&storage, &failed));
+  } else if (!H5FileGetText(&h5, "format", format, sizeof(format)) || strcmp(format, CHECKPOINT_FORMAT))
+    *verdict = FILE_FOREIGN;
+  else if (H5FileGetInt(&h5, "format_version", &version) && version != CHECKPOINT_VERSION)
+    *verdict = FILE_OTHER_VERSION;
+  else if (HeadRead(&h5, head) && seal == SEAL_GOOD)
+    *verdict = FILE_GOOD;
+  PetscCall(H5FileClose(&h5, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -260,7 +254,7 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
 }
 
 /* The rows of this rank: those it had when as many ranks wrote the file, else an equal share. Collective. */
-static PetscErrorCode Share(Output output, Storage *storage, const Head *head, Rows *rows, PetscBool *good)
+static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *rows, PetscBool *good)
 {
   const PetscInt total = (PetscInt)head->integer[HEAD_PARTICLES], size = output->size, rank = output->rank;
   Rows           ranks = {.n = 0, .start = 0, .total = (PetscInt)head->integer[HEAD_RANKS], .width = 1};
@@ -270,7 +264,7 @@ static PetscErrorCode Share(Output output, Storage *storage, const Head *head, R
   PetscFunctionBegin;
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
   PetscCall(PetscCalloc1(ranks.total + 1, &counts));
-  PetscCall(StorageRead(storage, "counts", STORAGE_INT, &ranks, counts));
+  PetscCall(H5FileRead(h5, "counts", H5FILE_INT, &ranks, counts));
   PetscCallMPI(MPI_Bcast(counts, (PetscMPIInt)ranks.total, MPIU_INT, 0, output->comm));
   for (PetscInt k = 0; k < ranks.total; k++) sum += counts[k];
   *good       = (PetscBool)(sum == total);
@@ -287,22 +281,22 @@ static PetscErrorCode Share(Output output, Storage *storage, const Head *head, R
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode FieldsGet(Output output, Storage *storage, const Head *head, PetscBool *good)
+static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, PetscBool *good)
 {
   ParticleArrays arrays;
   Rows           rows;
 
   PetscFunctionBegin;
-  PetscCall(Share(output, storage, head, &rows, good));
+  PetscCall(Share(output, h5, head, &rows, good));
   PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     rows.width = Fields[f].width;
-    PetscCall(StorageRead(storage, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
+    PetscCall(H5FileRead(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
   }
   rows.width = 1;
   for (PetscInt f = 0; f < INT_COUNT; f++)
-    PetscCall(StorageRead(storage, IntFieldNames[f], STORAGE_INT, &rows, arrays.integer[f]));
+    PetscCall(H5FileRead(h5, IntFieldNames[f], H5FILE_INT, &rows, arrays.integer[f]));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -361,7 +355,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
 {
   Head        head;
   FileVerdict verdict = FILE_MISSING;
-  Storage     storage;
+  H5File      h5;
   Seal        seal;
   PetscBool   failed, same, good = PETSC_FALSE;
   PetscInt    present;
@@ -372,14 +366,14 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));
-  PetscCall(StorageCheckSeal(output->comm, file, &seal));
+  PetscCall(FileCheckSeal(output->comm, file, &seal));
   if (!output->rank) PetscCall(HeadGet(file, seal, &head, &verdict));
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
   PetscCall(HeadCheck(output, file, &head, verdict));
-  PetscCall(StorageOpen(output->comm, file, &storage));
-  PetscCall(FieldsGet(output, &storage, &head, &good));
-  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(H5FileOpen(output->comm, file, &h5));
+  PetscCall(FieldsGet(output, &h5, &head, &good));
+  PetscCall(H5FileClose(&h5, &failed));
   PetscCheckUser(good && !failed, output->comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   HeadUse(output, &head, state);

@@ -3,8 +3,6 @@
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -37,33 +35,13 @@ PetscErrorCode FolderStatus(Output output, int error, const char doing[], const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* mkdir -p; returns an errno. */
-static int MakeFolders(const char folder[])
-{
-  char        path[PETSC_MAX_PATH_LEN];
-  struct stat info;
-
-  if (snprintf(path, sizeof(path), "%s", folder) >= (int)sizeof(path)) return ENAMETOOLONG;
-  for (char *end = path + 1;; end++) {
-    const char kept = *end;
-
-    if (kept != '/' && kept) continue;
-    *end = '\0';
-    if (mkdir(path, S_IRWXU | S_IRWXG | S_IRWXO) && errno != EEXIST) return errno;
-    if (!kept) break;
-    *end = kept;
-  }
-  if (stat(path, &info)) return errno;
-  return S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
-}
-
 PetscErrorCode FolderMake(Output output)
 {
   int error = 0;
 
   PetscFunctionBegin;
   if (!output->rank) {
-    error = MakeFolders(output->folder);
+    error = FolderCreate(output->folder);
     if (!error && access(output->folder, W_OK | X_OK)) error = errno;
   }
   PetscCall(FolderStatus(output, error, "write into the folder", output->folder));
@@ -285,18 +263,6 @@ PetscErrorCode FolderClaim(Output output, PetscBool same)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* fsync of a file or a folder; returns an errno. */
-static int Sync(const char path[])
-{
-  const int descriptor = open(path, O_RDONLY);
-  int       error;
-
-  if (descriptor < 0) return errno;
-  error = fsync(descriptor) && errno != EINVAL && errno != EROFS ? errno : 0;
-  close(descriptor);
-  return error;
-}
-
 PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync)
 {
   char path[PETSC_MAX_PATH_LEN], temporary[PETSC_MAX_PATH_LEN];
@@ -306,9 +272,9 @@ PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync)
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscSNPrintf(temporary, sizeof(temporary), "%s.tmp", path));
   if (!output->rank) {
-    if (sync) error = Sync(temporary);
+    if (sync) error = FileSync(temporary);
     if (!error && rename(temporary, path)) error = errno;
-    if (!error && sync) error = Sync(output->folder);
+    if (!error && sync) error = FileSync(output->folder);
   }
   PetscCall(FolderStatus(output, error, "write", path));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,8 +2,8 @@
 #ifndef ISPH_OUTPUT_IMPL_H
 #define ISPH_OUTPUT_IMPL_H
 
+#include "../storage/storage.h"
 #include "output.h"
-#include <hdf5.h>
 
 /* What is due at multiples of an interval (s). next is the number of the multiple that is due next. */
 typedef struct {
@@ -221,63 +221,12 @@ PetscErrorCode DropletsFind(Output output, PetscInt *count, Piece **piece);
 PetscErrorCode TableStart(Output output, const char name[], const char head[], PetscBool same, PetscInt restart_step,
                           FILE **file, PetscInt *last);
 
-/* --- storage.c: HDF5 files of rows spread over the ranks; errors are collected and agreed upon when the file is closed
- * --- */
-typedef struct {
-  MPI_Comm    comm;
-  PetscMPIInt rank, size;
-  PetscBool   here;                     /* this rank touches the file: all when reading, rank 0 when writing */
-  char        path[PETSC_MAX_PATH_LEN]; /* where a file that is made here goes; empty: none is */
-  hid_t       file;                     /* negative: could not be made or opened, or is not here */
-  PetscInt    compression;              /* of data sets made from now on, HDF5's deflate level; 0: none */
-  PetscBool   failed;                   /* on this rank */
-  H5E_auto2_t handler;                  /* the error printer to put back */
-  void       *client;
-} Storage;
-
-/* How the rows of a data set lie on the ranks: n here, from row start of total. */
-typedef struct {
-  PetscInt n, start, total, width;
-} Rows;
-
-/* StorageCreate, StorageOpen - a file for writing (by rank 0, for all), for reading (by each rank). Collective on comm.
- */
-PetscErrorCode StorageCreate(MPI_Comm comm, const char path[], Storage *storage);
-PetscErrorCode StorageOpen(MPI_Comm comm, const char path[], Storage *storage);
-/* StorageClose - *failed: whether anything went wrong on any rank since the start. Collective. */
-PetscErrorCode StorageClose(Storage *storage, PetscBool *failed);
-/* StorageWrite - a data set of rows with unit and meaning; type: H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT or STORAGE_INT;
-   values [n][width]. StorageRead - the same back; fails when the data set has another shape than rows says. Collective.
- */
-PetscErrorCode StorageWrite(Storage *storage, const char name[], hid_t type, const Rows *rows, const void *values,
-                            const char unit[], const char meaning[]);
-PetscErrorCode StorageRead(Storage *storage, const char name[], hid_t type, const Rows *rows, void *values);
-/* StorageHas - whether there is a data set of this name. Not collective. */
-PetscBool StorageHas(Storage *storage, const char name[]);
-/* Attributes of the file; the same values on every rank. Collective. */
-PetscErrorCode StoragePutReal(Storage *storage, const char name[], PetscInt n, const PetscReal values[]);
-PetscErrorCode StoragePutInt(Storage *storage, const char name[], PetscInt64 value);
-PetscErrorCode StoragePutText(Storage *storage, const char name[], const char text[]);
-/* *found is false, and the value untouched, when there is no such attribute of this kind. Not collective. */
-PetscErrorCode StorageGetReal(Storage *storage, const char name[], PetscReal *value, PetscBool *found);
-PetscErrorCode StorageGetInt(Storage *storage, const char name[], PetscInt64 *value, PetscBool *found);
-PetscErrorCode StorageGetText(Storage *storage, const char name[], char text[], size_t size, PetscBool *found);
-/* --- seal.c --- */
-typedef enum { SEAL_NONE, SEAL_WRONG, SEAL_GOOD } Seal;
-/* StorageSeal - appends a checksum of the whole file, which HDF5 ignores. StorageCheckSeal - whether it is there and
-   right: HDF5 1.10 is not to be trusted with a damaged file. Collective on comm, whose ranks all read a share of the
-   file. */
-PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed);
-PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], Seal *found);
-
-#define STORAGE_INT (sizeof(PetscInt) == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG)
-
 /* --- paraview.c --- */
 /* XdmfWrite - snapshots.xdmf, which names all snapshots on disk as one series; replaces the old one at once.
    Collective. VtkWrite - makes an open snapshot with all its fields a VTKHDF file of points too (the group VTKHDF,
    whose data sets are links to the fields), which VTK 9.1 and ParaView 5.10 and later read. Collective. */
 PetscErrorCode XdmfWrite(Output output);
-PetscErrorCode VtkWrite(Storage *storage, const SnapshotEntry *entry);
+PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry);
 
 /* --- gauge_grid.c: what is connected with the pool, and the surface seen from the sky --- */
 #define CELL_LIQUID  1 /* holds fluid */

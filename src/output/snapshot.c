@@ -26,27 +26,25 @@ static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
 static PetscErrorCode EntryRead(Output output, PetscInt index, SnapshotEntry *entry, PetscBool *good)
 {
   char       name[64], path[PETSC_MAX_PATH_LEN];
-  Storage    storage;
+  H5File     h5;
   PetscInt64 step = 0, n = 0, precision = 0;
-  PetscBool  found[4], failed = PETSC_TRUE;
+  PetscBool  whole, failed;
 
   PetscFunctionBegin;
   SnapshotName(index, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscMemzero(entry, sizeof(*entry)));
-  PetscCall(StorageOpen(PETSC_COMM_SELF, path, &storage));
-  PetscCall(StorageGetReal(&storage, "time", &entry->time, &found[0]));
-  PetscCall(StorageGetInt(&storage, "step", &step, &found[1]));
-  PetscCall(StorageGetInt(&storage, "particles", &n, &found[2]));
-  PetscCall(StorageGetInt(&storage, "precision", &precision, &found[3]));
+  PetscCall(H5FileOpen(PETSC_COMM_SELF, path, &h5));
+  whole = (PetscBool)(H5FileGetReal(&h5, "time", &entry->time) && H5FileGetInt(&h5, "step", &step) &&
+                      H5FileGetInt(&h5, "particles", &n) && H5FileGetInt(&h5, "precision", &precision));
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
-    if (StorageHas(&storage, SnapshotFieldAt(f).name)) entry->fields |= 1U << f;
-  PetscCall(StorageClose(&storage, &failed));
+    if (H5FileHas(&h5, SnapshotFieldAt(f).name)) entry->fields |= 1U << f;
+  PetscCall(H5FileClose(&h5, &failed));
   entry->index     = index;
   entry->step      = (PetscInt)step;
   entry->n         = (PetscInt)n;
   entry->precision = (PetscInt)precision;
-  *good            = (PetscBool)(!failed && found[0] && found[1] && found[2] && found[3]);
+  *good            = (PetscBool)(whole && !failed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,28 +111,26 @@ static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteHead(Output output, const StepState *state, const SnapshotEntry *entry, Storage *storage)
+static void WriteHead(Output output, const StepState *state, const SnapshotEntry *entry, H5File *h5)
 {
   const Domain    domain = output->cloud->domain;
   const PetscReal h      = KernelSmoothingLength(output->cloud->kernel);
 
-  PetscFunctionBegin;
-  PetscCall(StoragePutText(storage, "format", "isph snapshot"));
-  PetscCall(StoragePutText(storage, "version", ISPH_VERSION));
-  PetscCall(StoragePutReal(storage, "time", 1, &state->time));
-  PetscCall(StoragePutReal(storage, "time_step", 1, &state->time_step));
-  PetscCall(StoragePutInt(storage, "step", state->step));
-  PetscCall(StoragePutInt(storage, "particles", entry->n));
-  PetscCall(StoragePutInt(storage, "precision", entry->precision));
-  PetscCall(StoragePutInt(storage, "walls", output->content.walls));
-  PetscCall(StoragePutInt(storage, "dimension", domain->dim));
-  PetscCall(StoragePutReal(storage, "spacing", 1, &domain->spacing));
-  PetscCall(StoragePutReal(storage, "smoothing_length", 1, &h));
-  PetscCall(StoragePutReal(storage, "box_lower", DIM, domain->lower));
-  PetscCall(StoragePutReal(storage, "box_upper", DIM, domain->upper));
-  PetscCall(StoragePutReal(storage, "level", 1, &output->gauge.level));
-  PetscCall(StoragePutText(storage, "options", output->options));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  H5FilePutText(h5, "format", "isph snapshot");
+  H5FilePutText(h5, "version", ISPH_VERSION);
+  H5FilePutReal(h5, "time", 1, &state->time);
+  H5FilePutReal(h5, "time_step", 1, &state->time_step);
+  H5FilePutInt(h5, "step", state->step);
+  H5FilePutInt(h5, "particles", entry->n);
+  H5FilePutInt(h5, "precision", entry->precision);
+  H5FilePutInt(h5, "walls", output->content.walls);
+  H5FilePutInt(h5, "dimension", domain->dim);
+  H5FilePutReal(h5, "spacing", 1, &domain->spacing);
+  H5FilePutReal(h5, "smoothing_length", 1, &h);
+  H5FilePutReal(h5, "box_lower", DIM, domain->lower);
+  H5FilePutReal(h5, "box_upper", DIM, domain->upper);
+  H5FilePutReal(h5, "level", 1, &output->gauge.level);
+  H5FilePutText(h5, "options", output->options);
 }
 
 /* The values of a real field in the precision of the snapshots, or of an integer field, in values. */
@@ -167,7 +163,7 @@ static void Pack(Output output, const ParticleArrays *arrays, const PetscInt par
 }
 
 static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, const PetscInt particle[], Rows *rows,
-                                  Storage *storage)
+                                  H5File *h5)
 {
   double *values;
 
@@ -181,8 +177,8 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
     PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "Snapshots know fields of up to three numbers");
     rows->width = field.width;
     Pack(output, arrays, particle, rows->n, f, values);
-    PetscCall(StorageWrite(storage, field.name, field.integer < 0 ? real : STORAGE_INT, rows, values, field.unit,
-                           field.meaning));
+    PetscCall(
+      H5FileWrite(h5, field.name, field.integer < 0 ? real : H5FILE_INT, rows, values, field.unit, field.meaning));
   }
   PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -230,7 +226,7 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
 {
   ParticleArrays arrays;
   SnapshotEntry  entry;
-  Storage        storage;
+  H5File         h5;
   Rows           rows;
   PetscInt      *particle;
   PetscBool      failed;
@@ -250,12 +246,12 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   SnapshotName(entry.index, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
-  PetscCall(StorageCreate(output->comm, path, &storage));
-  PetscCall(WriteHead(output, state, &entry, &storage));
-  storage.compression = output->content.compression;
-  PetscCall(WriteFields(output, &arrays, particle, &rows, &storage));
-  PetscCall(VtkWrite(&storage, &entry));
-  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(H5FileCreate(output->comm, path, &h5));
+  WriteHead(output, state, &entry, &h5);
+  h5.compression = output->content.compression;
+  PetscCall(WriteFields(output, &arrays, particle, &rows, &h5));
+  PetscCall(VtkWrite(&h5, &entry));
+  PetscCall(H5FileClose(&h5, &failed));
   PetscCall(PetscFree(particle));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   if (failed) PetscCall(FolderDiscard(output, name));
@@ -272,7 +268,7 @@ PetscErrorCode SolidsWrite(Output output)
 {
   Cloud     cloud = output->cloud;
   Rows      rows  = {.width = DIM};
-  Storage   storage;
+  H5File    h5;
   PetscBool failed;
   double   *place, *normal;
   PetscInt *solid;
@@ -297,13 +293,13 @@ PetscErrorCode SolidsWrite(Output output)
   if (!output->rank) rows.start = 0;
   PetscCallMPI(MPI_Allreduce(&rows.n, &rows.total, 1, MPIU_INT, MPI_SUM, output->comm));
   PetscCall(OutputPath(output, SOLIDS_FILE ".tmp", path));
-  PetscCall(StorageCreate(output->comm, path, &storage));
-  PetscCall(StoragePutText(&storage, "format", "isph solids"));
-  PetscCall(StorageWrite(&storage, "position", H5T_NATIVE_DOUBLE, &rows, place, "m", "dummy particles of solids"));
-  PetscCall(StorageWrite(&storage, "normal", H5T_NATIVE_DOUBLE, &rows, normal, "1", "out of the solid"));
+  PetscCall(H5FileCreate(output->comm, path, &h5));
+  H5FilePutText(&h5, "format", "isph solids");
+  PetscCall(H5FileWrite(&h5, "position", H5T_NATIVE_DOUBLE, &rows, place, "m", "dummy particles of solids"));
+  PetscCall(H5FileWrite(&h5, "normal", H5T_NATIVE_DOUBLE, &rows, normal, "1", "out of the solid"));
   rows.width = 1;
-  PetscCall(StorageWrite(&storage, "solid", STORAGE_INT, &rows, solid, "1", "index of the solid in -solids"));
-  PetscCall(StorageClose(&storage, &failed));
+  PetscCall(H5FileWrite(&h5, "solid", H5FILE_INT, &rows, solid, "1", "index of the solid in -solids"));
+  PetscCall(H5FileClose(&h5, &failed));
   PetscCall(PetscFree3(place, normal, solid));
   PetscCheckUser(!failed, output->comm, "Cannot write %s/%s: is the disk full, or the folder gone?", output->folder,
                  SOLIDS_FILE);

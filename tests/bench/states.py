@@ -19,14 +19,14 @@ STATES = {
     "crater": (["-time_end", "15e-3"], "splash"),
 }
 
-SEAL_MAGIC = 0x31304C4145534853  # see src/output/storage.c
+SEAL_MAGIC = 0x31304C4145534853  # see src/storage/checksum.c
 MASK = np.uint64(0xFFFFFFFFFFFFFFFF)
 POINTS = ("position", "velocity")
 IDENTITIES = ("id", "parent")
 
 
 def _mix(z):
-    """SplitMix64's output function, as in src/output/storage.c."""
+    """SplitMix64's output function, as in src/storage/checksum.c."""
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return z ^ (z >> np.uint64(31))

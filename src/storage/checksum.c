@@ -1,18 +1,12 @@
-/* The seal of a checkpoint: magic, length and checksum of all bytes before it, appended to a finished file. */
-#include "output_impl.h"
+/* The seal at the end of a finished file: a magic word, the length of the file before it and the checksum of that. */
+#include "storage.h"
 #include <sys/stat.h>
 
 #define SEAL_MAGIC  0x31304C4145534853ULL /* "SHSEAL01" in a little-endian file */
-#define SEAL_WORDS  3
-#define CHUNK_WORDS (1 << 16)
-
-/* SplitMix64's output function (Steele, Lea, Flood 2014). */
-static inline unsigned long long Mix(unsigned long long z)
-{
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
+#define SEAL_WORDS  3                     /* magic, length in bytes, checksum */
+#define WORD        sizeof(unsigned long long)
+#define CHUNK_WORDS (1 << 16)             /* read at a time */
+#define PLACE_STEP  0x9E3779B97F4A7C15ULL /* SplitMix64's increment: makes each place of a word count differently */
 
 /* Sum over the words first .. last-1 of a file of a hash of the word and its place: any share of the words may be
    summed by any rank. Words beyond 'length' bytes are zero. Returns false when the file cannot be read. */
@@ -20,18 +14,18 @@ static PetscBool SumWords(const char path[], unsigned long long length, unsigned
                           unsigned long long last, unsigned long long *sum)
 {
   FILE               *file  = fopen(path, "rb");
-  unsigned long long *chunk = malloc(CHUNK_WORDS * sizeof(*chunk));
-  PetscBool           good  = (PetscBool)(file && chunk && !fseeko(file, (off_t)(first * sizeof(*chunk)), SEEK_SET));
+  unsigned long long *chunk = malloc(CHUNK_WORDS * WORD);
+  PetscBool           good  = (PetscBool)(file && chunk && !fseeko(file, (off_t)(first * WORD), SEEK_SET));
 
   *sum = 0;
   for (unsigned long long word = first; good && word < last; word += CHUNK_WORDS) {
     const unsigned long long words = PetscMin(last - word, CHUNK_WORDS),
-                             bytes = PetscMin(length - word * sizeof(*chunk), words * sizeof(*chunk));
+                             bytes = PetscMin(length - word * WORD, words * WORD);
 
-    memset(chunk, 0, CHUNK_WORDS * sizeof(*chunk));
+    memset(chunk, 0, CHUNK_WORDS * WORD);
     good = (PetscBool)(fread(chunk, 1, bytes, file) == bytes);
     for (unsigned long long k = 0; good && k < words; k++)
-      *sum += Mix(chunk[k] ^ Mix((word + k + 1) * 0x9E3779B97F4A7C15ULL));
+      *sum += SplitMix64(chunk[k] ^ SplitMix64((word + k + 1) * PLACE_STEP));
   }
   if (file) fclose(file);
   free(chunk);
@@ -41,7 +35,7 @@ static PetscBool SumWords(const char path[], unsigned long long length, unsigned
 static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long long length, unsigned long long *sum,
                                PetscBool *good)
 {
-  const unsigned long long words = (length + 7) / 8;
+  const unsigned long long words = (length + WORD - 1) / WORD;
   PetscMPIInt              rank, size, ok;
 
   PetscFunctionBegin;
@@ -55,7 +49,7 @@ static PetscErrorCode Checksum(MPI_Comm comm, const char path[], unsigned long l
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed)
+PetscErrorCode FileSeal(MPI_Comm comm, const char path[], PetscBool *failed)
 {
   unsigned long long seal[SEAL_WORDS] = {SEAL_MAGIC, 0, 0}, length = 0;
   PetscMPIInt        rank, ok                                      = 1;
@@ -82,7 +76,7 @@ PetscErrorCode StorageSeal(MPI_Comm comm, const char path[], PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StorageCheckSeal(MPI_Comm comm, const char path[], Seal *found)
+PetscErrorCode FileCheckSeal(MPI_Comm comm, const char path[], Seal *found)
 {
   unsigned long long seal[SEAL_WORDS] = {0, 0, 0}, sum;
   PetscMPIInt        rank, ok = 0;

@@ -1,0 +1,323 @@
+/* HDF5 files of rows spread over the ranks. Rank 0 makes a file in its memory and writes it in one piece; every rank
+   reads its share. The reason: on a full disk HDF5 over MPI-IO waits for ever, and HDF5 1.10 alone crashes when it
+   closes a file that it could not write. */
+#include "storage.h"
+
+#define TEXT_MAX    60000              /* bytes of the longest text attribute; HDF5 keeps attributes below 64 KB */
+#define ROWS_TAG    1                  /* of the messages that bring rows to rank 0 */
+#define MEMORY_STEP ((size_t)1 << 24)  /* bytes by which a file made in memory grows */
+#define CHUNK_ROWS  ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors fills a third of HDF5's cache */
+
+/* Whether all ranks say yes. */
+static PetscErrorCode AllAgree(H5File *h5, PetscBool ok_here, PetscBool *everywhere)
+{
+  PetscMPIInt ok = ok_here ? 1 : 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &ok, 1, MPI_INT, MPI_MIN, h5->comm));
+  *everywhere = ok ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Opens or makes the file on the ranks that touch it. */
+static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool writing, H5File *h5)
+{
+  hid_t     access;
+  PetscBool all;
+
+  PetscFunctionBegin;
+  h5->comm        = comm;
+  h5->failed      = PETSC_FALSE;
+  h5->id          = -1;
+  h5->path[0]     = 0;
+  h5->compression = 0;
+  PetscCallMPI(MPI_Comm_rank(comm, &h5->rank));
+  PetscCallMPI(MPI_Comm_size(comm, &h5->size));
+  h5->owns_file = (PetscBool)(!writing || !h5->rank);
+  (void)H5Eget_auto2(H5E_DEFAULT, &h5->handler, &h5->client);
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* the caller says it in a sentence */
+  if (h5->owns_file) {
+    access = H5Pcreate(H5P_FILE_ACCESS);
+    (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* metadata with checksums */
+    if (writing) {
+      (void)H5Pset_fapl_core(access, MEMORY_STEP, 0);
+      PetscCall(PetscStrncpy(h5->path, path, sizeof(h5->path)));
+    }
+    h5->id = writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
+    (void)H5Pclose(access);
+  }
+  PetscCall(AllAgree(h5, (PetscBool)(!h5->owns_file || h5->id >= 0), &all));
+  if (!all) {
+    if (h5->id >= 0) (void)H5Fclose(h5->id);
+    h5->id     = -1;
+    h5->failed = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode H5FileCreate(MPI_Comm comm, const char path[], H5File *h5)
+{
+  PetscFunctionBegin;
+  PetscCall(OpenOrCreate(comm, path, PETSC_TRUE, h5));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode H5FileOpen(MPI_Comm comm, const char path[], H5File *h5)
+{
+  PetscFunctionBegin;
+  PetscCall(OpenOrCreate(comm, path, PETSC_FALSE, h5));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the file that was made in memory to its place. Rank 0. */
+static void WriteImage(H5File *h5)
+{
+  void         *handle = NULL; /* of the core driver: the address of its memory */
+  const ssize_t length = H5Fflush(h5->id, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(h5->id, NULL, 0);
+  FILE         *file;
+
+  if (length < 0 || H5Fget_vfd_handle(h5->id, H5P_DEFAULT, &handle) < 0) h5->failed = PETSC_TRUE;
+  if (h5->failed) return;
+  file = fopen(h5->path, "wb");
+  if (!file || fwrite(*(void **)handle, 1, (size_t)length, file) != (size_t)length) h5->failed = PETSC_TRUE;
+  if (file && fclose(file)) h5->failed = PETSC_TRUE;
+}
+
+PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed)
+{
+  PetscBool all;
+
+  PetscFunctionBegin;
+  if (h5->id >= 0 && h5->path[0] && !h5->failed) WriteImage(h5);
+  if (h5->id >= 0 && H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
+  h5->id = -1;
+  (void)H5Eset_auto2(H5E_DEFAULT, h5->handler, h5->client);
+  PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all));
+  *failed = (PetscBool)!all;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The type in the file: little-endian, of the size of the type in memory. */
+static hid_t FileType(hid_t type)
+{
+  if (H5Tget_class(type) == H5T_FLOAT) return H5Tget_size(type) == sizeof(float) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  return H5Tget_size(type) == 4 ? H5T_STD_I32LE : H5T_STD_I64LE;
+}
+
+static void NoteFailure(H5File *h5, herr_t status)
+{
+  if (status < 0) h5->failed = PETSC_TRUE;
+}
+
+static void AttributePut(H5File *h5, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n,
+                         const void *values)
+{
+  hid_t space, attribute;
+
+  if (!h5->owns_file) return;
+  space     = n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
+  attribute = object < 0 ? -1 : H5Acreate2(object, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
+  if (attribute < 0)
+    h5->failed = PETSC_TRUE;
+  else {
+    NoteFailure(h5, H5Awrite(attribute, type, values));
+    NoteFailure(h5, H5Aclose(attribute));
+  }
+  (void)H5Sclose(space);
+}
+
+static void AttributePutText(H5File *h5, hid_t object, const char name[], const char text[])
+{
+  const size_t length = PetscMin(strlen(text), (size_t)TEXT_MAX);
+  const hid_t  type   = H5Tcopy(H5T_C_S1);
+
+  (void)H5Tset_size(type, PetscMax(length, 1));
+  (void)H5Tset_strpad(type, H5T_STR_NULLPAD);
+  AttributePut(h5, object, name, type, type, 1, length ? text : "\0");
+  (void)H5Tclose(type);
+}
+
+/* The space of a data set, with the rows start .. start + n - 1 selected, and that of these rows in memory. */
+static void SelectRows(const Rows *rows, PetscInt start, PetscInt n, hid_t *file, hid_t *memory)
+{
+  const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width}, count[2] = {(hsize_t)n, (hsize_t)rows->width};
+  const hsize_t first[2] = {(hsize_t)start, 0};
+  const int     rank     = rows->width > 1 ? 2 : 1;
+
+  *file   = H5Screate_simple(rank, total, NULL);
+  *memory = H5Screate_simple(rank, count, NULL);
+  if (n)
+    (void)H5Sselect_hyperslab(*file, H5S_SELECT_SET, first, NULL, count, NULL);
+  else {
+    (void)H5Sselect_none(*file);
+    (void)H5Sselect_none(*memory);
+  }
+}
+
+/* Writes rows of a data set. Rank 0. */
+static void WriteRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, PetscInt start, PetscInt n,
+                      const void *values)
+{
+  hid_t file, memory;
+
+  if (set < 0 || !n || h5->failed) return;
+  SelectRows(rows, start, n, &file, &memory);
+  NoteFailure(h5, H5Dwrite(set, type, memory, file, H5P_DEFAULT, values));
+  (void)H5Sclose(memory);
+  (void)H5Sclose(file);
+}
+
+/* Rank 0 writes the rows of all ranks, one rank after the other; whatever fails there, every message is received. */
+static PetscErrorCode GatherRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, const void *values)
+{
+  const size_t size   = H5Tget_size(type) * (size_t)rows->width; /* of a row, bytes */
+  PetscInt     own[2] = {rows->n, rows->start}, *all = NULL, most = 0;
+  char        *buffer = NULL;
+  MPI_Datatype row;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Type_contiguous((int)size, MPI_BYTE, &row));
+  PetscCallMPI(MPI_Type_commit(&row));
+  if (!h5->rank) PetscCall(PetscMalloc1(2 * h5->size, &all));
+  PetscCallMPI(MPI_Gather(own, 2, MPIU_INT, all, 2, MPIU_INT, 0, h5->comm));
+  if (h5->rank && rows->n) PetscCallMPI(MPI_Send(values, (PetscMPIInt)rows->n, row, 0, ROWS_TAG, h5->comm));
+  if (!h5->rank) {
+    WriteRows(h5, set, type, rows, own[1], own[0], values);
+    for (PetscMPIInt r = 1; r < h5->size; r++) most = PetscMax(most, all[2 * r]);
+    PetscCall(PetscMalloc1(size * (size_t)most, &buffer));
+    for (PetscMPIInt r = 1; r < h5->size; r++) {
+      if (!all[2 * r]) continue;
+      PetscCallMPI(MPI_Recv(buffer, (PetscMPIInt)all[2 * r], row, r, ROWS_TAG, h5->comm, MPI_STATUS_IGNORE));
+      WriteRows(h5, set, type, rows, all[2 * r + 1], all[2 * r], buffer);
+    }
+    PetscCall(PetscFree(buffer));
+    PetscCall(PetscFree(all));
+  }
+  PetscCallMPI(MPI_Type_free(&row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows *rows, const void *values,
+                           const char unit[], const char meaning[])
+{
+  hid_t file, memory, create, set = -1;
+
+  PetscFunctionBegin;
+  if (h5->owns_file && h5->id >= 0) {
+    SelectRows(rows, 0, 0, &file, &memory);
+    create = H5Pcreate(H5P_DATASET_CREATE);
+    (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+    if (h5->compression && rows->total) {
+      const hsize_t chunk[2] = {PetscMin((hsize_t)rows->total, CHUNK_ROWS), (hsize_t)rows->width};
+
+      NoteFailure(h5, H5Pset_chunk(create, rows->width > 1 ? 2 : 1, chunk));
+      NoteFailure(h5, H5Pset_shuffle(create));
+      NoteFailure(h5, H5Pset_deflate(create, (unsigned)h5->compression));
+    }
+    set = H5Dcreate2(h5->id, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
+    (void)H5Pclose(create);
+    (void)H5Sclose(memory);
+    (void)H5Sclose(file);
+    NoteFailure(h5, set < 0 ? -1 : 0);
+    AttributePutText(h5, set, "unit", unit);
+    AttributePutText(h5, set, "meaning", meaning);
+  }
+  PetscCall(GatherRows(h5, set, type, rows, values));
+  if (set >= 0) NoteFailure(h5, H5Dclose(set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a data set has the shape of rows and numbers of the class of type. */
+static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
+{
+  const hid_t       space = H5Dget_space(set), stored = H5Dget_type(set);
+  const int         rank    = H5Sget_simple_extent_ndims(space);
+  const H5T_class_t kind    = H5Tget_class(stored);
+  hsize_t           size[2] = {0, 1};
+  PetscBool         same;
+
+  if (rank == 1 || rank == 2) (void)H5Sget_simple_extent_dims(space, size, NULL);
+  same = (PetscBool)(rank == (rows->width > 1 ? 2 : 1) && size[0] == (hsize_t)rows->total &&
+                     size[1] == (hsize_t)rows->width && kind == H5Tget_class(type));
+  (void)H5Tclose(stored);
+  (void)H5Sclose(space);
+  return same;
+}
+
+PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows *rows, void *values)
+{
+  hid_t     file, memory, set = -1;
+  PetscBool all;
+
+  PetscFunctionBegin;
+  if (h5->id >= 0) set = H5Dopen2(h5->id, name, H5P_DEFAULT);
+  PetscCall(AllAgree(h5, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
+  if (!all) h5->failed = PETSC_TRUE;
+  if (all && rows->n) {
+    SelectRows(rows, rows->start, rows->n, &file, &memory);
+    NoteFailure(h5, H5Dread(set, type, memory, file, H5P_DEFAULT, values));
+    (void)H5Sclose(memory);
+    (void)H5Sclose(file);
+  }
+  if (set >= 0) (void)H5Dclose(set);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void H5FilePutReal(H5File *h5, const char name[], PetscInt n, const PetscReal values[])
+{
+  AttributePut(h5, h5->id, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)n, values);
+}
+
+void H5FilePutInt(H5File *h5, const char name[], PetscInt64 value)
+{
+  AttributePut(h5, h5->id, name, H5T_STD_I64LE, H5T_NATIVE_LLONG, 1, &value);
+}
+
+void H5FilePutText(H5File *h5, const char name[], const char text[])
+{
+  AttributePutText(h5, h5->id, name, text);
+}
+
+/* Reads a scalar attribute of a class; for texts, size is the room. */
+static PetscBool AttributeGet(H5File *h5, const char name[], H5T_class_t kind, hid_t type, void *value, size_t size)
+{
+  hid_t     attribute, stored, space;
+  PetscBool found = PETSC_FALSE;
+
+  if (h5->id < 0 || H5Aexists(h5->id, name) <= 0) return PETSC_FALSE;
+  attribute = H5Aopen(h5->id, name, H5P_DEFAULT);
+  if (attribute < 0) return PETSC_FALSE;
+  stored = H5Aget_type(attribute);
+  space  = H5Aget_space(attribute);
+  if (H5Tget_class(stored) == kind && H5Sget_simple_extent_npoints(space) == 1) {
+    if (kind != H5T_STRING)
+      found = (PetscBool)(H5Aread(attribute, type, value) >= 0);
+    else if (H5Tis_variable_str(stored) == 0 && H5Tget_size(stored) < size)
+      found = (PetscBool)(H5Aread(attribute, stored, value) >= 0);
+  }
+  (void)H5Sclose(space);
+  (void)H5Tclose(stored);
+  (void)H5Aclose(attribute);
+  return found;
+}
+
+PetscBool H5FileHas(H5File *h5, const char name[])
+{
+  return (PetscBool)(h5->id >= 0 && H5Lexists(h5->id, name, H5P_DEFAULT) > 0);
+}
+
+PetscBool H5FileGetReal(H5File *h5, const char name[], PetscReal *value)
+{
+  return AttributeGet(h5, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, value, 0);
+}
+
+PetscBool H5FileGetInt(H5File *h5, const char name[], PetscInt64 *value)
+{
+  return AttributeGet(h5, name, H5T_INTEGER, H5T_NATIVE_LLONG, value, 0);
+}
+
+PetscBool H5FileGetText(H5File *h5, const char name[], char text[], size_t size)
+{
+  memset(text, 0, size);
+  return AttributeGet(h5, name, H5T_STRING, -1, text, size);
+}
