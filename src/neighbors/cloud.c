@@ -1,5 +1,4 @@
 #include "halo.h"
-#include "search.h"
 #include "work.h"
 
 /* Cell of the canonical order of ParticlesSort, in kernel supports. */
@@ -250,7 +249,7 @@ PetscErrorCode CloudResync(Cloud cloud)
   PetscCall(Rehome(cloud, PETSC_TRUE));
   PetscCall(BuildHalo(cloud));
   PetscCall(UpdateGhosts(cloud));
-  PetscCall(NeighborsFind(cloud, NULL, NULL));
+  PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -311,7 +310,7 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search)
     if (2 * moved > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
   }
   PetscCall(UpdateGhosts(cloud));
-  if (search) PetscCall(NeighborsFind(cloud, NULL, NULL));
+  if (search) PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -327,14 +326,7 @@ PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   } else
     PetscCall(CloudUpdate(cloud, FIELD_POSITION));
-  if (search) PetscCall(NeighborsFind(cloud, NULL, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
-{
-  PetscFunctionBegin;
-  PetscCall(NeighborsFind(cloud, visit, context));
+  if (search) PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -15,11 +15,12 @@
 
 typedef struct _p_Halo *Halo;
 
-/* Cells over a set of points: the points of cell c are order[start[c] .. start[c+1]); cells are row-major, x fastest.
- */
+#define SEARCH_LANES 16 /* candidates that the search reads at once: a grid's order has room for so many more */
+
+/* Cells over a set of points, numbered as by CellIndex; the points of cell c are order[start[c] .. start[c+1]). */
 typedef struct {
   PetscInt  n[DIM], count, capacity, point_capacity;
-  PetscReal lower[DIM], size;
+  PetscReal lower[DIM], size; /* m; along x a cell may be a fraction of 'size' long: see CellGridBuild */
   PetscInt *start, *order, *of_point;
 } CellGrid;
 
@@ -83,12 +84,12 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
 PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
-/* Called for each owned particle as soon as its row is found, while it is in the cache: w ([n]) are KernelSingle's
-   values of W, slope_over_r2 ([n]) its F over r2/h2 + eta2/h2. The row, here too, is padded to whole octets (rows.h)
-   with pairs that weigh nothing. */
+/* RowVisitor - what CloudSearch calls for each owned particle a as soon as its row is found, while the row is in the
+   cache. w ([n]) are KernelSingle's values of W; slope_over_r2 ([n]) are its F over r2/h2 + eta2/h2. The row is padded
+   to a multiple of eight with pairs that weigh nothing, here too (see PairRowLoadFactors). */
 typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context);
-/* CloudSearch - the list of all particles within the kernel's support of each owned one, from the positions of the
-   cloud, and the factors of the pairs. Not collective. */
+/* CloudSearch - finds the neighbours of each owned particle, which are all particles within the kernel's support, from
+   the positions of the cloud, and the factors of the pairs. visit may be NULL. Not collective. */
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);
 /* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image; refuses fields that
    have none. Collective. */
@@ -110,8 +111,8 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
 PetscErrorCode CloudGetWork(Cloud cloud, PetscInt width, PetscReal **array);
 PetscErrorCode CloudRestoreWork(Cloud cloud, PetscReal **array);
 
-/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size, along x a 'split'th of it. In two
-   dimensions one layer of cells. Not collective. */
+/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size (m), along x of a 'split'th of it.
+   In two dimensions there is one layer of cells. Not collective. */
 PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
                              PetscInt split);
 PetscErrorCode CellGridReset(CellGrid *grid);

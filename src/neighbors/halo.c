@@ -1,8 +1,10 @@
 #include "halo.h"
 #include <petscsf.h>
 
-/* Images of one direction; an image of a point is one of these in each direction. */
+/* What an image does to a point along one direction. The code of an image is the number of a cell (CellIndex) in a box
+   of IMAGE_COUNT cells a side, whose coordinates are one of these for each direction. */
 enum { IMAGE_SAME, IMAGE_UP, IMAGE_DOWN, IMAGE_MIRROR_LOWER, IMAGE_MIRROR_UPPER, IMAGE_COUNT };
+static const PetscInt image_box[DIM] = {IMAGE_COUNT, IMAGE_COUNT, IMAGE_COUNT};
 
 typedef struct {
   PetscReal sign[DIM], offset[DIM]; /* x' = sign x + offset */
@@ -13,15 +15,22 @@ struct _p_Halo {
   PetscMPIInt    rank, size;
   PetscSF        sf;
   PetscInt       n, ghosts, capacity;
-  unsigned char *image; /* [ghosts] index into images */
+  unsigned char *image; /* [ghosts] code of the image */
   Image          images[IMAGE_COUNT * IMAGE_COUNT * IMAGE_COUNT];
   MPI_Datatype   vector, tensor;
 };
 
-/* Particles to send: for each of 'count', the receiving rank, the local index and the image. */
+/* A ghost as its owner describes it to the receiver: the owner's local index, and the code of the image. A pair of
+   MPIU_2INT. */
+typedef struct {
+  PetscInt index, image;
+} Ghost;
+
+/* Ghosts to send, and the rank that each of them goes to. */
 typedef struct {
   PetscInt  count, capacity;
-  PetscInt *target, *index, *image;
+  PetscInt *target;
+  Ghost    *ghost;
 } SendList;
 
 PetscErrorCode HaloCreate(Domain domain, Halo *halo)
@@ -34,9 +43,9 @@ PetscErrorCode HaloCreate(Domain domain, Halo *halo)
   PetscCallMPI(MPI_Comm_rank(domain->comm, &h->rank));
   PetscCallMPI(MPI_Comm_size(domain->comm, &h->size));
   for (PetscInt code = 0; code < IMAGE_COUNT * IMAGE_COUNT * IMAGE_COUNT; code++) {
-    const PetscInt part[DIM] = {code % IMAGE_COUNT, (code / IMAGE_COUNT) % IMAGE_COUNT,
-                                code / (IMAGE_COUNT * IMAGE_COUNT)};
+    PetscInt part[DIM];
 
+    CellCoordinates(image_box, code, part);
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal length = domain->upper[d] - domain->lower[d];
 
@@ -74,186 +83,200 @@ static PetscErrorCode SendListAdd(SendList *list, PetscInt target, PetscInt inde
   if (list->count == list->capacity) {
     list->capacity = 2 * list->capacity + 1024;
     PetscCall(PetscRealloc(list->capacity * sizeof(PetscInt), &list->target));
-    PetscCall(PetscRealloc(list->capacity * sizeof(PetscInt), &list->index));
-    PetscCall(PetscRealloc(list->capacity * sizeof(PetscInt), &list->image));
+    PetscCall(PetscRealloc(list->capacity * sizeof(Ghost), &list->ghost));
   }
   list->target[list->count]  = target;
-  list->index[list->count]   = index;
-  list->image[list->count++] = image;
+  list->ghost[list->count++] = (Ghost){index, image};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells within radius of x: first and last index a direction. False if an image lies too far outside the box to be
- * seen by anyone. */
-static PetscBool CellRange(Domain domain, const PetscReal x[DIM], PetscReal radius, PetscBool inside[DIM],
-                           PetscInt first[DIM], PetscInt last[DIM])
+/* The block of the domain's cells that a sphere around x touches. A point outside the box belongs to the cells at its
+   edge. */
+static void CellsAround(Domain domain, const PetscReal x[DIM], PetscReal radius, PetscInt first[DIM],
+                        PetscInt last[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal low  = (x[d] - radius - domain->lower[d]) / domain->cell_size[d],
                     high = (x[d] + radius - domain->lower[d]) / domain->cell_size[d];
     const PetscReal n    = (PetscReal)domain->cells[d];
 
-    if (!inside[d] && (high < 0 || low > n)) return PETSC_FALSE;
     first[d] = (PetscInt)PetscMax(0, PetscMin(n - 1, PetscFloorReal(low)));
     last[d]  = (PetscInt)PetscMax(0, PetscMin(n - 1, PetscFloorReal(high)));
   }
-  return PETSC_TRUE;
 }
 
-/* The ranks that own a cell within radius of image 'code' (at x) of owned point 'index' get it. */
+static inline PetscInt CellOwner(Domain domain, const PetscInt cell[DIM])
+{
+  return domain->cell_rank[CellIndex(domain->cells, cell[0], cell[1], cell[2])];
+}
+
+/* Whether an image at x, which has this code, is so far outside the box that no cell is within the radius of it. */
+static PetscBool OutOfSight(Domain domain, PetscInt code, const PetscReal x[DIM], PetscReal radius)
+{
+  PetscInt part[DIM];
+
+  CellCoordinates(image_box, code, part);
+  for (PetscInt d = 0; d < DIM; d++)
+    if (part[d] != IMAGE_SAME && ((x[d] + radius - domain->lower[d]) / domain->cell_size[d] < 0 ||
+                                  (x[d] - radius - domain->lower[d]) / domain->cell_size[d] > domain->cells[d]))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Sends the image of owned point 'index' that has this code and lies at x to every rank which owns a cell within the
+   radius. */
 static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], PetscReal radius,
                                 SendList *list)
 {
-  Domain         domain    = halo->domain;
-  const PetscInt part[DIM] = {code % IMAGE_COUNT, (code / IMAGE_COUNT) % IMAGE_COUNT,
-                              code / (IMAGE_COUNT * IMAGE_COUNT)};
-  PetscBool      inside[DIM];
-  PetscInt       first[DIM], last[DIM], begin = list->count;
+  const PetscInt begin = list->count;
+  PetscInt       first[DIM], last[DIM], cell[DIM];
 
   PetscFunctionBegin;
-  for (PetscInt d = 0; d < DIM; d++) inside[d] = (PetscBool)(part[d] == IMAGE_SAME);
-  if (!CellRange(domain, x, radius, inside, first, last)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = first[2]; k <= last[2]; k++)
-    for (PetscInt j = first[1]; j <= last[1]; j++)
-      for (PetscInt i = first[0]; i <= last[0]; i++) {
-        const PetscInt target = domain->cell_rank[(k * domain->cells[1] + j) * domain->cells[0] + i];
-        PetscBool      known  = (PetscBool)(code == 0 && target == halo->rank);
+  if (OutOfSight(halo->domain, code, x, radius)) PetscFunctionReturn(PETSC_SUCCESS);
+  CellsAround(halo->domain, x, radius, first, last);
+  PetscCall(PetscArraycpy(cell, first, DIM));
+  do {
+    const PetscInt target = CellOwner(halo->domain, cell);
+    PetscBool      known  = (PetscBool)(code == 0 && target == halo->rank);
 
-        for (PetscInt s = begin; s < list->count && !known; s++) known = (PetscBool)(list->target[s] == target);
-        if (!known) PetscCall(SendListAdd(list, target, index, code));
-      }
+    for (PetscInt s = begin; s < list->count && !known; s++) known = (PetscBool)(list->target[s] == target);
+    if (!known) PetscCall(SendListAdd(list, target, index, code));
+  } while (CellNext(first, last, cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A cell is inner if everything within radius of it belongs to this rank: its points need no identity ghosts. */
-static PetscErrorCode MarkInnerCells(Halo halo, PetscReal radius, PetscBool *inner)
+/* Marks the cells around which everything within the radius belongs to this rank: their points are nobody's ghosts
+   without an image. */
+static void MarkInnerCells(Halo halo, PetscReal radius, PetscBool *inner)
 {
-  Domain          domain = halo->domain;
-  const PetscInt *n = domain->cells, count = n[0] * n[1] * n[2];
+  const Domain    domain = halo->domain;
+  const PetscInt *n      = domain->cells;
   PetscInt        width[DIM];
 
-  PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) width[d] = (PetscInt)PetscCeilReal(radius / domain->cell_size[d]);
-  for (PetscInt c = 0; c < count; c++) inner[c] = PETSC_TRUE;
-  if (halo->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt c = 0; c < count; c++) {
-    const PetscInt at[DIM] = {c % n[0], (c / n[0]) % n[1], c / (n[0] * n[1])};
+  for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
+    PetscInt at[DIM], first[DIM], last[DIM], cell[DIM];
 
     inner[c] = (PetscBool)(domain->cell_rank[c] == halo->rank);
-    for (PetscInt k = PetscMax(0, at[2] - width[2]); k <= PetscMin(n[2] - 1, at[2] + width[2]) && inner[c]; k++)
-      for (PetscInt j = PetscMax(0, at[1] - width[1]); j <= PetscMin(n[1] - 1, at[1] + width[1]) && inner[c]; j++)
-        for (PetscInt i = PetscMax(0, at[0] - width[0]); i <= PetscMin(n[0] - 1, at[0] + width[0]) && inner[c]; i++)
-          inner[c] = (PetscBool)(domain->cell_rank[(k * n[1] + j) * n[0] + i] == halo->rank);
+    if (halo->size == 1 || !inner[c]) continue;
+    CellCoordinates(n, c, at);
+    for (PetscInt d = 0; d < DIM; d++) {
+      first[d] = cell[d] = PetscMax(0, at[d] - width[d]);
+      last[d]            = PetscMin(n[d] - 1, at[d] + width[d]);
+    }
+    do inner[c] = (PetscBool)(CellOwner(domain, cell) == halo->rank);
+    while (inner[c] && CellNext(first, last, cell));
   }
+}
+
+/* What images may do along direction d to a point at x so that they come within the radius of the box. Returns how many
+   there are in 'kind'. */
+static PetscInt ImagesAlong(Domain domain, PetscInt d, PetscReal x, PetscReal radius, PetscInt kind[IMAGE_COUNT])
+{
+  const PetscReal below = x - domain->lower[d], above = domain->upper[d] - x;
+  PetscInt        count = 0;
+
+  kind[count++] = IMAGE_SAME;
+  if (domain->face[d][0] == FACE_PERIODIC && below < radius) kind[count++] = IMAGE_UP;
+  if (domain->face[d][0] == FACE_PERIODIC && above < radius) kind[count++] = IMAGE_DOWN;
+  if (domain->face[d][0] == FACE_SYMMETRY && below < radius) kind[count++] = IMAGE_MIRROR_LOWER;
+  if (domain->face[d][1] == FACE_SYMMETRY && above < radius) kind[count++] = IMAGE_MIRROR_UPPER;
+  return count;
+}
+
+/* Sends all images of owned point 'index', which is at x in an inner cell or not. */
+static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DIM], PetscBool inner, PetscReal radius,
+                                 SendList *list)
+{
+  const PetscInt first[DIM] = {0, 0, 0};
+  PetscInt       kind[DIM][IMAGE_COUNT], last[DIM], at[DIM] = {0, 0, 0};
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < DIM; d++) last[d] = ImagesAlong(halo->domain, d, x[d], radius, kind[d]) - 1;
+  do {
+    const PetscInt code  = CellIndex(image_box, kind[0][at[0]], kind[1][at[1]], kind[2][at[2]]);
+    const Image   *image = &halo->images[code];
+    PetscReal      y[DIM];
+
+    if (code == 0 && inner) continue;
+    for (PetscInt d = 0; d < DIM; d++) y[d] = image->sign[d] * x[d] + image->offset[d];
+    PetscCall(SendImage(halo, index, code, y, radius, list));
+  } while (CellNext(first, last, at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, SendList *list)
 {
-  Domain     domain = halo->domain;
-  PetscBool *inner;
+  const PetscInt *cells = halo->domain->cells;
+  PetscBool      *inner;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(domain->cells[0] * domain->cells[1] * domain->cells[2], &inner));
-  PetscCall(MarkInnerCells(halo, radius, inner));
-  for (PetscInt a = 0; a < n; a++) {
-    const PetscReal *p = x + DIM * a;
-    PetscInt         option[DIM][3], options[DIM];
-
-    for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal below = p[d] - domain->lower[d], above = domain->upper[d] - p[d];
-
-      options[d]              = 0;
-      option[d][options[d]++] = IMAGE_SAME;
-      if (domain->face[d][0] == FACE_PERIODIC && below < radius) option[d][options[d]++] = IMAGE_UP;
-      if (domain->face[d][0] == FACE_PERIODIC && above < radius) option[d][options[d]++] = IMAGE_DOWN;
-      if (domain->face[d][0] == FACE_SYMMETRY && below < radius) option[d][options[d]++] = IMAGE_MIRROR_LOWER;
-      if (domain->face[d][1] == FACE_SYMMETRY && above < radius) option[d][options[d]++] = IMAGE_MIRROR_UPPER;
-    }
-    if (options[0] * options[1] * options[2] == 1 && inner[DomainCell(domain, p)]) continue;
-    for (PetscInt k = 0; k < options[2]; k++)
-      for (PetscInt j = 0; j < options[1]; j++)
-        for (PetscInt i = 0; i < options[0]; i++) {
-          const PetscInt code  = option[0][i] + IMAGE_COUNT * (option[1][j] + IMAGE_COUNT * option[2][k]);
-          const Image   *image = &halo->images[code];
-          PetscReal      y[DIM];
-
-          if (code == 0 && halo->size == 1) continue;
-          for (PetscInt d = 0; d < DIM; d++) y[d] = image->sign[d] * p[d] + image->offset[d];
-          PetscCall(SendImage(halo, a, code, y, radius, list));
-        }
-  }
+  PetscCall(PetscMalloc1(cells[0] * cells[1] * cells[2], &inner));
+  MarkInnerCells(halo, radius, inner);
+  for (PetscInt a = 0; a < n; a++)
+    PetscCall(SendImages(halo, a, x + DIM * a, inner[DomainCell(halo->domain, x + DIM * a)], radius, list));
   PetscCall(PetscFree(inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells each receiver which of our particles, under which image, are its ghosts. Received pairs (index, image) come
- * sorted by owner. */
-static PetscErrorCode ExchangeLists(Halo halo, const SendList *list, PetscInt *ghosts, PetscMPIInt **owner,
-                                    PetscInt **pairs)
+/* Tells each receiver which ghosts it has of us, and learns its own: received[from[r] .. from[r+1]) of rank r. (With
+   PetscCommBuildTwoSided the messages would still have to be counted, packed and brought into the order of the ranks.)
+ */
+static PetscErrorCode ExchangeGhosts(Halo halo, const SendList *list, PetscMPIInt from[], Ghost **received)
 {
   MPI_Comm     comm = halo->domain->comm;
-  PetscInt    *place, *packed, received = 0;
-  PetscMPIInt *count, *start, *from_count, *from_start;
+  Ghost       *packed;
+  PetscMPIInt *count, *start, *from_count;
 
   PetscFunctionBegin;
-  PetscCall(
-    PetscCalloc4(halo->size, &count, halo->size + 1, &start, halo->size, &from_count, halo->size + 1, &from_start));
-  PetscCall(PetscMalloc2(halo->size, &place, 2 * list->count, &packed));
-  for (PetscInt s = 0; s < list->count; s++) count[list->target[s]] += 2;
-  for (PetscMPIInt r = 0; r < halo->size; r++) {
-    start[r + 1] = start[r] + count[r];
-    place[r]     = start[r];
-  }
-  for (PetscInt s = 0; s < list->count; s++) {
-    packed[place[list->target[s]]++] = list->index[s];
-    packed[place[list->target[s]]++] = list->image[s];
-  }
+  PetscCall(PetscCalloc3(halo->size, &count, halo->size, &start, halo->size, &from_count));
+  PetscCall(PetscMalloc1(list->count, &packed));
+  for (PetscInt s = 0; s < list->count; s++) count[list->target[s]]++;
+  for (PetscMPIInt r = 0; r < halo->size; r++) start[r] = (r > 0 ? start[r - 1] : 0) + count[r];
+  for (PetscInt s = list->count - 1; s >= 0; s--) packed[--start[list->target[s]]] = list->ghost[s];
   PetscCallMPI(MPI_Alltoall(count, 1, MPI_INT, from_count, 1, MPI_INT, comm));
-  for (PetscMPIInt r = 0; r < halo->size; r++) from_start[r + 1] = from_start[r] + from_count[r];
-  received = from_start[halo->size] / 2;
-  PetscCall(PetscMalloc1(received, owner));
-  PetscCall(PetscMalloc1(2 * received, pairs));
-  PetscCallMPI(MPI_Alltoallv(packed, count, start, MPIU_INT, *pairs, from_count, from_start, MPIU_INT, comm));
-  for (PetscMPIInt r = 0; r < halo->size; r++)
-    for (PetscInt g = from_start[r] / 2; g < from_start[r + 1] / 2; g++) (*owner)[g] = r;
-  PetscCall(PetscFree4(count, start, from_count, from_start));
-  PetscCall(PetscFree2(place, packed));
-  *ghosts = received;
+  from[0] = 0;
+  for (PetscMPIInt r = 0; r < halo->size; r++) from[r + 1] = from[r] + from_count[r];
+  PetscCall(PetscMalloc1(from[halo->size], received));
+  PetscCallMPI(MPI_Alltoallv(packed, count, start, MPIU_2INT, *received, from_count, from, MPIU_2INT, comm));
+  PetscCall(PetscFree3(count, start, from_count));
+  PetscCall(PetscFree(packed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, PetscInt *ghosts)
 {
   SendList     list = {0};
-  PetscMPIInt *owner;
-  PetscInt    *pairs;
+  PetscMPIInt *from;
+  Ghost       *received;
   PetscSFNode *remote;
 
   PetscFunctionBegin;
   PetscCall(CollectSends(halo, n, x, radius, &list));
-  PetscCall(ExchangeLists(halo, &list, &halo->ghosts, &owner, &pairs));
+  PetscCall(PetscMalloc1(halo->size + 1, &from));
+  PetscCall(ExchangeGhosts(halo, &list, from, &received));
+  halo->ghosts = from[halo->size];
   PetscCall(PetscMalloc1(halo->ghosts, &remote));
   if (halo->ghosts > halo->capacity) {
     halo->capacity = halo->ghosts + halo->ghosts / 4;
     PetscCall(PetscFree(halo->image));
     PetscCall(PetscMalloc1(halo->capacity, &halo->image));
   }
-  for (PetscInt g = 0; g < halo->ghosts; g++) {
-    remote[g].rank  = owner[g];
-    remote[g].index = pairs[2 * g];
-    halo->image[g]  = (unsigned char)pairs[2 * g + 1];
-  }
+  for (PetscMPIInt r = 0; r < halo->size; r++)
+    for (PetscInt g = from[r]; g < from[r + 1]; g++) {
+      remote[g].rank  = r;
+      remote[g].index = received[g].index;
+      halo->image[g]  = (unsigned char)received[g].image;
+    }
   halo->n = n;
   PetscCall(PetscSFDestroy(&halo->sf));
   PetscCall(PetscSFCreate(halo->domain->comm, &halo->sf));
   PetscCall(PetscSFSetGraph(halo->sf, n, halo->ghosts, NULL, PETSC_OWN_POINTER, remote, PETSC_OWN_POINTER));
   PetscCall(PetscSFSetUp(halo->sf));
-  PetscCall(PetscFree(owner));
-  PetscCall(PetscFree(pairs));
+  PetscCall(PetscFree(from));
+  PetscCall(PetscFree(received));
   PetscCall(PetscFree(list.target));
-  PetscCall(PetscFree(list.index));
-  PetscCall(PetscFree(list.image));
+  PetscCall(PetscFree(list.ghost));
   *ghosts = halo->ghosts;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -307,38 +330,47 @@ static PetscBool HasImages(FaceType face)
   return (PetscBool)(face == FACE_PERIODIC || face == FACE_SYMMETRY);
 }
 
+/* How far (m) x is outside a cell. The outermost cells go on beyond the box. */
+static PetscReal DistanceToCell(Domain domain, const PetscInt cell[DIM], const PetscReal x[DIM])
+{
+  PetscReal gap2 = 0;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal low = domain->lower[d] + cell[d] * domain->cell_size[d], high = low + domain->cell_size[d];
+
+    if (x[d] < low && cell[d] > 0) gap2 += PetscSqr(low - x[d]);
+    if (x[d] > high && cell[d] < domain->cells[d] - 1) gap2 += PetscSqr(x[d] - high);
+  }
+  return PetscSqrtReal(gap2);
+}
+
+/* How far (m) x is from the nearest cell of this rank; at most 'limit'. */
+static PetscReal DistanceToRank(Domain domain, PetscMPIInt rank, const PetscReal x[DIM], PetscReal limit)
+{
+  PetscReal nearest = limit;
+  PetscInt  first[DIM], last[DIM], cell[DIM];
+
+  if (domain->cell_rank[DomainCell(domain, x)] == rank) return 0;
+  CellsAround(domain, x, limit, first, last);
+  for (PetscInt d = 0; d < DIM; d++) cell[d] = first[d];
+  do {
+    if (CellOwner(domain, cell) == rank) nearest = PetscMin(nearest, DistanceToCell(domain, cell, x));
+  } while (CellNext(first, last, cell));
+  return nearest;
+}
+
 PetscReal HaloDistanceOutside(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit)
 {
-  const PetscBool inside[DIM] = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
-  PetscReal       stray       = 0;
+  PetscReal largest = 0;
 
   for (PetscInt a = 0; a < n; a++) {
     const PetscReal *p = x + DIM * a;
-    PetscInt         first[DIM], last[DIM];
-    PetscReal        nearest = limit;
 
     for (PetscInt d = 0; d < DIM; d++) {
-      if (HasImages(domain->face[d][0])) stray = PetscMax(stray, domain->lower[d] - p[d]);
-      if (HasImages(domain->face[d][1])) stray = PetscMax(stray, p[d] - domain->upper[d]);
+      if (HasImages(domain->face[d][0])) largest = PetscMax(largest, domain->lower[d] - p[d]);
+      if (HasImages(domain->face[d][1])) largest = PetscMax(largest, p[d] - domain->upper[d]);
     }
-    if (domain->cell_rank[DomainCell(domain, p)] == rank) continue;
-    (void)CellRange(domain, p, limit, (PetscBool *)inside, first, last);
-    for (PetscInt k = first[2]; k <= last[2]; k++)
-      for (PetscInt j = first[1]; j <= last[1]; j++)
-        for (PetscInt i = first[0]; i <= last[0]; i++) {
-          const PetscInt cell[DIM] = {i, j, k};
-          PetscReal      gap2      = 0;
-
-          if (domain->cell_rank[(k * domain->cells[1] + j) * domain->cells[0] + i] != rank) continue;
-          for (PetscInt d = 0; d < DIM; d++) {
-            const PetscReal low = domain->lower[d] + cell[d] * domain->cell_size[d], high = low + domain->cell_size[d];
-
-            if (p[d] < low && cell[d] > 0) gap2 += PetscSqr(low - p[d]);
-            if (p[d] > high && cell[d] < domain->cells[d] - 1) gap2 += PetscSqr(p[d] - high);
-          }
-          nearest = PetscMin(nearest, PetscSqrtReal(gap2));
-        }
-    stray = PetscMax(stray, nearest);
+    largest = PetscMax(largest, DistanceToRank(domain, rank, p, limit));
   }
-  return PetscMin(stray, limit);
+  return PetscMin(largest, limit);
 }

@@ -1,87 +1,20 @@
-/* Cells over the points of the cloud, and the list of neighbours. */
-#include "search.h"
+/* The neighbour search: the list of the pairs within the kernel's support, and the factors of the pairs. */
 #include "pairs.h"
 
-#define LINES_AROUND 9     /* of cells along x */
-#define SPLIT        4     /* cells along x in the kernel's support */
-#define LANES        16    /* candidates compared at once */
-#define SLACK        1e-3f /* of a cell along x: what single precision may miss of a chord */
-#define PADDING      1e4f  /* squared distance over h2, beyond any kernel */
-#define ROW_GUESS    72    /* neighbours a particle, to begin with */
+#define LINES_AROUND 9            /* of cells along x, around and including that of a particle */
+#define SPLIT        4            /* cells along x in the kernel's support */
+#define LANES        SEARCH_LANES /* candidates compared at once */
+#define SLACK        1e-3f        /* of a cell along x: what single precision may miss of a chord */
+#define PADDING      1e4f         /* squared distance over h2, beyond any kernel */
+#define ROW_GUESS    72           /* neighbours a particle: the first guess of the size of the list */
 
-PetscErrorCode CellGridReset(CellGrid *grid)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(grid->start));
-  PetscCall(PetscFree(grid->order));
-  PetscCall(PetscFree(grid->of_point));
-  PetscCall(PetscMemzero(grid, sizeof(*grid)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* More cells than this many a point would cost more than they save: the cells are made larger. */
-#define CELLS_PER_POINT 4
-
-PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
-                             PetscInt split)
-{
-  const PetscReal per_size[DIM] = {split, 1, 1};
-  PetscReal       upper[DIM], cells = 1;
-
-  PetscFunctionBegin;
-  for (PetscInt d = 0; d < DIM; d++) {
-    grid->lower[d] = n ? x[d] : 0;
-    upper[d]       = n ? x[d] : 0;
-    for (PetscInt a = 1; a < n; a++) {
-      grid->lower[d] = PetscMin(grid->lower[d], x[DIM * a + d]);
-      upper[d]       = PetscMax(upper[d], x[DIM * a + d]);
-    }
-  }
-  for (grid->size = size;; grid->size *= 1.25) {
-    cells = 1;
-    for (PetscInt d = 0; d < DIM; d++)
-      cells *= d < dim ? PetscFloorReal((upper[d] - grid->lower[d]) * (per_size[d] / grid->size)) + 1 : 1;
-    if (cells <= CELLS_PER_POINT * (PetscReal)n + 1000) break;
-  }
-  for (PetscInt d = 0; d < DIM; d++)
-    grid->n[d] = d < dim ? (PetscInt)((upper[d] - grid->lower[d]) * (per_size[d] / grid->size)) + 1 : 1;
-  grid->count = grid->n[0] * grid->n[1] * grid->n[2];
-  if (grid->count + 1 > grid->capacity) {
-    grid->capacity = grid->count + 1 + grid->count / 4;
-    PetscCall(PetscFree(grid->start));
-    PetscCall(PetscMalloc1(grid->capacity, &grid->start));
-  }
-  if (n > grid->point_capacity) {
-    grid->point_capacity = n + n / 4;
-    PetscCall(PetscFree(grid->order));
-    PetscCall(PetscFree(grid->of_point));
-    PetscCall(PetscMalloc1(grid->point_capacity + LANES, &grid->order));
-    PetscCall(PetscMalloc1(grid->point_capacity, &grid->of_point));
-  }
-  /* counting sort, stable in the local index */
-  PetscCall(PetscArrayzero(grid->start, grid->count + 1));
-  for (PetscInt a = 0; a < n; a++) {
-    PetscInt cell[DIM] = {0, 0, 0};
-
-    for (PetscInt d = 0; d < dim; d++)
-      cell[d] = PetscMin(grid->n[d] - 1, (PetscInt)((x[DIM * a + d] - grid->lower[d]) * (per_size[d] / grid->size)));
-    grid->of_point[a] = (cell[2] * grid->n[1] + cell[1]) * grid->n[0] + cell[0];
-    grid->start[grid->of_point[a] + 1]++;
-  }
-  for (PetscInt c = 0; c < grid->count; c++) grid->start[c + 1] += grid->start[c];
-  for (PetscInt a = 0; a < n; a++) grid->order[grid->start[grid->of_point[a]]++] = a;
-  for (PetscInt c = grid->count; c > 0; c--) grid->start[c] = grid->start[c - 1];
-  grid->start[0] = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Places are compared as whole numbers of a unit, sixteen at a time. The unit is the same on every rank and the box is
-   2^n of them, 2^30 if it is not narrow: differences are exact, and the same for both particles of a pair, also across
-   a periodic face or a mirror. It is a billionth of the box, so that a place is as exact as the single precision of the
-   factors. */
+/* Positions are compared as integers, sixteen at a time. Their unit is the same on every rank, and the box is 2^n units
+   long, n = BOX_BITS unless the box is narrow. Differences are therefore exact, and the same for both particles of a
+   pair, also across a periodic face or a mirror. The unit is a billionth of the box, so a position is as exact as the
+   single precision of the pair factors. */
 #define BOX_BITS 30
-#define OUTSIDE  1.5 /* box lengths from the middle that the numbers reach, and so many times the largest support: */
-#define REACHES  4
+#define OUTSIDE  1.5 /* the integers reach so many box lengths from the middle of the box, and besides */
+#define REACHES  4   /* so many times the largest support */
 
 typedef struct {
   PetscReal center[DIM], inverse[DIM]; /* m; 1/m */
@@ -110,7 +43,7 @@ static inline PetscReal Place(const Units *units, PetscInt d, PetscReal x)
   return rint((x - units->center[d]) * units->inverse[d]);
 }
 
-/* Places of the points in the grid's order: [3][n]. */
+/* The integer positions of the points in the grid's order: [3][n]. */
 static PetscErrorCode SortPlaces(Cloud cloud, const Units *units, int32_t sorted[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
@@ -132,16 +65,17 @@ static PetscErrorCode SortPlaces(Cloud cloud, const Units *units, int32_t sorted
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Candidates, one behind the other in the grid's order, of which the first LANES are meant: where they begin and, in
-   the upper half, their number. One number, for there are many of them. */
+/* A run of up to LANES candidates in one integer: where it starts in the grid's order in the lower half, its count in
+   the upper half, to halve the memory traffic. A larger count stands for more runs behind this one. */
 typedef int64_t Run;
 
 #define RUN(begin, count) ((begin) + (int64_t)(count) * (UINT32_MAX + 1LL))
 #define RUN_BEGIN(run)    ((PetscInt)((run)&UINT32_MAX))
 #define RUN_COUNT(run)    (PetscMin((PetscInt)((run) >> 32), LANES))
 
-/* The lines of cells around a cell, in LANES columns of which nine are used: where they are, also as a number of cells,
-   and how far a point at 0 to 1 of its own cell is from them, from + times place along each axis. */
+/* The lines of cells along x around a cell, in LANES columns of which LINES_AROUND are used: their offsets in y and z,
+   the offset of their cells' numbers, and, for a point at 0 to 1 of its own cell, how far it is from the line along
+   each axis: from + times point, in cells. */
 typedef struct {
   PetscInt y[LANES], z[LANES], cells[LANES];
   float    from_y[LANES], times_y[LANES], from_z[LANES], times_z[LANES];
@@ -162,8 +96,9 @@ static void SetLines(const CellGrid *grid, Lines *lines)
   }
 }
 
-/* The candidates for neighbours of a point at x (m); returns the number of runs. Of each line of cells
-   around it what the sphere of the kernel's support reaches is taken. Nothing branches on what chance decides. */
+/* Finds the candidates for neighbours of a point at x (m): of each line of cells around it, the cells that the sphere
+   of the kernel's support reaches. Returns the number of runs. There are no data-dependent branches, but for long runs.
+ */
 static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, const PetscReal x[DIM], PetscReal radius,
                                 Run run[])
 {
@@ -192,7 +127,7 @@ static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, const 
     const PetscInt begin = start[from[l]];
     Run            next  = RUN(begin, start[to[l]] - begin);
 
-    while (next >= RUN(0, 3 * LANES)) { /* rare */
+    while (next >= RUN(0, 3 * LANES)) { /* this is rare */
       run[runs++] = next;
       next += RUN(LANES, -LANES);
     }
@@ -205,13 +140,15 @@ static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, const 
   return runs;
 }
 
-/* Appends to list and s those candidates of a run whose squared distance s = r2/h2 is below 'limit', point a itself
-   excluded; returns how many. order: local indices, x, y, z: places, of all points in the grid's order; p: place of a,
-   unit: over h. Reads LANES candidates and may write as many. */
+/* Stores in list and s those candidates of a run whose squared distance s = r2/h2 is below 'limit', without point a
+   itself; returns how many there are. order holds the local indices, x, y and z the integer positions of all points in
+   the grid's order; p is the position of a, unit its unit over h. LANES candidates are read, and as many may be
+   written.
+ */
 #if defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
   #include <immintrin.h>
 
-/* (p - x)/h of the lanes */
+/* (p - x)/h of LANES candidates */
 static inline __m512 Difference(__m512i p, const int32_t *x, __m512 unit)
 {
   return _mm512_mul_ps(unit, _mm512_cvtepi32_ps(_mm512_sub_epi32(p, _mm512_loadu_si512(x))));
@@ -254,7 +191,7 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
 
     s2[k] = dx * dx + dy * dy + dz * dz;
   }
-  for (PetscInt k = 0; k < RUN_COUNT(run); k++) { /* without a branch */
+  for (PetscInt k = 0; k < RUN_COUNT(run); k++) { /* branchless: the next one overwrites what is not kept */
     const PetscInt b = order[RUN_BEGIN(run) + k];
 
     list[found] = b;
@@ -265,7 +202,7 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
 }
 #endif
 
-/* Room for 'more' pairs behind the 'used' ones. */
+/* Makes room for 'more' pairs behind the 'used' ones. */
 static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
 {
   PetscFunctionBegin;
@@ -277,7 +214,7 @@ static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A row is padded with pairs that weigh nothing, of the particle and itself: whatever follows works on whole vectors.
+/* Pads a row with pairs of the particle with itself that weigh nothing, so that what follows works on whole vectors.
    The next row overwrites them. */
 static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
 {
@@ -287,9 +224,9 @@ static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
   }
 }
 
-/* The factors of n padded pairs from s = r2/h2, w (NULL: not wanted) and F over s + eta2/h2; returns the sum of the
-   Laplacian ones. -F is largest at r = 0, so that -F r2/(r2 + eta2) is at most 'unit' times the largest number of
-   sixteen bits. */
+/* The factors of n padded pairs from s = r2/h2: w (NULL if not wanted), slope, the slope over s + eta2/h2, and the
+   Laplacian ones in units of 'unit', whose sum is returned. -F is largest at r = 0; with the unit of SearchCreate no
+   Laplacian factor is larger than sixteen bits can hold. */
 static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *restrict s, float *restrict w,
                             float *restrict slope_over_r2, float *restrict slope, uint16_t *restrict laplacian)
 {
@@ -312,7 +249,8 @@ static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *
   return sum;
 }
 
-/* Pairs of wall particles have no weight: nothing flows between them. Returns the sum of the others'. */
+/* Removes the Laplacian weights of the pairs of a wall particle with other wall particles, between which nothing flows.
+   Returns the sum of the other weights. */
 static PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[], uint16_t laplacian[])
 {
   PetscInt sum = 0;
@@ -324,49 +262,84 @@ static PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt
   return sum;
 }
 
-PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
+/* What the search of all rows shares. */
+typedef struct {
+  Units     units;
+  Lines     lines;
+  PetscReal radius; /* of the kernel's support, m */
+  float     limit;  /* its square over h2 */
+  float     unit;   /* of the Laplacian factors */
+  PetscInt  most;   /* the candidates of one row are at most so many */
+  int32_t  *place;  /* [3][n_total] integer positions in the grid's order */
+  Run      *run;    /* the runs of one row */
+  float    *s;      /* [most] r2/h2 of the pairs of one row */
+} Search;
+
+static PetscErrorCode SearchCreate(Cloud cloud, Search *search)
 {
-  const PetscInt   n      = cloud->n_total;
-  const PetscReal *x      = cloud->field[FIELD_POSITION];
-  const Units      units  = ChooseUnits(cloud);
-  const PetscReal  radius = KernelSupport(cloud->kernel);
-  const float      limit  = (float)PetscSqr(radius / KernelSmoothingLength(cloud->kernel));
-  PetscInt         used = 0, most, longest = 0;
-  int32_t         *sorted;
-  Run             *run;
-  Lines            lines;
-  float *s, w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES], zero[LANES] = {0}, slope[LANES], unit;
+  const CellGrid *grid        = &cloud->grid;
+  const float     zero[LANES] = {0};
+  float           slope[LANES];
+  PetscInt        longest = 0;
+
+  PetscFunctionBegin;
+  search->units  = ChooseUnits(cloud);
+  search->radius = KernelSupport(cloud->kernel);
+  search->limit  = (float)PetscSqr(search->radius / KernelSmoothingLength(cloud->kernel));
+  SetLines(grid, &search->lines);
+  for (PetscInt c = 0; c < grid->count; c++) longest = PetscMax(longest, grid->start[c + 1] - grid->start[c]);
+  search->most = LINES_AROUND * ((2 * SPLIT + 1) * longest + LANES);
+  KernelSingle(cloud->kernel, 1, zero, NULL, slope);
+  search->unit = slope[0] / -(float)UINT16_MAX;
+  PetscCall(PetscMalloc3(DIM * cloud->n_total + LANES, &search->place, search->most, &search->s,
+                         search->most / LANES + 3, &search->run));
+  PetscCall(SortPlaces(cloud, &search->units, search->place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the neighbours of particle a; returns their number. Writes to list and search->s, whole vectors. */
+static inline PetscInt FindNeighbors(Cloud cloud, const Search *search, PetscInt a, PetscInt list[])
+{
+  const PetscInt   n = cloud->n_total, *order = cloud->grid.order;
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
+  const Units     *units  = &search->units;
+  const int32_t   *place  = search->place;
+  const int32_t    p[DIM] = {(int32_t)Place(units, 0, x[0]), (int32_t)Place(units, 1, x[1]),
+                             (int32_t)Place(units, 2, x[2])};
+  const PetscInt   runs   = FindRuns(&cloud->grid, &search->lines, x, search->radius, search->run);
+  PetscInt         found  = 0;
+
+  for (PetscInt r = 0; r < runs; r++)
+    found += KeepNear(search->run[r], order, place, place + n, place + 2 * n, p, units->unit, search->limit, a,
+                      list + found, search->s + found);
+  return found;
+}
+
+PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
+{
+  const PetscReal *x    = cloud->field[FIELD_POSITION];
+  PetscInt         used = 0;
+  float            w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES];
+  Search           search;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
-  PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, n, x, radius, SPLIT));
-  for (PetscInt c = 0; c < cloud->grid.count; c++)
-    longest = PetscMax(longest, cloud->grid.start[c + 1] - cloud->grid.start[c]);
-  KernelSingle(cloud->kernel, 1, zero, NULL, slope);
-  unit                  = slope[0] / -(float)UINT16_MAX;
-  cloud->laplacian_unit = unit;
-  most                  = LINES_AROUND * ((2 * SPLIT + 1) * longest + LANES);
-  PetscCall(PetscMalloc3(DIM * n + LANES, &sorted, most, &s, most / LANES + 3, &run));
-  SetLines(&cloud->grid, &lines);
-  PetscCall(SortPlaces(cloud, &units, sorted));
-  cloud->first[0] = 0;
+  PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, cloud->n_total, x, KernelSupport(cloud->kernel), SPLIT));
+  PetscCall(SearchCreate(cloud, &search));
+  cloud->laplacian_unit = search.unit;
+  cloud->first[0]       = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const int32_t p[DIM] = {(int32_t)Place(&units, 0, x[DIM * a]), (int32_t)Place(&units, 1, x[DIM * a + 1]),
-                            (int32_t)Place(&units, 2, x[DIM * a + 2])};
-    PetscInt      found, runs;
+    PetscInt found;
 
-    if (used + most > cloud->list_capacity)
-      PetscCall(ReserveList(cloud, used, PetscMax(most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + most));
-    found = 0;
-    runs  = FindRuns(&cloud->grid, &lines, x + DIM * a, radius, run);
-    for (PetscInt r = 0; r < runs; r++)
-      found += KeepNear(run[r], cloud->grid.order, sorted, sorted + n, sorted + 2 * n, p, units.unit, limit, a,
-                        cloud->list + used + found, s + found);
+    if (used + search.most > cloud->list_capacity)
+      PetscCall(
+        ReserveList(cloud, used, PetscMax(search.most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + search.most));
+    found = FindNeighbors(cloud, &search, a, cloud->list + used);
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
-    PadRow(a, found, cloud->list + used, s);
-    cloud->laplacian_sum[a] = PairFactors(cloud->kernel, unit, found, s, visit ? w : NULL, slope_over_r2,
+    PadRow(a, found, cloud->list + used, search.s);
+    cloud->laplacian_sum[a] = PairFactors(cloud->kernel, search.unit, found, search.s, visit ? w : NULL, slope_over_r2,
                                           cloud->slope + used, cloud->laplacian + used);
     if (a >= cloud->n_fluid)
       cloud->laplacian_sum[a] =
@@ -375,7 +348,7 @@ PetscErrorCode NeighborsFind(Cloud cloud, RowVisitor visit, void *context)
     cloud->first[a + 1] = used;
     if (visit) visit(cloud, a, w, slope_over_r2, context);
   }
-  PetscCall(PetscFree3(sorted, s, run));
+  PetscCall(PetscFree3(search.place, search.s, search.run));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
