@@ -65,7 +65,6 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(HaloDestroy(&c->halo));
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
-  PetscCall(PetscFree(c->row));
   PetscCall(PetscFree(c->volume));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
@@ -91,7 +90,6 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
     PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
-  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->row));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->volume));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
@@ -118,43 +116,17 @@ static PetscErrorCode Load(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the kinds, numbers the pressure rows; deeper wall particles get the row of their parent, which lives on the
- * same rank. */
-static PetscErrorCode NumberRows(Cloud cloud)
+/* Counts the particles of each kind; the swarm's sort has put them in this order. */
+static void CountKinds(Cloud cloud)
 {
-  const PetscInt *layer = cloud->integer[INT_LAYER], *id = cloud->integer[INT_ID], *parent = cloud->integer[INT_PARENT];
-  PetscInt       *top_id, *top_index, tops;
+  const PetscInt *layer = cloud->integer[INT_LAYER];
 
-  PetscFunctionBegin;
   cloud->n_fluid = cloud->n_rows = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     cloud->n_fluid += layer[a] == 0;
     cloud->n_rows += layer[a] <= 1;
   }
-  cloud->row_start = 0;
-  PetscCallMPI(MPI_Exscan(&cloud->n_rows, &cloud->row_start, 1, MPIU_INT, MPI_SUM, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(&cloud->n_rows, &cloud->rows_global, 1, MPIU_INT, MPI_SUM, cloud->comm));
-  tops = cloud->n_rows - cloud->n_fluid;
-  PetscCall(PetscMalloc2(tops, &top_id, tops, &top_index));
-  for (PetscInt k = 0; k < tops; k++) {
-    top_id[k]    = id[cloud->n_fluid + k];
-    top_index[k] = cloud->n_fluid + k;
-  }
-  PetscCall(PetscSortIntWithArray(tops, top_id, top_index));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    cloud->row[a] = cloud->row_start + a;
-    if (a >= cloud->n_rows) {
-      PetscInt place;
-
-      PetscCall(PetscFindInt(parent[a], tops, top_id, &place));
-      PetscCheck(place >= 0, PETSC_COMM_SELF, PETSC_ERR_PLIB,
-                 "wall particle %" PetscInt_FMT " is on another rank than its parent %" PetscInt_FMT, id[a], parent[a]);
-      cloud->row[a] = cloud->row_start + top_index[place];
-    }
-  }
-  PetscCall(PetscFree2(top_id, top_index));
   cloud->layout++;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Normals of the solids at their dummy particles, ghosts too. */
@@ -188,7 +160,6 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[f]));
-  PetscCall(HaloUpdateInt(cloud->halo, cloud->row));
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
@@ -237,7 +208,7 @@ static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
   cloud->migrations++;
   PetscCall(ParticlesSort(cloud->particles, SORT_CELL * KernelSupport(cloud->kernel)));
   PetscCall(Load(cloud));
-  PetscCall(NumberRows(cloud));
+  CountKinds(cloud);
   cloud->distance_outside = 0;
   cloud->since_sort       = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -349,6 +320,13 @@ PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field)
 {
   PetscFunctionBegin;
   PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[field]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[])
+{
+  PetscFunctionBegin;
+  PetscCall(HaloUpdateInt(cloud->halo, array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,7 +3,7 @@
 
    The swarm holds the accepted state; the cloud's arrays hold the step in progress. CloudCommit writes back; not
    calling it is the rollback. Local order: fluid [0,n_fluid), top wall layer [n_fluid,n_rows), deeper wall layers
-   [n_rows,n_owned), ghosts [n_owned,n_total). The pressure row of local particle a < n_rows is row_start + a. */
+   [n_rows,n_owned), ghosts [n_owned,n_total). */
 #ifndef ISPH_CLOUD_H
 #define ISPH_CLOUD_H
 
@@ -34,12 +34,10 @@ typedef struct _p_Cloud {
   Particles  particles; /* borrowed */
   Halo       halo;
   PetscInt   n_fluid, n_rows, n_owned, n_total, capacity;
-  PetscInt   row_start, rows_global; /* of the pressure matrix */
-  PetscReal *field[FIELD_COUNT];     /* [n_total][width], see the table in particles.h */
-  PetscInt  *integer[INT_COUNT];     /* [n_total] */
-  PetscInt  *row;          /* [n_total] global pressure row of the particle, of its parent for deeper wall layers */
-  PetscReal *volume;       /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
-  PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
+  PetscReal *field[FIELD_COUNT]; /* [n_total][width], see the table in particles.h */
+  PetscInt  *integer[INT_COUNT]; /* [n_total] */
+  PetscReal *volume;             /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
+  PetscReal *rest_density;       /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, of its dummy particles (zero elsewhere); NULL without solids */
   /* Neighbours of a < n_owned: list[first[a] .. first[a+1]), local indices, the particle itself excluded. */
@@ -100,6 +98,8 @@ PetscErrorCode CloudUpdate(Cloud cloud, FieldId field);
 PetscErrorCode CloudUpdateArray(Cloud cloud, PetscInt width, Parity parity, PetscReal array[]);
 /* CloudUpdateInt - the same for an integer field. Collective. */
 PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
+/* CloudUpdateIntArray - the same for an array of [n_total] integers. Collective. */
+PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[]);
 /* CloudCommit - the step is accepted: stored fields go back to the swarm (periodic positions are wrapped with the next
    migration). Particles that left through
    an open face are removed; their number is added to *lost (global). Collective. */

@@ -49,7 +49,7 @@ PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal 
   PetscCall(VecRestoreArrayRead(residual, &r));
   PetscCallMPI(MPI_Allreduce(&most, largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
-  *rms = PetscSqrtReal(sum / PetscMax(1, cloud->rows_global));
+  *rms = PetscSqrtReal(sum / PetscMax(1, pressure->rows_global));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +75,7 @@ static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSP
       heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);
     heaviest *= cloud->domain->volume * pressure->row_scale;
     if (norm * PetscSqr(pressure->dt) >
-        pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)cloud->rows_global))
+        pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)pressure->rows_global))
       PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ResidualDensity(pressure, PETSC_FALSE, &largest, &rms));

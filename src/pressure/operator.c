@@ -34,13 +34,13 @@ static PetscErrorCode SetWeights(Pressure pressure)
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->own          = (PetscBool)!OneDensity(pressure);
-  if (!pressure->own) PetscFunctionReturn(PETSC_SUCCESS);
+  pressure->weight_scale  = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
+  pressure->mixed_density = (PetscBool)!OneDensity(pressure);
+  if (!pressure->mixed_density) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads whole octets */
-    PetscCall(PetscFree(pressure->own_weight));
-    PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->own_weight));
+    PetscCall(PetscFree(pressure->pair_weight));
+    PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->pair_weight));
   }
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal rho_a = density[a], rest_a = rest[a];
@@ -50,7 +50,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
       const PetscInt  b   = cloud->list[k];
       const PetscReal sum = rho_a + density[b];
 
-      pressure->own_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * (float)cloud->laplacian[k];
+      pressure->pair_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * (float)cloud->laplacian[k];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -74,14 +74,14 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 static PetscReal WeightSum(Pressure pressure, PetscInt a)
 {
   Cloud           cloud = pressure->cloud;
-  const PetscInt *row = cloud->row, end = cloud->first[a + 1];
+  const PetscInt *id = cloud->integer[INT_ID], end = cloud->first[a + 1];
   PetscReal       sum = 0;
 
   if (a < cloud->n_fluid && MayMeetItself(cloud, a)) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += row[cloud->list[k]] == row[a] ? 0 : PairWeight(pressure, k);
-  } else if (pressure->own) {
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += id[cloud->list[k]] == id[a] ? 0 : PairWeight(pressure, k);
+  } else if (pressure->mixed_density) {
     SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += pressure->own_weight[k];
+    for (PetscInt k = cloud->first[a]; k < end; k++) sum += pressure->pair_weight[k];
   } else
     sum = (PetscReal)cloud->laplacian_sum[a];
   return sum;
@@ -110,17 +110,18 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
   PetscFunctionBegin;
   if (cloud->n_rows > pressure->rows_capacity) {
     pressure->rows_capacity = cloud->capacity;
-    PetscCall(PetscFree(pressure->closed));
-    PetscCall(PetscFree(pressure->pairs));
-    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->closed));
-    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->pairs));
+    PetscCall(PetscFree(pressure->closure_diagonal));
+    PetscCall(PetscFree(pressure->pair_diagonal));
+    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->closure_diagonal));
+    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->pair_diagonal));
   }
-  for (PetscInt r = 0; r < cloud->n_rows; r++) pressure->pairs[r] = pressure->weight_scale * WeightSum(pressure, r);
+  for (PetscInt r = 0; r < cloud->n_rows; r++)
+    pressure->pair_diagonal[r] = pressure->weight_scale * WeightSum(pressure, r);
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    pressure->pairs[cloud->row[a] - cloud->row_start] += pressure->weight_scale * WeightSum(pressure, a);
+    pressure->pair_diagonal[ParentRow(pressure, a)] += pressure->weight_scale * WeightSum(pressure, a);
   for (PetscInt r = 0; r < cloud->n_rows; r++) {
-    pressure->closed[r] = pressure->closure(pressure, r, pressure->pairs[r]);
-    closed += pressure->closed[r] > 0;
+    pressure->closure_diagonal[r] = pressure->closure(pressure, r, pressure->pair_diagonal[r]);
+    closed += pressure->closure_diagonal[r] > 0;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closed, 1, MPIU_INT, MPI_SUM, cloud->comm));
   /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
@@ -132,7 +133,7 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
 /* What row r has beside its pairs: the closure, or 1 if there is nothing at all. */
 static inline PetscReal Surplus(Pressure pressure, PetscInt r)
 {
-  return pressure->pairs[r] + pressure->closed[r] > 0 ? pressure->closed[r] : 1;
+  return pressure->pair_diagonal[r] + pressure->closure_diagonal[r] > 0 ? pressure->closure_diagonal[r] : 1;
 }
 
 /* sum_b weight (p_a - p_b) over n pairs, their weights coded or, where those are NULL, plain. May read whole octets:
@@ -182,28 +183,30 @@ static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[
   const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first, *index = cloud->list + first;
 
   PairsAhead(index, n);
-  if (pressure->own)
-    PairsAhead(pressure->own_weight + first, n);
+  if (pressure->mixed_density)
+    PairsAhead(pressure->pair_weight + first, n);
   else
     PairsAhead(cloud->laplacian + first, n);
-  return pressure->own ? PairSum(index, NULL, pressure->own_weight + first, n, p, p[a])
-                       : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
+  return pressure->mixed_density ? PairSum(index, NULL, pressure->pair_weight + first, n, p, p[a])
+                                 : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
 }
 
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[])
 {
   Cloud           cloud = pressure->cloud;
   const PetscReal scale = pressure->weight_scale;
-  PetscReal      *full  = cloud->field[FIELD_WORK1];
+  PetscReal      *full;
 
   PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 1, &full));
   PetscCall(PetscArraycpy(full, p, cloud->n_rows));
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) full[a] = p[cloud->row[a] - cloud->row_start];
-  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) full[a] = p[ParentRow(pressure, a)];
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, full));
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     y[r] = scale * RowSum(pressure, r, full) + Surplus(pressure, r) * full[r];
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    y[cloud->row[a] - cloud->row_start] += scale * RowSum(pressure, a, full);
+    y[ParentRow(pressure, a)] += scale * RowSum(pressure, a, full);
+  PetscCall(CloudRestoreWork(cloud, &full));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,7 +234,7 @@ static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &pressure));
   PetscCall(VecGetArrayWrite(d, &value));
-  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = pressure->pairs[r] + Surplus(pressure, r);
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = pressure->pair_diagonal[r] + Surplus(pressure, r);
   PetscCall(VecRestoreArrayWrite(d, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -241,12 +244,11 @@ PetscErrorCode OperatorSetUp(Pressure pressure)
   Cloud cloud = pressure->cloud;
 
   PetscFunctionBegin;
-  PetscCall(SystemChildren(pressure));
   PetscCall(FindFreeSurface(pressure));
   PetscCall(SetWeights(pressure));
   PetscCall(SetDiagonal(pressure));
   if (!pressure->operator) {
-    PetscCall(MatCreateShell(cloud->comm, cloud->n_rows, cloud->n_rows, cloud->rows_global, cloud->rows_global,
+    PetscCall(MatCreateShell(cloud->comm, cloud->n_rows, cloud->n_rows, pressure->rows_global, pressure->rows_global,
                              pressure, &pressure->operator));
     PetscCall(MatShellSetOperation(pressure->operator, MATOP_MULT, (void (*)(void))MatMult_Pairs));
     PetscCall(MatShellSetOperation(pressure->operator, MATOP_MULT_TRANSPOSE, (void (*)(void))MatMult_Pairs));

@@ -173,15 +173,11 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PressureReset(p));
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
   PetscCall(PetscFree(p->div));
-  PetscCall(PetscFree(p->closed));
-  PetscCall(PetscFree(p->pairs));
-  PetscCall(PetscFree(p->own_weight));
-  PetscCall(PetscFree(p->column));
-  PetscCall(PetscFree(p->off_row));
-  PetscCall(PetscFree(p->mark));
-  PetscCall(PetscFree(p->slot));
-  PetscCall(PetscFree(p->child_first));
-  PetscCall(PetscFree(p->child));
+  PetscCall(PetscFree(p->closure_diagonal));
+  PetscCall(PetscFree(p->pair_diagonal));
+  PetscCall(PetscFree(p->pair_weight));
+  PetscCall(PetscFree(p->parent_row));
+  PetscCall(ColumnsReset(&p->columns));
   PetscCall(PetscFree(*pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -67,11 +67,13 @@ PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
 /* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last
    PressureSetUp; values [n_rows]. Not collective. */
 PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
+/* PressureToCloud - FIELD_PRESSURE (Pa) of owned particles and ghosts from the rows x of a solution. Collective. */
+PetscErrorCode PressureToCloud(Pressure pressure, Vec x);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);
 /* PressureSource - minus the source of div(grad p/rho), rhs[n_rows] (1/s2), that PressureSolve would solve for; reads
-   what that reads. Not collective. */
+   what that reads. Collective. */
 PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
 /* PressureTakesDivergence - whether the source is a rate of compression over dt, from OperatorsDivergence of
    FIELD_VELOCITY_STAR, else the compression itself over dt^2. Not collective. */

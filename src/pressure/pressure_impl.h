@@ -24,6 +24,14 @@ typedef struct {
   PetscScalar *a, *oa;
 } MatrixStore;
 
+/* What the assembled matrix knows of the particles. */
+typedef struct {
+  PetscInt  layout, halo_builds; /* of the cloud, that this is for */
+  PetscInt *of;                  /* [n_total] column of a particle: < n_rows local, else n_rows + place in off_row */
+  PetscInt  off_count, *off_row; /* rows of other ranks that ghosts here have, ascending */
+  PetscInt *child_first, *child; /* deeper wall particles of row r: child[child_first[r] .. child_first[r + 1]) */
+} Columns;
+
 struct _p_Pressure {
   Cloud            cloud; /* borrowed */
   char             source_type[64], closure_type[64], gradient_type[64], mat_type[64];
@@ -32,23 +40,23 @@ struct _p_Pressure {
   GradientFunction gradient;
   PetscBool        summed;
   /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2 */
-  PetscBool  own; /* own_weight, where densities differ, in place of the cloud's laplacian */
-  float     *own_weight;
-  PetscReal  weight_scale;
-  PetscReal *pairs, *closed; /* [n_rows] sum of K_ab; what the closure added to the diagonal */
-  PetscInt   rows_capacity, weight_capacity;
-  PetscReal  relaxation_time, relaxation_option;
-  PetscReal  ahead;            /* steps from the positions to the time at which the new velocity has no divergence */
-  PetscReal  lattice_diagonal; /* Lambda_0 of a row with rest density 1 */
-  PetscReal  lattice_sum;      /* sum V W on a full lattice, 1 */
-  PetscReal  surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
-  PetscReal *div;                                                /* [owned capacity] 1/s */
-  PetscInt   div_capacity;
-  /* columns: column[b] < n_rows local, otherwise n_rows + place of the global row in off_row */
-  PetscInt    layout, halo_builds, column_capacity, *column, off_count, *off_row;
-  PetscInt   *child_first, *child, child_layout; /* deeper wall particles of each row; the layout they are of */
-  PetscInt   *mark, *slot;                       /* [n_rows + off_count] */
-  PetscReal   row_scale;                         /* 1/m_ref */
+  PetscBool   mixed_density; /* densities differ: the pairs' weights are pair_weight, not the cloud's laplacian */
+  float      *pair_weight;
+  PetscReal   weight_scale;
+  PetscReal  *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
+  PetscInt    rows_capacity, weight_capacity;
+  PetscReal   relaxation_time, relaxation_option;
+  PetscReal   ahead;            /* steps from the positions to the time at which the new velocity has no divergence */
+  PetscReal   lattice_diagonal; /* Lambda_0 of a row with rest density 1 */
+  PetscReal   lattice_sum;      /* sum V W on a full lattice, 1 */
+  PetscReal   surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
+  PetscReal  *div;                                                /* [owned capacity] 1/s */
+  PetscInt    div_capacity;
+  PetscInt    row_layout;             /* the cloud's layout that the rows are numbered for */
+  PetscInt    row_start, rows_global; /* first row of this rank, rows of all */
+  PetscInt   *parent_row;             /* [n_owned - n_rows] local row of the parent of deeper wall particles */
+  Columns     columns;
+  PetscReal   row_scale; /* 1/m_ref */
   MatrixStore store[2];
   PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none, or
                                 KEPT_OPERATOR */
@@ -72,16 +80,21 @@ struct _p_Pressure {
 
 static inline PetscReal PairWeight(Pressure pressure, PetscInt k)
 {
-  return pressure->own ? pressure->own_weight[k] : pressure->cloud->laplacian[k];
+  return pressure->mixed_density ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];
 }
 
-/* SystemColumns - brings the column numbering up to date with the cloud's ghosts and layout. Not collective. */
-PetscErrorCode SystemColumns(Pressure pressure);
-/* SystemAssemble - matrix into store s after OperatorSetUp. Collective. */
-PetscErrorCode SystemAssemble(Pressure pressure, MatrixStore *s);
+/* The local row of the parent of particle a of a deeper wall layer, n_rows <= a < n_owned; after RowsNumber. */
+static inline PetscInt ParentRow(Pressure pressure, PetscInt a)
+{
+  return pressure->parent_row[a - pressure->cloud->n_rows];
+}
+
+/* RowsNumber - numbers the rows if the cloud's layout is new. Collective. */
+PetscErrorCode RowsNumber(Pressure pressure);
+/* MatrixAssemble - the matrix of OperatorSetUp with its entries into store s. Collective. */
+PetscErrorCode MatrixAssemble(Pressure pressure, MatrixStore *s);
 PetscErrorCode MatrixStoreReset(MatrixStore *s);
-/* SystemChildren - lists the deeper wall particles of each row if the layout is new. Not collective. */
-PetscErrorCode SystemChildren(Pressure pressure);
+PetscErrorCode ColumnsReset(Columns *columns);
 /* OperatorSetUp - weights of the pairs, their sums and what the closure adds, at the positions of the cloud; creates
    the operator if there is none. Collective. */
 PetscErrorCode OperatorSetUp(Pressure pressure);

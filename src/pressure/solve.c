@@ -42,7 +42,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(PressureReset(pressure));
   pressure->solver_layout = cloud->layout;
   PetscCall(VecCreate(cloud->comm, &pressure->b));
-  PetscCall(VecSetSizes(pressure->b, cloud->n_rows, cloud->rows_global));
+  PetscCall(VecSetSizes(pressure->b, cloud->n_rows, pressure->rows_global));
   PetscCall(VecSetFromOptions(pressure->b));
   PetscCall(VecDuplicate(pressure->b, &pressure->x));
   PetscCall(KSPCreate(cloud->comm, &pressure->ksp));
@@ -97,9 +97,9 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
   for (PetscInt r = 0; r < cloud->n_fluid; r++) /* the missing neighbours have the pressure of surface tension */
-    rhs[r] += pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
+    rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
   for (PetscInt r = 0; r < cloud->n_rows; r++) /* nothing around that could carry a pressure */
-    if (pressure->pairs[r] == 0) rhs[r] = 0;
+    if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
   PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,6 +110,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
 static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries)
 {
   PetscFunctionBegin;
+  PetscCall(RowsNumber(pressure));
   if (!pressure->ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
   pressure->dt = dt;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
@@ -118,7 +119,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
   pressure->A = pressure->operator;
   if (entries || pressure->assembled) {
     pressure->current = pressure->kept == 0 ? 1 : 0;
-    PetscCall(SystemAssemble(pressure, &pressure->store[pressure->current]));
+    PetscCall(MatrixAssemble(pressure, &pressure->store[pressure->current]));
     pressure->A = pressure->store[pressure->current].A;
     PetscCall(SetNullSpace(pressure, pressure->A));
   }
@@ -207,7 +208,8 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(values, cloud->n_rows));
-  for (PetscInt r = 0; r < cloud->n_fluid; r++) values[r] = pressure->closed[r] * cloud->field[FIELD_CAPILLARY][r];
+  for (PetscInt r = 0; r < cloud->n_fluid; r++)
+    values[r] = pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -239,11 +241,23 @@ static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureToCloud(Pressure pressure, Vec x)
+{
+  const Cloud        cloud = pressure->cloud;
+  const PetscScalar *p;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(x, &p));
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    cloud->field[FIELD_PRESSURE][a] = PetscRealPart(p[a < cloud->n_rows ? a : ParentRow(pressure, a)]);
+  PetscCall(VecRestoreArrayRead(x, &p));
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result)
 {
-  Cloud              cloud = pressure->cloud;
-  const PetscScalar *x;
-  PetscReal          largest;
+  PetscReal largest;
 
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
@@ -266,10 +280,6 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
     pressure->rebuild = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(VecGetArrayRead(pressure->x, &x));
-  for (PetscInt a = 0; a < cloud->n_owned; a++)
-    cloud->field[FIELD_PRESSURE][a] = PetscRealPart(x[cloud->row[a] - cloud->row_start]);
-  PetscCall(VecRestoreArrayRead(pressure->x, &x));
-  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscCall(PressureToCloud(pressure, pressure->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

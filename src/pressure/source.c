@@ -64,14 +64,14 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
     OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, pressure->ahead * dt, pressure->div));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -pressure->div[a] / dt - DensityDefect(pressure, a) * rate;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -pressure->div[a] / dt;
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    rhs[cloud->row[a] - cloud->row_start] -= pressure->div[a] / dt;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) rhs[ParentRow(pressure, a)] -= pressure->div[a] / dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   PetscFunctionBegin;
+  PetscCall(RowsNumber(pressure));
   PetscCall(pressure->source(pressure, dt, rhs));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -78,12 +78,8 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
   PetscCall(VecSet(p, 0));
   PetscCall(KSPSetTolerances(ksp, 1e-2 * TOLERANCE, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   PetscCall(KSPSolve(ksp, b, p));
-  PetscCall(VecGetArray(p, &rhs));
-  for (PetscInt a = 0; a < cloud->n_owned; a++)
-    cloud->field[FIELD_PRESSURE][a] = PetscRealPart(rhs[cloud->row[a] - cloud->row_start]);
-  PetscCall(VecRestoreArray(p, &rhs));
+  PetscCall(PressureToCloud(s->pressure, p));
   PetscCall(VecDestroy(&p));
-  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscCall(PressureAcceleration(s->pressure));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
     acceleration[k] = cloud->field[FIELD_ACCELERATION][k] + cloud->field[FIELD_WORK3][k];

@@ -159,7 +159,7 @@ PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
   Vec             b, constant = NULL;
   PetscReal       largest, smallest, most, least, seen_most, seen_least, theory, rtol;
   PetscBool       found[4];
-  PetscInt        solve;
+  PetscInt        solve, rows;
   PCType          name;
   PC              pc;
   char            words[128] = "";
@@ -170,6 +170,7 @@ PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
   PetscCall(KSPGetTolerances(model, &rtol, NULL, NULL, NULL));
   PetscCall(KSPGetPC(model, &pc));
   PetscCall(PCGetType(pc, &name));
+  PetscCall(MatGetSize(o.A, &rows, NULL));
   PetscCall(MatGetNullSpace(o.A, &null));
   if (null) {
     PetscCall(VecDuplicate(b, &constant));
@@ -183,14 +184,13 @@ PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
   PetscCall(SpectrumExtreme(inverse, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, constant, &smallest, &found[1]));
   smallest = 1 / smallest;
   PetscCall(SmallestInTheory(cloud, (PetscBool)!null, &theory, words, sizeof(words)));
-  PetscCall(PetscPrintf(cloud->comm,
-                        "  pressure operator, %" PetscInt_FMT " rows (eigenvalues times density)\n"
-                        "    largest    %.5g 1/m2 = %.4g/d0^2; a full lattice has %.4g/d0^2\n"
-                        "    smallest   %.5g 1/m2",
-                        cloud->rows_global, (double)(largest * density),
-                        (double)(largest * density * PetscSqr(cloud->domain->spacing)),
-                        (double)(LatticeLargest(cloud) * PetscSqr(cloud->domain->spacing)),
-                        (double)(smallest * density)));
+  PetscCall(
+    PetscPrintf(cloud->comm,
+                "  pressure operator, %" PetscInt_FMT " rows (eigenvalues times density)\n"
+                "    largest    %.5g 1/m2 = %.4g/d0^2; a full lattice has %.4g/d0^2\n"
+                "    smallest   %.5g 1/m2",
+                rows, (double)(largest * density), (double)(largest * density * PetscSqr(cloud->domain->spacing)),
+                (double)(LatticeLargest(cloud) * PetscSqr(cloud->domain->spacing)), (double)(smallest * density)));
   if (theory > 0) PetscCall(PetscPrintf(cloud->comm, "; theory %.5g 1/m2, %s", (double)theory, words));
   PetscCall(PetscPrintf(cloud->comm, "\n    condition  %.5g%s\n", (double)(largest / smallest),
                         null ? ", constants left out" : ""));
