@@ -13,7 +13,10 @@
 #define REPULSION_MARGIN   1.02 /* c over the distance wanted */
 #define SLACK              3.0  /* of the halo while packing, spacings: particles move further than in a step */
 #define SEARCH_AFTER       0.02 /* spacings that a particle may move before neighbours are searched again */
-#define TRAVEL_LIMIT       1.5  /* spacings that a particle may move before all are sent home */
+#define TRIAL_LIMIT                                                                                                    \
+  10 /* spacings that a particle may move in a trial of the line search, which goes astray once rounding rules the     \
+        gradient */
+#define TRAVEL_LIMIT 1.5 /* spacings that a particle may move before all are sent home */
 
 typedef struct {
   Cloud      cloud;
@@ -43,9 +46,9 @@ static PetscErrorCode Displacement(Cloud cloud, const PetscReal before[], PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves the fluid to start + d0 y. The lists of neighbours are kept while nobody has moved far: they miss pairs at the
-   rim of the support only, where W < 1e-5 W(0). */
-static PetscErrorCode Place(Optimiser *o, Vec y)
+/* Moves the fluid to start + d0 y, or says that this is too far. The lists of neighbours are kept while nobody has
+   moved far: they miss pairs at the rim of the support only, where W < 1e-5 W(0). */
+static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
 {
   const Cloud      cloud = o->cloud;
   const PetscInt   dim   = cloud->domain->dim;
@@ -61,6 +64,8 @@ static PetscErrorCode Place(Optimiser *o, Vec y)
   }
   PetscCall(VecRestoreArrayRead(y, &shift));
   PetscCall(Displacement(cloud, o->start, &o->travelled));
+  *too_far = (PetscBool)(o->travelled > TRIAL_LIMIT * cloud->domain->spacing);
+  if (*too_far) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Displacement(cloud, o->searched, &moved));
   search                  = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
   cloud->distance_outside = o->travelled;
@@ -140,9 +145,15 @@ static PetscErrorCode Gradient(Optimiser *o, Vec gradient)
 static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void *context)
 {
   Optimiser *o = (Optimiser *)context;
+  PetscBool  too_far;
 
   PetscFunctionBegin;
-  PetscCall(Place(o, y));
+  PetscCall(MoveFluid(o, y, &too_far));
+  if (too_far) { /* an infinite value makes the line search take a shorter step */
+    *f = PETSC_INFINITY;
+    PetscCall(VecSet(gradient, 0));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(Errors(o, f));
   PetscCall(CloudUpdate(o->cloud, FIELD_WORK1));
   PetscCall(Gradient(o, gradient));

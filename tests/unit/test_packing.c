@@ -278,6 +278,16 @@ static PetscErrorCode TestPoisson(void)
   CHECK(range[0] > 0 && range[1] < 0.5, "film: between floor and surface");
   PetscCall(SetupDestroy(&s));
 
+  /* Trials of the line search that throw particles far out of the box are refused. */
+  PetscCall(SetupCreate(PETSC_COMM_WORLD,
+                        FILM "-packing_type poisson -packing_cache \"\" -packing_tao_type cg -packing_tao_max_it 3 "
+                             "-packing_tao_cg_delta_min 1e4 -packing_tao_cg_delta_max 1e4",
+                        &s));
+  PetscCall(Fluid(&s, 2, &count, range));
+  CHECK_CLOSE(count, 480, 1, "film, steps too long: every particle is still there");
+  CHECK(range[0] > 0 && range[1] < 0.5, "film, steps too long: between floor and surface");
+  PetscCall(SetupDestroy(&s));
+
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) PetscCall(PetscRMTree(CACHE_FOLDER));
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
