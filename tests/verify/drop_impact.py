@@ -17,7 +17,7 @@ DROP_ENERGY = 0.5 * 1100 * 4 / 3 * np.pi * 2e-3**3 * 3.124667342**2  # J
 VOLUME = 40e-3 * 40e-3 * 10e-3 + 4 / 3 * np.pi * 2e-3**3  # m3
 
 folder = runs.run("""-options_file cases/drop_impact/case.opts -options_file options/quarter.opts
- -options_file options/spacing_1.0mm.opts -time_end 6e-3 """ + " ".join(sys.argv[1:]), "impact")
+ -spacing 1e-3 -time_end 6e-3 """ + " ".join(sys.argv[1:]), "impact")
 s = runs.series(folder)
 with open(os.path.join(runs.ROOT, "cases", "drop_impact", "reference.csv"), encoding="utf-8") as file:
     reference = np.genfromtxt([line for line in file if not line.startswith("#")], delimiter=",", names=True)
