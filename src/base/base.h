@@ -128,11 +128,16 @@ void           JournalText(const char text[]);
    PetscInitialize. */
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[]);
 
-/* HelpWanted - whether -help is given without -dump_options. A class then reads the options of all its types, one
-   options block a type with the type in its title, so that -help lists them all; otherwise those of the chosen type
-   only. PETSc prints a block of the same title once. The program stops when all options are read. Not collective. */
+/* HelpWanted - whether -help is given without -dump_options: then the options of all types are listed, also of those
+   that the scene does not choose, and the program stops. Not collective. */
 #define DUMP_OPTION "-dump_options"
 PetscBool HelpWanted(void);
+
+/* ReadTypeOptions - calls the reader with the chosen one of the registered types; with HelpWanted before that with
+   every type, so that -help lists the options of them all. The reader makes the object one of that type and reads the
+   type's options in a block whose title names the type; PETSc prints a block of the same title once. Collective. */
+typedef PetscErrorCode (*TypeReader)(void *object, const char type[]);
+PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object);
 
 /* SplitMix64 - a 64-bit hash of a number: the output function of the generator of that name (Steele, Lea and Flood
    2014). Not collective. */

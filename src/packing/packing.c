@@ -49,23 +49,37 @@ PetscErrorCode PackingCreate(Cloud cloud, Packing *packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A TypeReader of packings. */
+static PetscErrorCode ReadPackingType(void *object, const char type[])
+{
+  Packing packing = (Packing)object;
+  char    title[128];
+
+  PetscFunctionBegin;
+  PetscCall(PackingSetType(packing, type));
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Packing with -packing_type %s", type));
+  PetscOptionsBegin(packing->cloud->comm, NULL, title, "Packing");
+  if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PackingSetFromOptions(Packing packing)
 {
   const MPI_Comm comm = packing->cloud->comm;
-  char           type[64];
-  PetscBool      set;
+  char           type[sizeof(packing->type)];
 
   PetscFunctionBegin;
+  PetscCall(PetscStrncpy(type, packing->type, sizeof(type)));
   PetscOptionsBegin(comm, NULL, "Packing", "Packing");
   PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList,
-                              packing->type, type, sizeof(type), &set));
-  if (set) PetscCall(PackingSetType(packing, type));
+                              type, type, sizeof(type), NULL));
   PetscCall(PetscOptionsInt("-packing_seed", "seed of the random numbers, 0 or more (1)", "PackingSetFromOptions",
                             packing->seed, &packing->seed, NULL));
   PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none",
                                "PackingSetFromOptions", packing->cache, packing->cache, sizeof(packing->cache), NULL));
-  if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
   PetscOptionsEnd();
+  PetscCall(ReadTypeOptions(PackingList, type, ReadPackingType, packing));
   PetscCheckUser(packing->seed >= 0, comm, "-packing_seed is %" PetscInt_FMT "; it must be 0 or more", packing->seed);
   if (packing->ops.check) PetscCall(packing->ops.check(packing));
   PetscFunctionReturn(PETSC_SUCCESS);

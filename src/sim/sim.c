@@ -97,6 +97,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(KernelSetFromOptions(sim->kernel, sim->domain->spacing));
   PetscCall(SceneCreate(sim->domain, &sim->scene));
   PetscCall(SceneSetFromOptions(sim->scene));
+  if (HelpWanted()) PetscCall(SceneHelp(comm));
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
   PetscCall(ParticlesCreate(sim->domain, &sim->particles));

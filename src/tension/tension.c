@@ -66,22 +66,20 @@ static PetscErrorCode TabulateWall(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TensionSetFromOptions(Tension tension)
+/* A TypeReader of surface tension models. */
+static PetscErrorCode ReadModel(void *object, const char type[])
 {
-  char names[NAMES_LENGTH];
+  Tension tension = (Tension)object;
+  char    names[NAMES_LENGTH], title[128];
 
   PetscFunctionBegin;
   PetscCall(ListNames(TensionList, names));
-  PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
-  PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
-                              tension->type, tension->type, sizeof(tension->type), NULL));
-  PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5",
-                             "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
-  PetscOptionsEnd();
-  PetscCall(PetscFunctionListFind(TensionList, tension->type, &tension->apply));
-  PetscCheckUser(tension->apply, tension->comm, "-tension_type %s is not a surface tension model; there are %s",
-                 tension->type, names);
-  PetscOptionsBegin(tension->comm, NULL, "Surface tension model", "Tension");
+  PetscCall(PetscFunctionListFind(TensionList, type, &tension->apply));
+  PetscCheckUser(tension->apply, tension->comm, "-tension_type %s is not a surface tension model; there are %s", type,
+                 names);
+  if (tension->apply == TensionApply_None) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
+  PetscOptionsBegin(tension->comm, NULL, title, "Tension");
   if (tension->apply == TensionApply_CahnHilliard) {
     PetscCall(PetscOptionsReal("-tension_calibration",
                                "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
@@ -99,6 +97,19 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                                "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
   }
   PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionSetFromOptions(Tension tension)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
+  PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
+                              tension->type, tension->type, sizeof(tension->type), NULL));
+  PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5",
+                             "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
+  PetscOptionsEnd();
+  PetscCall(ReadTypeOptions(TensionList, tension->type, ReadModel, tension));
   PetscCheckUser(tension->sharpening >= 0 && tension->sharpening <= 4, tension->comm,
                  "-tension_sharpening is %g; it must lie between 0 and 4", (double)tension->sharpening);
   PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm,

@@ -49,3 +49,18 @@ PetscBool HelpWanted(void)
   (void)PetscOptionsHasName(NULL, NULL, DUMP_OPTION, &dump);
   return (PetscBool)(help && !dump);
 }
+
+PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object)
+{
+  const char **types;
+  int          count;
+
+  PetscFunctionBegin;
+  if (HelpWanted()) {
+    PetscCall(PetscFunctionListGet(list, &types, &count));
+    for (int k = 0; k < count && types[k]; k++) PetscCall(reader(object, types[k])); /* PETSc counts the end too */
+    PetscCall(PetscFree(types));
+  }
+  PetscCall(reader(object, chosen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
