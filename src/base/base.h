@@ -24,8 +24,16 @@ typedef PetscOptionItems OptionItems;
 #define SIMD_LOOP(clauses) _Pragma_(omp simd clauses)
 #define _Pragma_(text)     _Pragma(#text)
 
-/* One log event a line of the step, one stage a phase of the run: -log_view shows them. */
+/* One log event a sub-step (drift to guard) and one each part of it that takes time, one stage a phase of the run: -log_view shows them. */
 typedef enum {
+  EVENT_DRIFT,
+  EVENT_SEARCH,
+  EVENT_FORCES,
+  EVENT_DIVERGENCE,
+  EVENT_PROJECT,
+  EVENT_KICK,
+  EVENT_SHIFT,
+  EVENT_GUARD,
   EVENT_HALO,
   EVENT_MIGRATE,
   EVENT_NEIGHBORS,
@@ -37,8 +45,6 @@ typedef enum {
   EVENT_ASSEMBLE,
   EVENT_SOLVE,
   EVENT_GRADIENT,
-  EVENT_SHIFT,
-  EVENT_GUARD,
   EVENT_PACKING,
   EVENT_OUTPUT,
   EVENT_GAUGES,

@@ -266,7 +266,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CloudBegin(Cloud cloud, PetscBool search)
+PetscErrorCode CloudBegin(Cloud cloud)
 {
   const PetscBool sort = (PetscBool)(++cloud->since_sort >= cloud->sort_interval);
 
@@ -281,11 +281,10 @@ PetscErrorCode CloudBegin(Cloud cloud, PetscBool search)
     if (2 * moved > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
   }
   PetscCall(UpdateGhosts(cloud));
-  if (search) PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
+PetscErrorCode CloudMoved(Cloud cloud)
 {
   PetscReal moved;
 
@@ -297,7 +296,6 @@ PetscErrorCode CloudMoved(Cloud cloud, PetscBool search)
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   } else
     PetscCall(CloudUpdate(cloud, FIELD_POSITION));
-  if (search) PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -77,11 +77,11 @@ PetscErrorCode CloudDestroy(Cloud *cloud);
    the uninterrupted one. Collective. */
 PetscErrorCode CloudResync(Cloud cloud);
 /* CloudBegin - starts a step: loads the swarm's state, migrates when particles have strayed too far, chooses the ghosts
-   again when the slack is used up, and, when search is true, finds the neighbours. Collective. */
-PetscErrorCode CloudBegin(Cloud cloud, PetscBool search);
+   again when the slack is used up. Collective. */
+PetscErrorCode CloudBegin(Cloud cloud);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
-   start if they had to be chosen again) and, when search is true, the neighbours. Collective. */
-PetscErrorCode CloudMoved(Cloud cloud, PetscBool search);
+   start if they had to be chosen again). Collective. */
+PetscErrorCode CloudMoved(Cloud cloud);
 /* RowVisitor - what CloudSearch calls for each owned particle a as soon as its row is found, while the row is in the
    cache. w ([n]) are KernelSingle's values of W; slope_over_r2 ([n]) are its F over r2/h2 + eta2/h2. The row is padded
    to a multiple of eight with pairs that weigh nothing, here too (see PairRowLoadFactors). */

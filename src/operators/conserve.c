@@ -1,26 +1,20 @@
-/* Changes of velocity that neighbours pay for, so that momentum and angular momentum stay. */
+/* Changes of velocity that a particle's neighbours compensate for, so that momentum and angular momentum stay. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* What the passes hand to the neighbours. TURN stands where a symmetric tensor has yz, xz, xy: an axial vector changes
-   sign under a mirror as those do. */
-#define SHARE           FIELD_WORK1
-#define TURN(stress, a) ((stress) + 6 * (a) + 3) /* beta_z, beta_y, beta_x */
-
-PetscErrorCode OperatorsCompensationWeights(Cloud cloud)
+PetscErrorCode OperatorsCompensationWeights(Cloud cloud, PetscReal weight[])
 {
   const PetscReal *volume = cloud->volume, *rest = cloud->rest_density;
   const PetscInt  *layer = cloud->integer[INT_LAYER];
-  PetscReal       *share = cloud->field[SHARE];
   PairRow          row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     PetscReal sum = 0;
 
-    share[a] = 0;
+    weight[a] = 0;
     if (a >= cloud->n_fluid || cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA) continue;
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < row.n; k++) {
@@ -28,14 +22,14 @@ PetscErrorCode OperatorsCompensationWeights(Cloud cloud)
 
       sum += layer[b] ? 0 : row.W[k] * volume[b] * rest[b];
     }
-    if (sum > 0) share[a] = volume[a] * rest[a] / sum;
+    if (sum > 0) weight[a] = volume[a] * rest[a] / sum;
   }
-  PetscCall(CloudUpdate(cloud, SHARE));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* beta with (sum w (|xi|^2 - xi xi)) beta = torque; J: xx yy zz xy xz yz of that tensor. */
-static void Spin(PetscInt dim, const PetscReal J[6], const PetscReal torque[DIM], PetscReal beta[DIM])
+static void SolveSpin(PetscInt dim, const PetscReal J[6], const PetscReal torque[DIM], PetscReal beta[DIM])
 {
   beta[0] = beta[1] = beta[2] = 0;
   if (dim == 2)
@@ -52,25 +46,27 @@ static void Spin(PetscInt dim, const PetscReal J[6], const PetscReal torque[DIM]
   }
 }
 
-/* a's neighbours pay for a's change c of velocity, and for the torque of that and of the displacements, with the
-   changes -s_a W_ab (c + beta x (x_b - mean x)), means weighted with m_b W_ab; g = c + beta x (x_a - mean x). x: the
-   final positions, ghosts current. */
-static PetscErrorCode Charge(Cloud cloud, const PetscReal x[], const PetscReal u[], const PetscReal change[])
+/* The opposite of a's velocity change c, spread over its neighbours: each takes -s_a W_ab (c + beta x (x_b - mean x)),
+   s_a the weight of a, means weighted with m_b W_ab, and beta such that neither c nor the displacement dr has a torque.
+   push = c + beta x (x_a - mean x), spin = beta ([n_fluid][3] each). x: the final positions, ghosts current; dr may be
+   NULL. */
+static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
+                       const PetscReal u[], const PetscReal change[], PetscReal push[], PetscReal spin[])
 {
-  const PetscReal *share = cloud->field[SHARE], *volume = cloud->volume, *rest = cloud->rest_density;
+  const PetscReal *volume = cloud->volume, *rest = cloud->rest_density, still[DIM] = {0, 0, 0};
   const PetscInt  *layer = cloud->integer[INT_LAYER];
   PairRow          row;
 
-  PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal  per_mass = share[a] / (volume[a] * rest[a]);
-    const PetscReal *c = change + DIM * a, xa = x[3 * a], ya = x[3 * a + 1], za = x[3 * a + 2];
-    PetscReal       *dr = cloud->field[FIELD_WORK3] + DIM * a, *turn = TURN(cloud->field[FIELD_STRESS], a);
-    PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, mx = 0, my = 0, mz = 0, vx = 0, vy = 0, vz = 0;
+    const PetscReal  per_mass = weight[a] / (volume[a] * rest[a]);
+    const PetscReal *c = change + DIM * a, *d = dr ? dr + DIM * a : still, xa = x[3 * a], ya = x[3 * a + 1],
+                    za   = x[3 * a + 2];
+    PetscReal *g = push + DIM * a, *beta = spin + DIM * a;
+    PetscReal  xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, mx = 0, my = 0, mz = 0, vx = 0, vy = 0, vz = 0;
 
-    turn[0] = turn[1] = turn[2] = 0;
-    if (share[a] <= 0) continue;
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    for (PetscInt k = 0; k < DIM; k++) g[k] = beta[k] = 0;
+    if (weight[a] <= 0) continue;
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz, mx, my, mz, vx, vy, vz))
     for (PetscInt k = 0; k < row.n; k++) {
@@ -96,51 +92,51 @@ static PetscErrorCode Charge(Cloud cloud, const PetscReal x[], const PetscReal u
     zz -= mz * mz;
     {
       const PetscReal J[6]      = {yy + zz, xx + zz, xx + yy, mx * my - xy, mx * mz - xz, my * mz - yz};
-      const PetscReal torque[3] = {dr[1] * vz - dr[2] * vy - my * c[2] + mz * c[1],
-                                   dr[2] * vx - dr[0] * vz - mz * c[0] + mx * c[2],
-                                   dr[0] * vy - dr[1] * vx - mx * c[1] + my * c[0]};
-      PetscReal       beta[DIM];
+      const PetscReal torque[3] = {d[1] * vz - d[2] * vy - my * c[2] + mz * c[1],
+                                   d[2] * vx - d[0] * vz - mz * c[0] + mx * c[2],
+                                   d[0] * vy - d[1] * vx - mx * c[1] + my * c[0]};
 
-      Spin(cloud->domain->dim, J, torque, beta);
-      dr[0]   = c[0] - (beta[1] * mz - beta[2] * my);
-      dr[1]   = c[1] - (beta[2] * mx - beta[0] * mz);
-      dr[2]   = c[2] - (beta[0] * my - beta[1] * mx);
-      turn[0] = beta[2];
-      turn[1] = beta[1];
-      turn[2] = beta[0];
+      SolveSpin(cloud->domain->dim, J, torque, beta);
+      g[0] = c[0] - (beta[1] * mz - beta[2] * my);
+      g[1] = c[1] - (beta[2] * mx - beta[0] * mz);
+      g[2] = c[2] - (beta[0] * my - beta[1] * mx);
     }
   }
-  PetscCall(CloudUpdate(cloud, FIELD_WORK3));
-  PetscCall(CloudUpdate(cloud, FIELD_STRESS));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[])
+PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
+                                   const PetscReal u[], PetscReal change[])
 {
-  const PetscReal *g = cloud->field[FIELD_WORK3], *share = cloud->field[SHARE], *stress = cloud->field[FIELD_STRESS];
-  PairRow          row;
+  PetscReal *push, *spin;
+  PairRow    row;
 
   PetscFunctionBegin;
-  PetscCall(Charge(cloud, x, u, change));
+  PetscCall(CloudGetWork(cloud, DIM, &push));
+  PetscCall(CloudGetWork(cloud, DIM, &spin));
+  FindPushes(cloud, weight, x, dr, u, change, push, spin);
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, push));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_AXIAL, spin));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal xa = x[3 * a], ya = x[3 * a + 1], za = x[3 * a + 2];
     PetscReal       vx = 0, vy = 0, vz = 0;
 
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     SIMD_LOOP(reduction(+ : vx, vy, vz))
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b = row.index[k];
-      const PetscReal w = row.W[k] * share[b], *turn = TURN(stress, b), dx = xa - x[3 * b], dy = ya - x[3 * b + 1],
+      const PetscReal w = row.W[k] * weight[b], *beta = spin + DIM * b, dx = xa - x[3 * b], dy = ya - x[3 * b + 1],
                       dz = za - x[3 * b + 2];
 
-      vx += w * (g[3 * b] + turn[1] * dz - turn[0] * dy);
-      vy += w * (g[3 * b + 1] + turn[0] * dx - turn[2] * dz);
-      vz += w * (g[3 * b + 2] + turn[2] * dy - turn[1] * dx);
+      vx += w * (push[3 * b] + beta[1] * dz - beta[2] * dy);
+      vy += w * (push[3 * b + 1] + beta[2] * dx - beta[0] * dz);
+      vz += w * (push[3 * b + 2] + beta[0] * dy - beta[1] * dx);
     }
     change[3 * a] -= vx;
     change[3 * a + 1] -= vy;
     change[3 * a + 2] -= vz;
   }
+  PetscCall(CloudRestoreWork(cloud, &spin));
+  PetscCall(CloudRestoreWork(cloud, &push));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

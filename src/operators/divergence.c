@@ -103,34 +103,35 @@ static PetscReal SquareTrace(const PetscReal G[DIM * DIM], const PetscReal B[6])
   return trace;
 }
 
-PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal ahead,
-                                   PetscReal div[])
+PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal time_offset,
+                                   PetscReal div[], PetscReal gradient[], PetscReal jump[])
 {
   const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
   const PetscReal *x           = cloud->field[FIELD_POSITION];
   PetscReal        scale_w, scale_f, inverse_h2, scale;
-  Row              row;
+  PairRow row;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   scale = cloud->domain->volume * scale_f;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal *B = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
-    PetscReal       *G = cloud->field[FIELD_GRADIENT] + DIM * DIM * a, moved[DIM * DIM];
+    PetscReal        own[DIM * DIM], *G = gradient ? gradient + DIM * DIM * a : own, moved[DIM * DIM], jump2;
 
-    RowLoad(cloud, a, &row);
+    PairRowLoadFactors(cloud, a, &row);
     if (cloud->integer[INT_LAYER][a]) {
       if (div) div[a] = scale * WallDivergence(cloud, a, &row, velocity);
       continue;
     }
-    cloud->field[FIELD_VELOCITY_JUMP][a] = PetscSqrtReal(VelocityGradient(cloud, &row, a, velocity, G));
+    jump2 = VelocityGradient(cloud, &row, a, velocity, G);
+    if (jump) jump[a] = PetscSqrtReal(jump2);
     for (PetscInt k = 0; k < DIM * DIM; k++) moved[k] = G[k];
     if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, moved);
     for (PetscInt k = 0; k < DIM * DIM; k++) G[k] *= scale;
     if (!div) continue;
     div[a] = scale * (B[0] * moved[0] + B[1] * moved[4] + B[2] * moved[8] + B[3] * (moved[1] + moved[3]) +
                       B[4] * (moved[2] + moved[6]) + B[5] * (moved[5] + moved[7]));
-    if (ahead > 0) div[a] -= ahead * scale * scale * SquareTrace(moved, B);
+    if (time_offset > 0) div[a] -= time_offset * scale * scale * SquareTrace(moved, B);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

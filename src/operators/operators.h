@@ -85,31 +85,32 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
 PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale);
 /* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
    each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair
-   v_ab. Overwrites FIELD_WORK1. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity field (owned
-   particles, m/s), whose ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal
+   v_ab. Overwrites FIELD_WORK1. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s),
+   whose ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal
    ([n_fluid][3], 1/s, not positive). */
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[]);
-PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], FieldId velocity,
+PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], PetscReal velocity[],
                                        PetscReal out[]);
 PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const PetscReal pair[],
                                           PetscReal diagonal[]);
-/* OperatorsCompensationWeights - FIELD_WORK1 s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0 for walls
-   and spray; ghosts too. Collective. */
-PetscErrorCode OperatorsCompensationWeights(Cloud cloud);
-/* OperatorsCompensate - change ([n_fluid][3], of velocity or acceleration) of each particle a is paid for by its
-   neighbours b in the fluid: theirs by -s_a W_ab (change_a + beta_a x (x_b - mean x)), beta such that it has no torque
-   at positions x (m, ghosts current) either, nor has FIELD_WORK3, which holds displacements that were paid for in the
-   same way and took place at velocities u ([n_total][3]; no displacements: zeros). After OperatorsCompensationWeights.
-   Overwrites FIELD_WORK3, FIELD_STRESS. Collective. */
-PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal x[], const PetscReal u[], PetscReal change[]);
+/* OperatorsCompensationWeights - weight[a] ([n_total]) s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0
+   for walls and spray; ghosts too. Collective. */
+PetscErrorCode OperatorsCompensationWeights(Cloud cloud, PetscReal weight[]);
+/* OperatorsCompensate - spreads the opposite of each particle's change ([n_fluid][3], of velocity or acceleration) over
+   its neighbours, with those weights, and adds what each particle receives to its change: momentum and angular momentum
+   of the fluid are kept at positions x (m, ghosts current). dr ([n_fluid][3], m): displacements that were compensated in
+   the same way, at velocities u ([n_total][3]), and whose torque is cancelled too; NULL: none. Collective. */
+PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
+                                   const PetscReal u[], PetscReal change[]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would
    otherwise see it approach and leave, a friction no finer spacing removes (a dam break lost a third of its energy).
-   velocity: [n_total][3], a field of the cloud. ahead (s): the fluid's divergence is that after the particles have
-   moved on for so long with these velocities, to first order: div v - ahead tr (grad v)^2. On the way FIELD_GRADIENT,
-   without B and without walls, and FIELD_VELOCITY_JUMP of the fluid; div may be NULL. */
-PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal ahead,
-                                   PetscReal div[]);
+   velocity: [n_total][3], a field of the cloud. time_offset (s): the fluid's divergence is that after the particles have
+   moved on for so long with these velocities, to first order: div v - time_offset tr (grad v)^2. On the way, of the
+   fluid: gradient [n_owned][9] = sum V (v_b - v_a)_i grad_j W, without B and without walls, 1/s; jump [n_owned] =
+   largest |v_b - v_a|, m/s. Each of the three may be NULL. */
+PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal time_offset,
+                                   PetscReal div[], PetscReal gradient[], PetscReal jump[]);
 
 #endif

@@ -242,14 +242,14 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], FieldId velocity,
+PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], PetscReal velocity[],
                                        PetscReal out[])
 {
-  const PetscReal *v = cloud->field[velocity];
+  const PetscReal *v = velocity;
   PairRow          row;
 
   PetscFunctionBegin;
-  PetscCall(CloudUpdate(cloud, velocity));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, velocity));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *restrict c = pair + cloud->first[a];
     const PetscReal vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];

@@ -69,7 +69,8 @@ static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
   PetscCall(Displacement(cloud, o->searched, &moved));
   search                  = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
   cloud->distance_outside = o->travelled;
-  PetscCall(CloudMoved(cloud, search));
+  PetscCall(CloudMoved(cloud));
+  if (search) PetscCall(CloudSearch(cloud, NULL, NULL));
   if (search) PetscCall(PetscArraycpy(o->searched, cloud->field[FIELD_POSITION], DIM * cloud->n_fluid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -36,14 +36,18 @@ typedef enum {
 #define BODY_SOLID (-2) /* of the first of -solids; -3 of the second, and so on */
 
 #define WORK_REALS(X)                                                                                                  \
-  X(START, "start", 3, PARITY_POINT, "m", "position at the start of the step")                                         \
-  X(VELOCITY_STAR, "velocity_star", 3, PARITY_VECTOR, "m/s", "velocity after stage one")                               \
+  X(POSITION_NEW, "position_new", 3, PARITY_POINT, "m", "position at the end of the step")                             \
+  X(VELOCITY_STAR, "velocity_star", 3, PARITY_VECTOR, "m/s", "velocity after all forces but the pressure")             \
+  X(VELOCITY_NEW, "velocity_new", 3, PARITY_VECTOR, "m/s", "velocity at the end of the step")                          \
   X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force")                \
+  X(PRESSURE_ACCELERATION, "pressure_acceleration", 3, PARITY_VECTOR, "m/s2", "-grad p/rho")                           \
   X(CORRECTION, "correction", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                       \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
   X(CROWDING, "crowding", 3, PARITY_VECTOR, "1/m", "sum of V (1 + 0.2 (W/W(d0))^4) grad W: shifting goes against it")  \
-  X(GRADIENT, "gradient", 9, PARITY_NONE, "1/s", "velocity gradient of the fluid, sum V (v_b - v_a)_i grad_j W")       \
-  X(VELOCITY_JUMP, "velocity_jump", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of the fluid's neighbours")            \
+  X(DIVERGENCE, "divergence", 1, PARITY_NONE, "1/s", "corrected divergence of velocity_star")                          \
+  X(VELOCITY_GRADIENT, "velocity_gradient", 9, PARITY_NONE, "1/s",                                                     \
+    "sum V (v_b - v_a)_i grad_j W over the fluid, of velocity_star")                                                   \
+  X(VELOCITY_JUMP, "velocity_jump", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of neighbours, of velocity_star")      \
   X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
   X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \

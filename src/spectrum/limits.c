@@ -36,7 +36,7 @@ static PetscErrorCode Displaced(Spectrum s, const PetscReal displacement[], Pets
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->place, DIM * cloud->n_owned));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->field[FIELD_POSITION][k] += scale * displacement[k];
-  PetscCall(CloudMoved(cloud, PETSC_FALSE));
+  PetscCall(CloudMoved(cloud));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
   PetscCall(TensionApply(s->tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -68,7 +68,7 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
     PetscCall(PetscFree(before[f]));
   }
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->place, DIM * cloud->n_owned));
-  PetscCall(CloudMoved(cloud, PETSC_FALSE));
+  PetscCall(CloudMoved(cloud));
   /* the pressure that answers the change of that on the free surface */
   PetscCall(PressureSolver(s->pressure, &ksp, &b));
   PetscCall(VecDuplicate(b, &p));

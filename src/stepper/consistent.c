@@ -1,86 +1,143 @@
-/* The consistent scheme: all operators at the same positions, r^n with one neighbour search (-time_centered: r^n + v^n
-   dt/2); kernel-corrected divergence, a relaxed density term that leaves the free surface alone, Nair-Tomar closure,
-   shifting with velocity correction. Keeps the energy of an impact at three times the spacing the printed scheme needs.
- */
-#include "stepper_impl.h"
+/* The consistent scheme, which is the default: every operator acts at the same positions, those of the middle of the
+   step, found with one neighbour search. It keeps the energy of an impact at three times the spacing that the printed
+   scheme needs. With v* the velocity without pressure, W, B, n and lambda those of the middle:
 
-PetscErrorCode SchemeConsistent(Stepper stepper, PetscReal dt, PetscBool diagnose, StepTrial *trial)
+     drift       r^{n+1/2} = r^n + dt/2 v^n
+     search      W_ab, B = (-sum V grad W (x) r)^-1, lambda, n = sum V grad W, rho = sum m W, free surface
+     forces      v* = v^n + dt (nu lap v + g + tension of sheets), sigma kappa on the free surface
+     divergence  div v* = sum V (v*_b - v*_a).B_a grad W, grad v*
+     project     div (grad p/rho) = div v*/dt + e/(dt T), p = sigma kappa on the free surface; e: density defect
+     kick        v^{n+1} = v* - dt grad p/rho
+     drift       r^{n+1} = r^{n+1/2} + dt/2 v^{n+1}
+     shift       r^{n+1} += dr, v^{n+1} += (dr.grad) v*
+     guard       no particle inside a wall
+
+   This is a leapfrog, which keeps the phase volume of an oscillation; forces at r^n multiply it by 1 + (w dt)^2/2 in
+   each step. With -time_centered 0 they do act there: the first drift is left out, and the second one is
+   r^{n+1} = r^n + dt/2 (v^n + v^{n+1}). Closure: Nair and Tomar (2014); shifting: Skillen et al. (2013). */
+#include "consistent.h"
+
+#define SHIFTING_STRENGTH 2   /* A of Skillen et al. 2013 */
+#define SHIFTING_CAP      0.1 /* spacings */
+#define RELAXATION_RATIO  5   /* time of the density's repair, over h/U of the scene */
+
+PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
+  const Consistent *scheme  = (const Consistent *)stepper->scheme;
+  const PetscBool   viscous = StepViscosityFused(stepper);
+  Cloud             cloud   = stepper->cloud;
+
   PetscFunctionBegin;
-  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureProjected, trial));
+  PetscCall(CloudBegin(cloud));
+  if (scheme->centered) PetscCall(StepDrift(stepper, dt, trial));
+  PetscCall(StepSearch(stepper, viscous));
+  PetscCall(TrialDiagnose(stepper, trial));
+  PetscCall(StepForces(stepper, dt, cloud->rest_density, viscous, trial));
+  if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StepDivergence(stepper, scheme->divergence_offset * dt));
+  PetscCall(scheme->project(stepper, dt, &trial->pressure));
+  if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StepKick(stepper, dt));
+  PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
+  if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));
+  PetscCall(StepGuard(stepper, cloud->field[FIELD_POSITION], trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result)
+static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *result)
 {
   PetscFunctionBegin;
   PetscCall(PressureSolve(stepper->pressure, dt, result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, PetscBool diagnose, PressureStep pressure,
-                              StepTrial *trial)
+PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
 {
-  Cloud           cloud = stepper->cloud;
-  PetscReal      *r, *v, *new_r, *new_v, *a;
-  PetscReal       drift = 0; /* largest displacement of the first half, m */
-  PetscInt        touched;
-  const PetscBool viscous = (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity_form == VISCOSITY_CLEARY &&
-                                        OperatorsOneLiquid(stepper->cloud));
+  Consistent *scheme   = (Consistent *)stepper->scheme;
+  Shifting   *shifting = &scheme->shifting;
 
   PetscFunctionBegin;
-  /* Stage 1: everything but pressure, at r^n or half a step later */
-  PetscCall(CloudBegin(cloud, PETSC_FALSE));
-  r = cloud->field[FIELD_POSITION];
-  v = cloud->field[FIELD_VELOCITY];
-  if (stepper->centered) { /* leapfrog: keeps the phase volume of an oscillation, which the kick at r^n multiplies by 1
-                              + (w dt)^2/2 */
-    for (PetscInt k = 0; k < cloud->n_fluid; k++) {
-      for (PetscInt d = 0; d < DIM; d++) r[DIM * k + d] += 0.5 * dt * v[DIM * k + d];
-      drift = PetscMax(drift, 0.5 * dt * Norm(v + DIM * k));
-    }
-    PetscCall(CloudMoved(cloud, PETSC_FALSE));
-    r = cloud->field[FIELD_POSITION];
-    v = cloud->field[FIELD_VELOCITY];
-  }
-  PetscCall(OperatorsMoments(cloud, viscous));
-  PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(Diagnose(stepper, diagnose, trial));
-  if (PressureDensity(stepper->pressure) == cloud->field[FIELD_DENSITY]) PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(StageOne(stepper, dt, cloud->rest_density, viscous, trial));
-  if (trial->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "ConsistentSetFromOptions",
+                             shifting->active, &shifting->active, NULL));
+  PetscCall(
+    PetscOptionsBool("-shifting_conserved", "shifting keeps momentum and angular momentum, at more loss of energy",
+                     "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
+  PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "ConsistentSetFromOptions",
+                             shifting->strength, &shifting->strength, NULL));
+  PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "ConsistentSetFromOptions",
+                             shifting->cap, &shifting->cap, NULL));
+  PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
+                             "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
+  stepper->force_time = scheme->centered ? 0.5 : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-  /* Stage 2: pressure, at the same positions */
-  if (stepper->shifting && !PressureTakesDivergence(stepper->pressure))
-    PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, 0, NULL));
-  PetscCall(pressure(stepper, dt, &trial->pressure));
-  if (trial->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PressureAcceleration(stepper->pressure));
-  new_r = cloud->field[FIELD_START];
-  new_v = cloud->field[FIELD_VELOCITY_STAR];
-  a     = cloud->field[FIELD_WORK3];
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
-    const PetscReal first = stepper->centered ? 0 : v[k]; /* the first half of Eq. (10) is done if centered */
+PetscErrorCode ConsistentCheck(Stepper stepper)
+{
+  const Shifting *shifting = &((const Consistent *)stepper->scheme)->shifting;
 
-    new_v[k] += dt * a[k];                           /* Eq. (9) */
-    new_r[k] = r[k] + 0.5 * dt * (first + new_v[k]); /* Eq. (10) */
-  }
-  if (stepper->shifting)
-    PetscCall(Shift(stepper, dt));
-  else
-    PetscCall(PetscArraycpy(v, new_v, DIM * cloud->n_fluid));
+  PetscFunctionBegin;
+  PetscCheckUser(shifting->strength >= 0 && shifting->cap >= 0, stepper->cloud->comm,
+                 "-shifting_strength is %g and -shifting_cap is %g; they must not be negative",
+                 (double)shifting->strength, (double)shifting->cap);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-  /* Guard */
-  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, new_r, v, &touched));
-  for (PetscInt k = 0; k < cloud->n_fluid; k++) {
-    PetscReal moved[DIM];
+PetscErrorCode ConsistentView(Stepper stepper, PetscViewer viewer)
+{
+  const Consistent *scheme = (const Consistent *)stepper->scheme;
 
-    for (PetscInt d = 0; d < DIM; d++) {
-      moved[d]       = new_r[DIM * k + d] - r[DIM * k + d];
-      r[DIM * k + d] = new_r[DIM * k + d];
-    }
-    trial->displacement = PetscMax(trial->displacement, drift + Norm(moved));
-    if (!(Norm(moved) < PETSC_MAX_REAL)) trial->broken = PETSC_TRUE;
-  }
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Shifting: %s\n", scheme->shifting.active ? "on" : "off"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SchemeDestroyData(Stepper stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(stepper->scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ConsistentDefaults(Stepper stepper)
+{
+  Consistent *scheme = (Consistent *)stepper->scheme;
+
+  PetscFunctionBegin;
+  stepper->no_slip          = PETSC_TRUE;
+  stepper->relaxation_ratio = RELAXATION_RATIO;
+  stepper->force_time       = 0.5;
+  scheme->centered          = PETSC_TRUE;
+  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, SHIFTING_CAP};
+  PetscCall(
+    PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The new velocity belongs to the end of the step, half a step after the forces have acted. */
+static PetscErrorCode CheckConsistent(Stepper stepper)
+{
+  Consistent *scheme = (Consistent *)stepper->scheme;
+
+  PetscFunctionBegin;
+  scheme->divergence_offset = stepper->force_time;
+  PetscCall(ConsistentCheck(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SchemeCreate_Consistent(Stepper stepper)
+{
+  Consistent *scheme;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&scheme));
+  scheme->project = Project;
+  stepper->scheme = scheme;
+  stepper->ops    = (SchemeOps){.setfromoptions = ConsistentSetFromOptions,
+                                .check          = CheckConsistent,
+                                .view           = ConsistentView,
+                                .step           = ConsistentStep,
+                                .destroy        = SchemeDestroyData};
+  PetscCall(ConsistentDefaults(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,55 +1,71 @@
-/* The scheme of Kuri et al. as printed: Eqs. (1), (2), then Eqs. (8)-(11) at r^F. */
+/* The scheme of Kuri et al. (2014) as printed. Stage one goes to r^F without pressure, stage two restores the rest
+   density there:
+
+     search   rho_a = sum m_b W_ab                                                    Eq. (4) at r^n
+     forces   v^F = v^n + dt (viscosity + tension S + g)                              Eqs. (1), (5) to (7)
+     predict  r^F = r^n + dt v^F                                                      Eq. (2)
+     search   rho_a = sum m_b W_ab, free surface                                      Eq. (4) at r^F
+     project  div (grad p/rho) = (rho_0 - rho)/(rho_0 dt^2), closed at the surface    Eqs. (8), (11)
+     kick     v^{n+1} = v^F - dt sum m (p_a/rho_a^2 + p_b/rho_b^2) grad W             Eq. (9)
+     drift    r^{n+1} = r^n + dt/2 (v^n + v^{n+1})                                    Eq. (10)
+     guard    no particle inside a wall; the paper has none
+
+   Eq. (3) is the kernel, the cubic spline with h = 1.3 d0 (src/kernel). v^F stands in FIELD_VELOCITY_STAR. */
 #include "stepper_impl.h"
 
-PetscErrorCode SchemeDensityInvariant(Stepper stepper, PetscReal dt, PetscBool diagnose, StepTrial *trial)
+/* r^F = r^n + dt v^F, ghosts included; r^n goes to start ([n_owned][3], m). */
+static PetscErrorCode Predict(Cloud cloud, PetscReal dt, PetscReal start[])
 {
-  Cloud      cloud = stepper->cloud;
-  PetscReal *r, *v, *start, *predicted, *a;
-  PetscInt   touched;
+  PetscReal       *r      = cloud->field[FIELD_POSITION];
+  const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR];
 
   PetscFunctionBegin;
-  /* Stage 1: everything but pressure, Eqs. (1), (2), (4)-(7), at r^n */
-  PetscCall(CloudBegin(cloud, PETSC_FALSE));
-  PetscCall(OperatorsMoments(cloud, PETSC_FALSE)); /* Eq. (4) */
-  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  if (TensionReach(stepper->tension) > 0) PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(StageOne(stepper, dt, cloud->field[FIELD_DENSITY], PETSC_FALSE, trial));
-  if (trial->viscous < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  r         = cloud->field[FIELD_POSITION];
-  start     = cloud->field[FIELD_START];
-  predicted = cloud->field[FIELD_VELOCITY_STAR];
   PetscCall(PetscArraycpy(start, r, DIM * cloud->n_owned));
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += dt * predicted[k]; /* Eq. (2) */
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += dt * v_star[k]; /* Eq. (2) */
+  PetscCall(CloudMoved(cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-  /* Stage 2: pressure restores rho_0, Eqs. (8)-(11), at r^F */
-  PetscCall(CloudMoved(cloud, PETSC_FALSE));
-  PetscCall(OperatorsMoments(cloud, PETSC_FALSE));
-  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(OperatorsFreeSurface(cloud));
-  PetscCall(Diagnose(stepper, diagnose, trial));
-  PetscCall(PressureSolve(stepper->pressure, dt, &trial->pressure));
-  if (trial->pressure.reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PressureAcceleration(stepper->pressure));
-  r         = cloud->field[FIELD_POSITION]; /* new ghosts may have moved the arrays */
-  v         = cloud->field[FIELD_VELOCITY];
-  start     = cloud->field[FIELD_START];
-  predicted = cloud->field[FIELD_VELOCITY_STAR];
-  a         = cloud->field[FIELD_WORK3];
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
-    const PetscReal velocity = predicted[k] + dt * a[k]; /* Eq. (9) */
+/* Stage two, from r^F back to the step's end; start: r^n. */
+static PetscErrorCode Correct(Stepper stepper, PetscReal dt, const PetscReal start[], StepTrial *trial)
+{
+  PetscFunctionBegin;
+  PetscCall(StepSearch(stepper, PETSC_FALSE));
+  PetscCall(TrialDiagnose(stepper, trial));
+  if (PressureTakesDivergence(stepper->pressure)) PetscCall(StepDivergence(stepper, 0));
+  PetscCall(PressureSolve(stepper->pressure, dt, &trial->pressure)); /* Eqs. (8), (11) */
+  if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StepKick(stepper, dt));                        /* Eq. (9) */
+  PetscCall(StepDriftOn(stepper, dt, start, PETSC_FALSE)); /* Eq. (10) */
+  PetscCall(StepGuard(stepper, start, trial));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    r[k] = start[k] + 0.5 * dt * (v[k] + velocity); /* Eq. (10) */
-    v[k] = velocity;
-  }
+static PetscErrorCode DensityInvariantStep(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *start;
 
-  /* Guard */
-  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r, v, &touched));
-  for (PetscInt k = 0; k < cloud->n_fluid; k++) {
-    const PetscReal moved[DIM] = {r[3 * k] - start[3 * k], r[3 * k + 1] - start[3 * k + 1],
-                                  r[3 * k + 2] - start[3 * k + 2]};
+  PetscFunctionBegin;
+  PetscCall(CloudBegin(cloud));
+  PetscCall(StepSearch(stepper, PETSC_FALSE));
+  PetscCall(StepForces(stepper, dt, cloud->field[FIELD_DENSITY], PETSC_FALSE, trial));
+  if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, DIM, &start));
+  PetscCall(Predict(cloud, dt, start));
+  PetscCall(Correct(stepper, dt, start, trial));
+  PetscCall(CloudRestoreWork(cloud, &start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    trial->displacement = PetscMax(trial->displacement, Norm(moved));
-    if (!(Norm(moved) < PETSC_MAX_REAL)) trial->broken = PETSC_TRUE;
-  }
+PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper)
+{
+  PetscFunctionBegin;
+  stepper->ops              = (SchemeOps){.step = DensityInvariantStep};
+  stepper->scheme           = NULL;
+  stepper->no_slip          = PETSC_FALSE;
+  stepper->relaxation_ratio = 5; /* only with another source than its own */
+  stepper->force_time       = 0;
+  PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,6 +18,8 @@ typedef struct _p_Stepper *Stepper;
 
 /* StepperCreate - borrows all three. Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
+/* StepperSetScheme - a registered type; sets the pressure's types and all defaults of its own. Collective. */
+PetscErrorCode StepperSetScheme(Stepper stepper, const char name[]);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
    -displacement_max (spacings), -density_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),

@@ -1,29 +1,59 @@
 /* Private to stepper/. */
-#ifndef ISPH_STEPPER_TYPES_H
-#define ISPH_STEPPER_TYPES_H
+#ifndef ISPH_STEPPER_IMPL_H
+#define ISPH_STEPPER_IMPL_H
 
 #include "../operators/operators.h"
-#include "../wall/wall.h"
 #include "stepper.h"
 
-/* What an attempt at a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet
- * committed. */
+/* What a trial of a step sums over the fluid, and what it finds the largest of; of this rank until TrialReduce, then of
+   all. "Inside" are the particles that are neither on nor near the free surface. */
+typedef enum {
+  SUM_INSIDE,         /* particles inside */
+  SUM_DENSITY,        /* rho/rho_0 inside */
+  SUM_DENSITY2,       /* (rho/rho_0 - 1)^2 inside */
+  SUM_DIVERGENCE2,    /* (div v)^2 inside, 1/s2; with 'diagnose' only */
+  SUM_SURFACE_ENERGY, /* sigma times the area of the free surface, J */
+  SUM_VISCOUS_WORK,   /* J */
+  SUM_TENSION_WORK,   /* J */
+  SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
+  SUM_AREA,           /* of that surface, m2 */
+  SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
+  SUM_KINETIC,        /* kinetic energy, J */
+  SUM_MASS,           /* kg */
+  SUM_COUNT
+} TrialSum;
+typedef enum {
+  LARGEST_DISPLACEMENT, /* m */
+  LARGEST_DENSITY,      /* rho/rho_0 */
+  LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
+  LARGEST_COUNT
+} TrialLargest;
+
+/* What a trial of a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet
+   committed. */
 typedef struct {
+  PetscBool          diagnose; /* given: the divergence of the velocity is to be measured too */
   PressureResult     pressure;
-  KSPConvergedReason viscous;                    /* of the implicit viscosity; 0: not used */
-  PetscReal          displacement;               /* largest, m, this rank */
-  PetscReal          density;                    /* largest rho/rho_0, this rank */
-  PetscReal          error2;                     /* sum of squares of rho/rho_0 - 1 inside, this rank */
-  PetscReal          divergence2;                /* sum of squares of div v inside, this rank, 1/s2 */
-  PetscReal          error;                      /* sum of rho/rho_0 inside, this rank */
-  PetscReal          surface;                    /* sigma times area, J, this rank */
-  PetscReal          viscous_work, tension_work; /* of the step, J, this rank */
-  /* of the free surface under tension, this rank: liquid that flows in through it in the step, m3; area, m2; integral
-     of sigma kappa over it, N */
-  PetscReal inward, area, capillary_area;
-  PetscInt  inside; /* particles in those sums */
-  PetscBool broken; /* not a number, this rank */
+  KSPConvergedReason viscous; /* of the implicit viscosity; 0: not used */
+  PetscReal          sum[SUM_COUNT], largest[LARGEST_COUNT];
 } StepTrial;
+
+/* TrialFailed - whether a solver did not converge, so that the rest of the step makes no sense. */
+static inline PetscBool TrialFailed(const StepTrial *trial)
+{
+  return (PetscBool)(trial->viscous < 0 || trial->pressure.reason < 0);
+}
+
+/* What a scheme provides: one file, and one line in stepper.c. Entries other than step may be NULL. */
+typedef struct {
+  PetscErrorCode (*setfromoptions)(Stepper stepper, OptionItems PetscOptionsObject); /* inside an options block */
+  PetscErrorCode (*check)(Stepper stepper); /* refuses bad values; stepper->reference_velocity is known */
+  PetscErrorCode (*view)(Stepper stepper, PetscViewer viewer);
+  PetscReal (*bound)(Stepper stepper, PetscReal speed); /* on the step (s), besides those of every scheme; 'speed': the
+                                                           largest of the fluid, m/s */
+  PetscErrorCode (*step)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  PetscErrorCode (*destroy)(Stepper stepper);
+} SchemeOps;
 
 typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
 
@@ -40,78 +70,119 @@ typedef struct {
   Vec           x, b; /* velocities of the fluid, [n_fluid][3] */
 } Viscous;
 
-typedef PetscErrorCode (*SchemeFunction)(Stepper, PetscReal dt, PetscBool diagnose, StepTrial *);
+/* What bounds the time step; see the options of time_step.c. */
+typedef struct {
+  PetscReal cfl, min, max, fixed;
+  PetscReal viscous_limit, capillary_limit, force_limit, growth, spray_share;
+} TimeStepLimits;
 
-/* How the pressure of a step comes about: FIELD_PRESSURE of owned particles and ghosts. */
-typedef PetscErrorCode (*PressureStep)(Stepper, PetscReal dt, PressureResult *);
+/* What a step may do before it is rolled back or stops the run. */
+typedef struct {
+  PetscReal displacement; /* spacings */
+  PetscReal density;      /* summed over rest density */
+  PetscReal energy;       /* kinetic energy over all at hand; 0: not watched */
+  PetscReal at_hand;      /* J/kg; 0: no bound, since gravity drives a periodic direction, or an emitter brings more */
+} TrialLimits;
 
 struct _p_Stepper {
   Cloud          cloud;    /* borrowed */
   Tension        tension;  /* borrowed */
   Pressure       pressure; /* borrowed */
   char           scheme_type[64];
-  SchemeFunction scheme;
-  PetscReal      cfl, step_min, step_max, step_fixed, displacement_max, density_max, guard;
+  SchemeOps      ops;
+  void          *scheme; /* data of the scheme */
+  TimeStepLimits limits;
+  TrialLimits    trial;
+  StepBounds     bounds; /* of the last step size chosen */
   ViscosityForm  viscosity_form;
   Viscous        viscous;
-  PetscBool      centered; /* consistent: forces at the middle of the step */
-  PetscBool      shifting, shifting_conserved;
-  PetscReal      shifting_strength, shifting_cap;
-  PetscReal      relaxation_ratio;
-  PetscReal      reference_velocity; /* m/s */
-  PetscReal      energy_max;         /* kinetic energy over all at hand that stops the run; 0: not watched */
-  PetscReal      energy_at_hand;     /* J/kg; 0: no bound: gravity drives a periodic direction, or an emitter */
+  PetscReal      guard;              /* spacings that particles keep from walls */
   PetscReal      density_ratio_max;  /* of the densities of two bodies */
-  PetscReal      damping;
-  StepBounds     bounds; /* of the last step size chosen */
-  PetscBool      first;  /* the step is the first of a run */
-  /* weakly compressible */
-  PetscBool sound_projected; /* the first pressure is projected */
-  PetscReal sound_speed, sound_mach, sound_cfl, density_diffusion, lattice_sum;
+  PetscReal      reference_velocity; /* m/s */
+  PetscReal      damping;            /* velocities are multiplied with it in each step; < 1: no body force */
+  PetscBool      first;              /* the step is the first of a run */
+  /* chosen by the scheme at its creation */
+  PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */
+  PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
+  PetscReal force_time;       /* when forces act, in steps after the start of the step */
 };
 
-PetscErrorCode SchemeDensityInvariant(Stepper, PetscReal, PetscBool, StepTrial *);
-PetscErrorCode SchemeConsistent(Stepper, PetscReal, PetscBool, StepTrial *);
-PetscErrorCode SchemeWeaklyCompressible(Stepper, PetscReal, PetscBool, StepTrial *);
-/* CompressibleSetFromOptions - the options of the weakly compressible scheme, inside an options block;
-   CompressibleCheck - refuses bad values, after it, and chooses the speed of sound for the scene's velocity (m/s).
-   Collective. */
-PetscErrorCode CompressibleSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
-PetscErrorCode CompressibleCheck(Stepper stepper, PetscReal velocity);
-/* ConsistentStep - the step that the consistent and the weakly compressible scheme share. Collective. */
-PetscErrorCode ConsistentStep(Stepper, PetscReal, PetscBool, PressureStep, StepTrial *);
-/* PressureProjected - by PressureSolve. Collective. */
-PetscErrorCode PressureProjected(Stepper stepper, PetscReal dt, PressureResult *result);
-/* StageOne - acceleration by viscosity, tension and body force at the positions and velocities of the cloud, then
-   FIELD_VELOCITY_STAR = v + dt a for the fluid and the wall's own velocity for walls, ghosts included. density: what
-   viscosity divides by. viscous: OperatorsMoments has left the viscous term in FIELD_ACCELERATION. Also
-   trial->viscous_work and tension_work. Viscosity acts at the new velocity in steps that StepSize made implicit.
-   Collective. */
-PetscErrorCode StageOne(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool viscous, StepTrial *trial);
+/* Each scheme's creation: defaults of stepper and pressure, its data and operations. Not collective. */
+PetscErrorCode SchemeCreate_Consistent(Stepper stepper);
+PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper);
+PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper);
+
+/* --- sub-steps, substeps.c; all collective, each with its log event --- */
+
+/* StepDrift - r += v dt/2 for the fluid, ghosts included. */
+PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial);
+/* StepSearch - at the positions of the cloud: neighbours, FIELD_DENSITY (ghosts too), FIELD_CORRECTION, FIELD_LAMBDA,
+   FIELD_NORMAL, FIELD_CROWDING, INT_SURFACE. viscous: also the viscous term, into FIELD_ACCELERATION, at half the price
+   of a sum of its own; for StepViscosityFused only. */
+PetscErrorCode StepSearch(Stepper stepper, PetscBool viscous);
+/* StepViscosityFused - whether StepSearch can sum the viscous term of this step: it is explicit, in the form of Cleary,
+   and of one liquid at rest density. Not collective. */
+PetscBool StepViscosityFused(Stepper stepper);
+/* StepForces - FIELD_ACCELERATION of viscosity, tension and body force at the positions and velocities of the cloud,
+   Eqs. (1), (5) to (7); FIELD_VELOCITY_STAR = v + dt a for the fluid and the wall's own velocity for walls, ghosts
+   included. density ([n_total], kg/m3): what viscosity divides by. fused: StepSearch has begun FIELD_ACCELERATION with
+   the viscous term. Viscosity acts at the new velocity in steps that StepSize made implicit. Sums the works. */
+PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial);
+/* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR; the
+   divergence is that after the particles have moved for time_offset (s). */
+PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
+/* StepKick - FIELD_PRESSURE_ACCELERATION = -grad p/rho and FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR + dt of it,
+   Eq. (9). */
+PetscErrorCode StepKick(Stepper stepper, PetscReal dt);
+/* StepDriftOn - FIELD_POSITION_NEW = from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10), or without v, where the first half
+   of the drift is done. from ([n_fluid][3], m). */
+PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done);
+/* StepGuard - the wall guard (guard.c) on FIELD_POSITION_NEW and FIELD_VELOCITY_NEW, which then become FIELD_POSITION
+   and FIELD_VELOCITY; adds the largest displacement since 'from' ([n_fluid][3], m) to the trial. */
+PetscErrorCode StepGuard(Stepper stepper, const PetscReal from[], StepTrial *trial);
+
+/* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: a particle closer to a wall face or solid
+   than 'distance' (m) is set back to it and loses its velocity into the wall; one that crossed a symmetry face is
+   mirrored back. The Neumann condition of the pressure makes walls impermeable to first order only; this is the
+   remainder. Not collective. */
+PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[]);
+
+/* --- trial.c --- */
+
+/* TrialDiagnose - density error, largest density, area of the free surface and (if asked) divergence of FIELD_VELOCITY,
+   at the positions of the last StepSearch. Not collective. */
+PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);
+/* TrialSurfaceArea - area of the free surface of one particle's share, m2. Not collective. */
+PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
+/* TrialReduce - adds kinetic energy and mass; sums and largest values of all ranks. Collective. */
+PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial);
+/* TrialCheck - after TrialReduce: 'why' says in a sentence of at most 'length' bytes what is wrong with a step of dt
+   (s); empty if nothing is. Not collective. */
+PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial, char why[], size_t length);
+
+/* --- viscous.c --- */
+
 /* ViscosityIsExplicit - in this step; false also without viscosity. Not collective. */
 PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
-   ViscousSolve - FIELD_VELOCITY_STAR (of the fluid, without viscosity) becomes the velocity u with u = predicted + dt V
-   u, ghosts included, walls with their own velocity. Overwrites FIELD_WORK1, FIELD_WORK3. Collective. */
+   ViscousSolve - FIELD_VELOCITY_STAR (of the fluid, without viscosity) becomes the velocity u with u = v* + dt V u,
+   ghosts included, walls with their own velocity. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], KSPConvergedReason *reason);
 PetscErrorCode ViscousDestroy(Stepper stepper);
-/* Diagnose - density error, largest density, area of the free surface and (if asked) divergence of FIELD_VELOCITY, at
-   the positions where moments and surface were last evaluated. Not collective. */
-PetscErrorCode Diagnose(Stepper stepper, PetscBool divergence, StepTrial *trial);
-/* Shift - moves FIELD_START (the new positions, m) towards an even distribution and takes FIELD_VELOCITY_STAR (the new
-   velocity, m/s) to where the particles then are: into FIELD_VELOCITY; reads what the last OperatorsDivergence summed.
-   If shifting is conserved, centre of mass, momentum and angular momentum of the fluid stay, to round-off, except what
-   mirrors and the box's period do to them. Lists, kernels and B are those of FIELD_POSITION. Overwrites FIELD_WORK1,
-   FIELD_WORK3, FIELD_STRESS, FIELD_ACCELERATION. Collective. */
-PetscErrorCode Shift(Stepper stepper, PetscReal dt);
+
+/* --- time_step.c --- */
+
+/* TimeStepDefaults; TimeStepSetFromOptions - opens its options blocks and refuses bad values. Collective. */
+void           TimeStepDefaults(TimeStepLimits *limits);
+PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
+/* StepSize - the step (s) the state allows, within the bounds of the options, and whether its viscosity is implicit.
+   Collective. */
+PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 /* StepperEnergyAtHand - what a scene's liquid can turn into kinetic energy, J/kg: speeds of bodies and walls, a fall
    through the box, the surface of every particle; 0 if gravity drives it round a periodic box or it comes from
    emitters. Not collective. */
 PetscReal StepperEnergyAtHand(Stepper stepper);
-/* StepSize - the step (s) the state allows, within the bounds of the options, and whether its viscosity is implicit.
-   Collective. */
-PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 
 #endif

@@ -1,18 +1,136 @@
-/* The size of the time step. */
+/* The size of the time step, and the scales of a scene that it follows from. */
 #include "stepper_impl.h"
 
-#define VISCOUS_LIMIT   0.08 /* dt <= this h^2/nu: 0.125 is marginal for the form of Morris et al. */
-#define LAST_LONGER     1e-3 /* a last step may be longer by this share of it */
-#define CAPILLARY_LIMIT 0.25 /* dt <= this sqrt(rho h^3/(2 pi sigma)) (Brackbill et al. 1992) */
-#define FORCE_LIMIT     0.03 /* dt <= this sqrt(h/|g|): a jittered film at rest is stable at 0.03, not at 0.045 */
-#define SPRAY_SHARE     0.8  /* of -displacement_max that it may move in a step */
-#define GROWTH          1.2  /* from one step to the next, at most */
-#define SAMPLES         5    /* points a direction at which the initial velocity of a body is read */
+#define LAST_LONGER 1e-3 /* a last step may be longer by this share of it */
+#define SAMPLES     5    /* points a direction at which the initial velocity of a body is read */
+
+void TimeStepDefaults(TimeStepLimits *limits)
+{
+  *limits = (TimeStepLimits){.cfl             = 0.2,
+                             .viscous_limit   = 0.08,
+                             .capillary_limit = 0.25,
+                             .force_limit     = 0.03,
+                             .growth          = 1.2,
+                             .spray_share     = 0.8};
+}
+
+/* The fractions of the bounds, for those who study stability. */
+static PetscErrorCode SetAdvancedFromOptions(Stepper stepper)
+{
+  MPI_Comm        comm   = stepper->cloud->comm;
+  TimeStepLimits *limits = &stepper->limits;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, "Advanced: time step", "Stepper");
+  PetscCall(PetscOptionsReal("-time_viscous_limit",
+                             "time step of explicit viscosity over h^2/nu (1); 0.125 is marginal for -viscosity_form "
+                             "morris",
+                             "StepperSetFromOptions", limits->viscous_limit, &limits->viscous_limit, NULL));
+  PetscCall(PetscOptionsReal("-time_capillary_limit",
+                             "time step over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 (1)",
+                             "StepperSetFromOptions", limits->capillary_limit, &limits->capillary_limit, NULL));
+  PetscCall(PetscOptionsReal("-time_force_limit",
+                             "time step over sqrt(h/|g|) (1); a film at rest is stable at 0.03, not at 0.045",
+                             "StepperSetFromOptions", limits->force_limit, &limits->force_limit, NULL));
+  PetscCall(PetscOptionsReal("-time_growth", "largest growth of the time step from one step to the next (1)",
+                             "StepperSetFromOptions", limits->growth, &limits->growth, NULL));
+  PetscCall(PetscOptionsReal("-time_spray_share",
+                             "share of -displacement_max that a spray particle may move in a step (1)",
+                             "StepperSetFromOptions", limits->spray_share, &limits->spray_share, NULL));
+  PetscOptionsEnd();
+  PetscCheckUser(limits->viscous_limit > 0 && limits->capillary_limit > 0 && limits->force_limit > 0, comm,
+                 "-time_viscous_limit, -time_capillary_limit and -time_force_limit must be positive");
+  PetscCheckUser(limits->growth > 1, comm, "-time_growth is %g; it must be larger than 1", (double)limits->growth);
+  PetscCheckUser(limits->spray_share > 0 && limits->spray_share <= 1, comm,
+                 "-time_spray_share is %g; it must lie in (0, 1]", (double)limits->spray_share);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
+{
+  MPI_Comm        comm   = stepper->cloud->comm;
+  TimeStepLimits *limits = &stepper->limits;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, "Time step", "Stepper");
+  PetscCall(PetscOptionsReal("-time_cfl", "largest speed times time step over h (1)", "StepperSetFromOptions",
+                             limits->cfl, &limits->cfl, NULL));
+  PetscCall(PetscOptionsReal("-time_step_min", "smallest time step chosen (s)", "StepperSetFromOptions", limits->min,
+                             &limits->min, NULL));
+  PetscCall(PetscOptionsReal("-time_step_max", "largest time step chosen (s); 0: no bound", "StepperSetFromOptions",
+                             limits->max, &limits->max, NULL));
+  PetscCall(PetscOptionsReal("-time_step", "fixed time step (s); 0: chosen from the state", "StepperSetFromOptions",
+                             limits->fixed, &limits->fixed, NULL));
+  PetscOptionsEnd();
+  PetscCheckUser(limits->cfl > 0 && limits->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]",
+                 (double)limits->cfl);
+  PetscCheckUser(limits->min >= 0 && limits->max >= 0 && limits->fixed >= 0, comm,
+                 "-time_step, -time_step_min and -time_step_max must not be negative");
+  PetscCheckUser(limits->max == 0 || limits->min <= limits->max, comm,
+                 "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)limits->min,
+                 (double)limits->max);
+  PetscCall(SetAdvancedFromOptions(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+typedef enum { FASTEST, FASTEST_SPRAY, STRONGEST, EXTREME_COUNT } Extreme;
+
+/* Largest speeds (m/s) of the fluid and of its spray, which pressure does not slow down, and largest body force (m/s2),
+   over all ranks. At the start of a run no particle counts as spray: lambda is not known yet. */
+static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extreme[EXTREME_COUNT])
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(extreme, EXTREME_COUNT));
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const Extreme   kind  = start || arrays.real[FIELD_LAMBDA][a] > SPRAY_LAMBDA ? FASTEST : FASTEST_SPRAY;
+    const PetscReal speed = Norm(arrays.real[FIELD_VELOCITY] + DIM * a);
+    PetscReal       g[DIM];
+
+    if (arrays.integer[INT_LAYER][a]) continue;
+    SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
+    extreme[kind]      = PetscMax(extreme[kind], speed);
+    extreme[STRONGEST] = PetscMax(extreme[STRONGEST], Norm(g));
+  }
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, extreme, EXTREME_COUNT, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What each cause allows. */
+static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT])
+{
+  Cloud                 cloud  = stepper->cloud;
+  const TimeStepLimits *limits = &stepper->limits;
+  const PetscReal       h = KernelSmoothingLength(cloud->kernel), fastest = extreme[FASTEST];
+  const PetscReal       spray_path = limits->spray_share * stepper->trial.displacement * cloud->domain->spacing;
+  StepBounds            bounds     = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
+
+  if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
+  if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
+  if (stepper->ops.bound)
+    bounds.speed = PetscMin(bounds.speed, stepper->ops.bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
+  if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
+  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
+    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
+
+    if (m->viscosity > 0)
+      bounds.viscosity = PetscMin(bounds.viscosity, limits->viscous_limit * h * h * m->density / m->viscosity);
+    if (m->tension > 0 && TensionReach(stepper->tension) > 0)
+      bounds.tension =
+        PetscMin(bounds.tension,
+                 limits->capillary_limit * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+  }
+  return bounds;
+}
 
 /* Decides whether the viscosity is implicit in a step that all else would allow; returns the step viscosity allows. */
-static PetscReal Viscosity(Stepper stepper, PetscReal step, PetscReal limit)
+static PetscReal BoundByViscosity(Stepper stepper, PetscReal step)
 {
-  Viscous *viscous = &stepper->viscous;
+  Viscous        *viscous = &stepper->viscous;
+  const PetscReal limit   = stepper->bounds.viscosity;
 
   viscous->implicit = (PetscBool)(limit < PETSC_MAX_REAL && (viscous->solver == VISCOUS_IMPLICIT ||
                                                              (viscous->solver == VISCOUS_AUTO && step > limit)));
@@ -20,67 +138,41 @@ static PetscReal Viscosity(Stepper stepper, PetscReal step, PetscReal limit)
   return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * limit) : step;
 }
 
+/* The step within all bounds and options. */
+static PetscReal ChooseStep(Stepper stepper, const StepState *state)
+{
+  const TimeStepLimits *limits = &stepper->limits;
+  const StepBounds     *bounds = &stepper->bounds;
+  const PetscReal       h = KernelSmoothingLength(stepper->cloud->kernel), velocity = stepper->reference_velocity;
+  PetscReal             step = limits->fixed;
+
+  if (limits->fixed == 0) {
+    step = PetscMin(PetscMin(bounds->speed, bounds->force), bounds->tension);
+    /* The first step takes the scene's own velocity for the one the particles will soon have. So does a relaxation,
+       which must use the steps of the run: the noise of the pressure depends on them. */
+    if ((state->previous_time_step == 0 || stepper->damping < 1) && velocity > 0)
+      step = PetscMin(step, limits->cfl * h / velocity);
+    if (state->previous_time_step > 0) step = PetscMin(step, limits->growth * state->previous_time_step);
+    if (limits->max > 0) step = PetscMin(step, limits->max);
+  }
+  step = BoundByViscosity(stepper, step);
+  return limits->fixed > 0 ? limits->fixed : PetscMax(step, limits->min);
+}
+
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt)
 {
-  Cloud           cloud = stepper->cloud;
-  const PetscReal h = KernelSmoothingLength(cloud->kernel), left = end - state->time;
-  ParticleArrays  arrays;
-  PetscReal       local[3] = {0, 0, 0}, largest[3], step = PETSC_MAX_REAL;
+  const PetscReal left = end - state->time;
+  PetscReal       extreme[EXTREME_COUNT], step;
 
   PetscFunctionBegin;
-  PetscCall(ParticlesOpen(cloud->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscReal speed = Norm(arrays.real[FIELD_VELOCITY] + DIM * a);
-    PetscReal       g[DIM];
-
-    if (arrays.integer[INT_LAYER][a]) continue;
-    SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
-    if (arrays.real[FIELD_LAMBDA][a] > SPRAY_LAMBDA || state->step == 0)
-      local[0] = PetscMax(local[0], speed);
-    else
-      local[2] = PetscMax(local[2], speed);
-    local[1] = PetscMax(local[1], Norm(g));
-  }
-  PetscCall(ParticlesClose(cloud->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(local, largest, 3, MPIU_REAL, MPIU_MAX, cloud->comm));
-  stepper->bounds = (StepBounds){PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
-  if (largest[0] > 0) step = PetscMin(step, stepper->cfl * h / largest[0]);
-  if (stepper->sound_speed > 0)
-    step = PetscMin(step, stepper->sound_cfl * h / (stepper->sound_speed + PetscMax(largest[0], largest[2])));
-  if (largest[2] > 0)
-    step = PetscMin(step, SPRAY_SHARE * stepper->displacement_max * cloud->domain->spacing / largest[2]);
-  stepper->bounds.speed = step;
-  if (largest[1] > 0) stepper->bounds.force = FORCE_LIMIT * PetscSqrtReal(h / largest[1]);
-  step = PetscMin(step, stepper->bounds.force);
-  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
-    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
-
-    if (m->viscosity > 0)
-      stepper->bounds.viscosity =
-        PetscMin(stepper->bounds.viscosity, VISCOUS_LIMIT * h * h * m->density / m->viscosity);
-    if (m->tension > 0 && TensionReach(stepper->tension) > 0)
-      stepper->bounds.tension =
-        PetscMin(stepper->bounds.tension,
-                 CAPILLARY_LIMIT * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
-  }
-  step = PetscMin(step, stepper->bounds.tension);
-  /* the first step takes the scene's own velocity for the one the particles will soon have, and so
-     does a relaxation, which must use the steps of the run: pressure noise depends on them */
-  if ((state->previous_time_step == 0 || stepper->damping < 1) && stepper->reference_velocity > 0)
-    step = PetscMin(step, stepper->cfl * h / stepper->reference_velocity);
-  if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
-  if (stepper->step_max > 0) step = PetscMin(step, stepper->step_max);
-  step = Viscosity(stepper, step, stepper->bounds.viscosity);
-  step = PetscMax(step, stepper->step_min);
-  if (stepper->step_fixed > 0) {
-    step = stepper->step_fixed;
-    (void)Viscosity(stepper, step, stepper->bounds.viscosity);
-  }
-  /* no tiny last step, whose pressure would be noise over dt: it takes what round-off has left in the sum of a million
-     steps; of steps that may be chosen the last two share what is left */
+  PetscCall(FindExtremes(stepper->cloud, (PetscBool)(state->step == 0), extreme));
+  stepper->bounds = FindBounds(stepper, extreme);
+  step            = ChooseStep(stepper, state);
+  /* Avoid a tiny last step, whose pressure would be noise over dt: the last step takes what round-off has left in the
+     sum of a million steps, and of steps that may be chosen the last two share what is left. */
   if (left <= step * (1 + LAST_LONGER))
     step = left;
-  else if (left < 2 * step && stepper->step_fixed == 0)
+  else if (left < 2 * step && stepper->limits.fixed == 0)
     step = 0.5 * left;
   *dt = step;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -6,7 +6,11 @@
 #define VISCOUS_RATIO  30   /* Couette flow at 20 spacings: largest error 0.8 % of the wall's speed */
 #define VISCOUS_RTOL   1e-8 /* momentum is kept to about this */
 #define VISCOUS_MAXITS 2000
-#define FIELD_ITERATE  FIELD_VELOCITY_STAR /* where the operator finds its argument */
+
+PetscBool ViscosityIsExplicit(Stepper stepper)
+{
+  return (PetscBool)(SceneHasViscosity(stepper->cloud->scene) && !stepper->viscous.implicit);
+}
 
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
 {
@@ -28,22 +32,35 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fluid velocities of x into FIELD_ITERATE; of walls their own if 'walls', else zero. */
-static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls)
+/* u ([n_owned][3]): velocities of the fluid, from x, or zero if that is NULL; of walls their own if 'walls', else zero. */
+static PetscErrorCode Load(Cloud cloud, Vec x, PetscBool walls, PetscReal u[])
 {
-  Cloud              cloud = stepper->cloud;
-  PetscReal         *u     = cloud->field[FIELD_ITERATE];
   const PetscScalar *values;
 
   PetscFunctionBegin;
+  PetscCall(PetscArrayzero(u, DIM * cloud->n_owned));
   if (x) {
     PetscCall(VecGetArrayRead(x, &values));
     PetscCall(PetscArraycpy(u, values, DIM * cloud->n_fluid));
     PetscCall(VecRestoreArrayRead(x, &values));
-  } else
-    PetscCall(PetscArrayzero(u, DIM * cloud->n_fluid));
-  for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_owned; k++)
-    u[k] = walls ? cloud->field[FIELD_VELOCITY][k] : 0;
+  }
+  if (walls)
+    PetscCall(PetscArraycpy(u + DIM * cloud->n_fluid, cloud->field[FIELD_VELOCITY] + DIM * cloud->n_fluid,
+                            DIM * (cloud->n_owned - cloud->n_fluid)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* out ([n_fluid][3], m/s2): viscous acceleration of those velocities. */
+static PetscErrorCode ApplyViscosity(Stepper stepper, Vec x, PetscBool walls, PetscReal out[])
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *u;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, DIM, &u));
+  PetscCall(Load(cloud, x, walls, u));
+  PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, stepper->viscous.pair, u, out));
+  PetscCall(CloudRestoreWork(cloud, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,10 +81,9 @@ static PetscErrorCode Multiply(Mat A, Vec x, Vec y)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &stepper));
   cloud = stepper->cloud;
-  PetscCall(Load(stepper, x, PETSC_FALSE));
-  PetscCall(VecGetArrayRead(x, &u));
   PetscCall(VecGetArrayWrite(y, &out));
-  PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, stepper->viscous.pair, FIELD_ITERATE, out));
+  PetscCall(ApplyViscosity(stepper, x, PETSC_FALSE, out));
+  PetscCall(VecGetArrayRead(x, &u));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) out[k] = Mass(cloud, a) * (u[k] - stepper->viscous.dt * out[k]);
   PetscCall(VecRestoreArrayWrite(y, &out));
@@ -149,23 +165,22 @@ PetscErrorCode ViscousPrepare(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* b = m (predicted + dt V(0; velocity of walls)), x = v; 'predicted' is FIELD_VELOCITY_STAR, which is overwritten. */
+/* b = m (v* + dt V(0; velocity of walls)), x = v, the start value. */
 static PetscErrorCode RightHandSide(Stepper stepper)
 {
-  Cloud        cloud   = stepper->cloud;
-  Viscous     *viscous = &stepper->viscous;
-  PetscScalar *b, *x;
+  Cloud            cloud   = stepper->cloud;
+  Viscous         *viscous = &stepper->viscous;
+  const PetscReal *v_star  = cloud->field[FIELD_VELOCITY_STAR];
+  PetscScalar     *b, *x;
 
   PetscFunctionBegin;
-  PetscCall(VecGetArrayWrite(viscous->x, &x));
   PetscCall(VecGetArrayWrite(viscous->b, &b));
-  PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY_STAR], DIM * cloud->n_fluid));
-  PetscCall(Load(stepper, NULL, PETSC_TRUE));
-  PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, viscous->pair, FIELD_ITERATE, b));
+  PetscCall(ApplyViscosity(stepper, NULL, PETSC_TRUE, b));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) b[k] = Mass(cloud, a) * (x[k] + viscous->dt * b[k]);
-  PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY], DIM * cloud->n_fluid));
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) b[k] = Mass(cloud, a) * (v_star[k] + viscous->dt * b[k]);
   PetscCall(VecRestoreArrayWrite(viscous->b, &b));
+  PetscCall(VecGetArrayWrite(viscous->x, &x));
+  PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY], DIM * cloud->n_fluid));
   PetscCall(VecRestoreArrayWrite(viscous->x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -191,7 +206,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   PetscCall(MatAssemblyEnd(viscous->A, MAT_FINAL_ASSEMBLY));
   PetscCall(KSPSolve(viscous->ksp, viscous->b, viscous->x));
   PetscCall(KSPGetConvergedReason(viscous->ksp, reason));
-  PetscCall(Load(stepper, viscous->x, PETSC_TRUE));
+  PetscCall(Load(cloud, viscous->x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

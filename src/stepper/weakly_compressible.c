@@ -10,53 +10,84 @@
    Density diffusion keeps the pressure smooth: Molteni & Colagrossi 2009, without the hydrostatic part (Fourtakas et
    al. 2019), which would pull the liquid of a film at rest apart. */
 #include "../neighbors/pairs.h"
-#include "stepper_impl.h"
+#include "consistent.h"
 
 #define TAIT_EXPONENT 7 /* water; Monaghan 1994 */
 
-PetscErrorCode CompressibleSetFromOptions(Stepper s, OptionItems PetscOptionsObject)
+#define RELAXATION_RATIO 25 /* time of the density's repair, over h/U of the scene: a faster one does work on the sound */
+
+typedef struct {
+  Consistent base;
+  PetscBool  projected; /* the first pressure is projected */
+  PetscReal  speed, mach, cfl, diffusion;
+  PetscReal  lattice_sum; /* sum V W on a full lattice, 1 */
+} Compressible;
+
+static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
 {
+  Compressible *s = (Compressible *)stepper->scheme;
+
   PetscFunctionBegin;
+  PetscCall(ConsistentSetFromOptions(stepper, PetscOptionsObject));
   PetscCall(PetscOptionsReal("-sound_speed", "artificial speed of sound (m/s); 0: from the scene's velocity",
-                             "CompressibleSetFromOptions", s->sound_speed, &s->sound_speed, NULL));
+                             "SchemeWeaklyCompressible", s->speed, &s->speed, NULL));
   PetscCall(PetscOptionsReal("-sound_mach", "the scene's velocity over the speed of sound (1)",
-                             "CompressibleSetFromOptions", s->sound_mach, &s->sound_mach, NULL));
+                             "SchemeWeaklyCompressible", s->mach, &s->mach, NULL));
   PetscCall(PetscOptionsReal("-sound_cfl", "(speed of sound + largest speed) times time step over h (1)",
-                             "CompressibleSetFromOptions", s->sound_cfl, &s->sound_cfl, NULL));
+                             "SchemeWeaklyCompressible", s->cfl, &s->cfl, NULL));
   PetscCall(PetscOptionsReal("-density_diffusion", "delta of the diffusion delta h c lap rho of the density (1)",
-                             "CompressibleSetFromOptions", s->density_diffusion, &s->density_diffusion, NULL));
+                             "SchemeWeaklyCompressible", s->diffusion, &s->diffusion, NULL));
   PetscCall(PetscOptionsBool("-sound_projected", "start from the pressure of a projection instead of from zero",
-                             "CompressibleSetFromOptions", s->sound_projected, &s->sound_projected, NULL));
+                             "SchemeWeaklyCompressible", s->projected, &s->projected, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CompressibleCheck(Stepper s, PetscReal velocity)
+/* Also chooses the speed of sound for the scene's velocity. */
+static PetscErrorCode Check(Stepper stepper)
 {
-  MPI_Comm  comm = s->cloud->comm;
-  PetscReal diagonal;
+  Compressible   *s        = (Compressible *)stepper->scheme;
+  MPI_Comm        comm     = stepper->cloud->comm;
+  const PetscReal velocity = stepper->reference_velocity;
+  PetscReal       diagonal;
 
   PetscFunctionBegin;
-  PetscCheckUser(s->sound_speed >= 0, comm, "-sound_speed is %g m/s; it must not be negative", (double)s->sound_speed);
-  PetscCheckUser(s->sound_mach > 0 && s->sound_mach <= 1, comm, "-sound_mach is %g; it must lie in (0, 1]",
-                 (double)s->sound_mach);
-  PetscCheckUser(s->sound_cfl > 0 && s->sound_cfl <= 2, comm, "-sound_cfl is %g; it must lie in (0, 2]",
-                 (double)s->sound_cfl);
-  PetscCheckUser(s->density_diffusion >= 0 && s->density_diffusion <= 1, comm,
-                 "-density_diffusion is %g; it must lie in [0, 1]", (double)s->density_diffusion);
-  PetscCheckUser(s->sound_speed > 0 || velocity > 0, comm,
+  PetscCall(ConsistentCheck(stepper));
+  PetscCheckUser(s->speed >= 0, comm, "-sound_speed is %g m/s; it must not be negative", (double)s->speed);
+  PetscCheckUser(s->mach > 0 && s->mach <= 1, comm, "-sound_mach is %g; it must lie in (0, 1]", (double)s->mach);
+  PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-sound_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
+  PetscCheckUser(s->diffusion >= 0 && s->diffusion <= 1, comm, "-density_diffusion is %g; it must lie in [0, 1]",
+                 (double)s->diffusion);
+  PetscCheckUser(s->speed > 0 || velocity > 0, comm,
                  "nothing in the scene moves or pushes, so no speed of sound follows from it: give -sound_speed (m/s)");
-  if (s->sound_speed == 0) s->sound_speed = velocity / s->sound_mach;
-  PressureLattice(s->cloud, &diagonal, &s->lattice_sum);
+  if (s->speed == 0) s->speed = velocity / s->mach;
+  PressureLattice(stepper->cloud, &diagonal, &s->lattice_sum);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode View(Stepper stepper, PetscViewer viewer)
+{
+  const Compressible *s = (const Compressible *)stepper->scheme;
+
+  PetscFunctionBegin;
+  PetscCall(ConsistentView(stepper, viewer));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Sound: %g m/s, CFL %g, density diffusion %g\n", (double)s->speed,
+                                   (double)s->cfl, (double)s->diffusion));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal Bound(Stepper stepper, PetscReal speed)
+{
+  const Compressible *s = (const Compressible *)stepper->scheme;
+
+  return s->cfl * KernelSmoothingLength(stepper->cloud->kernel) / (s->speed + speed);
 }
 
 /* delta h c lap p of the fluid, Pa/s, p without its hydrostatic part. */
-static PetscErrorCode Diffusion(Stepper stepper, PetscReal out[])
+static PetscErrorCode Diffusion(Cloud cloud, const Compressible *s, PetscReal out[])
 {
-  Cloud            cloud = stepper->cloud;
   const PetscReal *p = cloud->field[FIELD_PRESSURE], *volume = cloud->volume;
   const PetscInt  *layer = cloud->integer[INT_LAYER];
-  const PetscReal  scale = 2 * stepper->density_diffusion * KernelSmoothingLength(cloud->kernel) * stepper->sound_speed;
+  const PetscReal  scale = 2 * s->diffusion * KernelSmoothingLength(cloud->kernel) * s->speed;
   PairRow          row;
 
   PetscFunctionBegin;
@@ -68,7 +99,7 @@ static PetscErrorCode Diffusion(Stepper stepper, PetscReal out[])
     gx = cloud->rest_density[a] * g[0];
     gy = cloud->rest_density[a] * g[1];
     gz = cloud->rest_density[a] * g[2];
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < row.n; k++) {
@@ -83,9 +114,8 @@ static PetscErrorCode Diffusion(Stepper stepper, PetscReal out[])
 }
 
 /* Walls take the pressure of the fluid in front of them, with the weight of what lies between (Adami et al. 2012). */
-static PetscErrorCode ExtendToWalls(Stepper stepper)
+static PetscErrorCode ExtendToWalls(Cloud cloud)
 {
-  Cloud            cloud = stepper->cloud;
   const PetscReal *x     = cloud->field[FIELD_POSITION];
   const PetscInt  *layer = cloud->integer[INT_LAYER];
   PetscReal       *p     = cloud->field[FIELD_PRESSURE];
@@ -96,7 +126,7 @@ static PetscErrorCode ExtendToWalls(Stepper stepper)
     PetscReal g[DIM], weight = 0, sum = 0;
 
     SceneAcceleration(cloud->scene, x + DIM * a, g);
-    PairRowLoad(cloud, x, a, &row);
+    PairRowLoadGeometry(cloud, x, a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt b = row.index[k];
@@ -113,30 +143,32 @@ static PetscErrorCode ExtendToWalls(Stepper stepper)
 /* The new pressure of the fluid from the source. */
 static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
 {
-  Cloud           cloud       = stepper->cloud;
-  const PetscReal c2          = PetscSqr(stepper->sound_speed);
-  PetscReal      *p           = cloud->field[FIELD_PRESSURE], *rhs, *diffusion;
-  const PetscBool accumulates = PressureTakesDivergence(stepper->pressure);
+  Cloud               cloud = stepper->cloud;
+  const Compressible *s     = (const Compressible *)stepper->scheme;
+  const PetscBool     rate  = PressureTakesDivergence(stepper->pressure);
+  PetscReal          *p     = cloud->field[FIELD_PRESSURE], *rhs, *diffusion;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscCall(PetscMalloc2(cloud->n_rows, &rhs, cloud->n_fluid, &diffusion));
   PetscCall(PressureSource(stepper->pressure, dt, rhs));
-  if (accumulates && stepper->density_diffusion > 0)
-    PetscCall(Diffusion(stepper, diffusion));
+  if (rate && s->diffusion > 0)
+    PetscCall(Diffusion(cloud, s, diffusion));
   else
     PetscCall(PetscArrayzero(diffusion, cloud->n_fluid));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal B = cloud->rest_density[a] * c2 / TAIT_EXPONENT, change = dt * dt * rhs[a];
+    const PetscReal B      = cloud->rest_density[a] * PetscSqr(s->speed) / TAIT_EXPONENT;
+    const PetscReal change = dt * dt * rhs[a];
 
     if (cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA)
       p[a] = 0;
-    else if (accumulates)
+    else if (rate)
       p[a] = B * ((1 + p[a] / B) * PetscExpReal(TAIT_EXPONENT * change) - 1) + dt * diffusion[a];
     else
-      p[a] = PetscMax(0, B * (PetscPowRealInt((1 + change) / stepper->lattice_sum, TAIT_EXPONENT) - 1));
+      p[a] = PetscMax(0, B * (PetscPowRealInt((1 + change) / s->lattice_sum, TAIT_EXPONENT) - 1));
   }
   PetscCall(PetscFree2(rhs, diffusion));
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -154,41 +186,58 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pressure of an incompressible step, of the size that scheme would take: with the short one the noise of div v
- * would stand for pressure. */
+/* The pressure of an incompressible step, of the size that such a scheme would take: with the short one the noise of
+   div v would stand for pressure. */
 static PetscErrorCode PressureAtStart(Stepper stepper, PetscReal dt, PressureResult *result)
 {
   const PetscReal h = KernelSmoothingLength(stepper->cloud->kernel), velocity = stepper->reference_velocity;
-  const PetscReal flow_dt = velocity > 0 ? PetscMax(dt, stepper->cfl * h / velocity) : dt;
+  const PetscReal flow_dt = velocity > 0 ? PetscMax(dt, stepper->limits.cfl * h / velocity) : dt;
 
   PetscFunctionBegin;
   PetscCall(Predict(stepper, flow_dt));
+  if (PressureTakesDivergence(stepper->pressure)) PetscCall(StepDivergence(stepper, 0));
   PetscCall(PressureSolve(stepper->pressure, flow_dt, result));
   PetscCall(Predict(stepper, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PressureCompressed(Stepper stepper, PetscReal dt, PressureResult *result)
+static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *result)
 {
-  Cloud cloud = stepper->cloud;
+  Cloud               cloud = stepper->cloud;
+  const Compressible *s     = (const Compressible *)stepper->scheme;
 
   PetscFunctionBegin;
   result->reason = KSP_CONVERGED_ITERATING;
-  if (stepper->first && stepper->sound_projected) {
+  if (stepper->first && s->projected) {
     PetscCall(PressureAtStart(stepper, dt, result));
     if (result->reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  } else {
+  } else
     PetscCall(Compress(stepper, dt));
-    PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
-  }
-  PetscCall(ExtendToWalls(stepper));
+  PetscCall(ExtendToWalls(cloud));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SchemeWeaklyCompressible(Stepper stepper, PetscReal dt, PetscBool diagnose, StepTrial *trial)
+PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper)
 {
+  Compressible *s;
+
   PetscFunctionBegin;
-  PetscCall(ConsistentStep(stepper, dt, diagnose, PressureCompressed, trial));
+  PetscCall(PetscNew(&s));
+  s->base.project = Project;
+  s->projected    = PETSC_TRUE;
+  s->mach         = 0.1;
+  s->cfl          = 0.4;
+  s->diffusion    = 0.1;
+  stepper->scheme = s;
+  stepper->ops    = (SchemeOps){.setfromoptions = SetFromOptions,
+                                .check          = Check,
+                                .view           = View,
+                                .bound          = Bound,
+                                .step           = ConsistentStep,
+                                .destroy        = SchemeDestroyData};
+  PetscCall(ConsistentDefaults(stepper));
+  stepper->relaxation_ratio = RELAXATION_RATIO;
+  PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

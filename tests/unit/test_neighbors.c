@@ -283,7 +283,8 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
   PetscReal width = STEP_WIDTH * s->domain->spacing;
 
   PetscFunctionBegin;
-  PetscCall(CloudBegin(cloud, PETSC_TRUE));
+  PetscCall(CloudBegin(cloud));
+  PetscCall(CloudSearch(cloud, NULL, NULL));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt d = 0; d < s->domain->dim; d++) {
       const unsigned long long place = (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d);
@@ -295,7 +296,8 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
     }
   PetscCall(
     WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], &touched));
-  PetscCall(CloudMoved(cloud, PETSC_TRUE));
+  PetscCall(CloudMoved(cloud));
+  PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

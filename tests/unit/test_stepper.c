@@ -91,7 +91,8 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   moved = SetupMax(moved);
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_moves", label));
   CheckTrue(moved > 1e-3 && moved < 0.3, name);
-  PetscCall(CloudMoved(cloud, PETSC_TRUE));
+  PetscCall(CloudMoved(cloud));
+  PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscCall(SetupMoments(&s));
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_more_even", label));
   CheckTrue(Unevenness(cloud) < uneven, name);

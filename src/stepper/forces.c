@@ -1,0 +1,95 @@
+/* Everything that acts on the velocity but the pressure, and the work it does. */
+#include "stepper_impl.h"
+
+/* Sum of m v.u of the fluid for a field u, this rank: the power (W) of an acceleration; of a velocity (J), whose change
+   is the work of an implicit force. */
+static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[field];
+  PetscReal        sum = 0;
+
+  for (PetscInt k = 0; k < cloud->n_fluid; k++)
+    sum += cloud->volume[k] * cloud->rest_density[k] * Dot(v + DIM * k, u + DIM * k);
+  return sum;
+}
+
+/* The terms of the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA. The net flux of the
+   liquid through its surface should be zero. It is not quite, and the pressure that all of a drop has in common would do
+   work on the remainder; StepperAdvance subtracts that as if the remainder were spread evenly. */
+static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
+                  *capillary = cloud->field[FIELD_CAPILLARY];
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal area   = TrialSurfaceArea(cloud, a),
+                    inflow = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
+
+    if (area == 0) continue;
+    trial->sum[SUM_TENSION_WORK] += capillary[a] * inflow;
+    trial->sum[SUM_INFLOW] += inflow;
+    trial->sum[SUM_AREA] += area;
+    trial->sum[SUM_CAPILLARY_AREA] += capillary[a] * area;
+  }
+}
+
+PetscBool StepViscosityFused(Stepper stepper)
+{
+  return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity_form == VISCOSITY_CLEARY &&
+                     OperatorsOneLiquid(stepper->cloud));
+}
+
+static void AddBodyForce(Cloud cloud, PetscReal acceleration[])
+{
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal g[DIM];
+
+    SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
+    for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += g[d];
+  }
+}
+
+/* Adds to FIELD_ACCELERATION, or sets the pressure on the free surface. */
+static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  Cloud           cloud  = stepper->cloud;
+  const PetscBool acts   = (PetscBool)(TensionReach(stepper->tension) > 0);
+  const PetscReal before = acts ? MassWeightedDot(cloud, FIELD_ACCELERATION) : 0;
+
+  PetscFunctionBegin;
+  PetscCall(TensionApply(stepper->tension, cloud));
+  if (acts) {
+    trial->sum[SUM_TENSION_WORK] = dt * (MassWeightedDot(cloud, FIELD_ACCELERATION) - before);
+    SumCapillaryWork(cloud, dt, trial);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial)
+{
+  Cloud            cloud        = stepper->cloud;
+  PetscReal       *acceleration = cloud->field[FIELD_ACCELERATION], *v_star = cloud->field[FIELD_VELOCITY_STAR];
+  const PetscReal *v            = cloud->field[FIELD_VELOCITY];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
+  if (!fused) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
+  if (ViscosityIsExplicit(stepper)) {
+    if (!fused) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+    trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
+  }
+  if (stepper->damping == 1) AddBodyForce(cloud, acceleration);
+  PetscCall(AddTension(stepper, dt, trial));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];
+  PetscCall(PetscArraycpy(v_star + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid,
+                          DIM * (cloud->n_owned - cloud->n_fluid)));
+  if (stepper->viscous.implicit) {
+    const PetscReal before = MassWeightedDot(cloud, FIELD_VELOCITY_STAR);
+
+    PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
+    trial->sum[SUM_VISCOUS_WORK] = MassWeightedDot(cloud, FIELD_VELOCITY_STAR) - before;
+  } else
+    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,50 @@
+#include "stepper_impl.h"
+
+/* Keeps particles out of one face of the box, a wall or a mirror. */
+static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance, PetscReal x[], PetscReal v[])
+{
+  const Domain    domain  = cloud->domain;
+  const PetscBool wall    = (PetscBool)(domain->face[d][side] == FACE_WALL);
+  const PetscReal inwards = side ? -1 : 1, at = side ? domain->upper[d] : domain->lower[d],
+                  wall_velocity = domain->wall_velocity[d][side][d];
+
+  for (PetscInt k = d; k < DIM * cloud->n_fluid; k += DIM) {
+    if (wall && inwards * (x[k] - at) < distance) {
+      x[k] = at + inwards * distance;
+      if (inwards * (v[k] - wall_velocity) < 0) v[k] = wall_velocity;
+    } else if (!wall && inwards * (x[k] - at) < 0) {
+      x[k] = 2 * at - x[k];
+      v[k] = -v[k];
+    }
+  }
+}
+
+/* The same for solids: out along the normal. */
+static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[])
+{
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal deep = distance - SceneSolidDistance(cloud->scene, x + DIM * a, NULL);
+    PetscReal       n[DIM], inwards;
+
+    if (deep <= 0) continue;
+    SceneSolidNormal(cloud->scene, x + DIM * a, n);
+    inwards = PetscMin(0, Dot(v + DIM * a, n));
+    for (PetscInt d = 0; d < DIM; d++) {
+      x[DIM * a + d] += deep * n[d];
+      v[DIM * a + d] -= inwards * n[d];
+    }
+  }
+}
+
+PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[])
+{
+  const Domain domain = cloud->domain;
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt side = 0; side < 2; side++)
+      if (domain->face[d][side] == FACE_WALL || domain->face[d][side] == FACE_SYMMETRY)
+        GuardFace(cloud, d, side, distance, x, v);
+  if (SceneSolidCount(cloud->scene)) GuardSolids(cloud, distance, x, v);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

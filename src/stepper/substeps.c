@@ -1,0 +1,97 @@
+/* The sub-steps that the schemes are made of. */
+#include "stepper_impl.h"
+
+PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  Cloud            cloud    = stepper->cloud;
+  PetscReal       *r        = cloud->field[FIELD_POSITION];
+  const PetscReal *v        = cloud->field[FIELD_VELOCITY];
+  PetscReal        largest2 = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) r[k] += 0.5 * dt * v[k];
+    largest2 = PetscMax(largest2, Dot(v + DIM * a, v + DIM * a));
+  }
+  trial->largest[LARGEST_DISPLACEMENT] = 0.5 * dt * PetscSqrtReal(largest2);
+  PetscCall(CloudMoved(cloud));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepSearch(Stepper stepper, PetscBool viscous)
+{
+  Cloud cloud = stepper->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SEARCH), 0, 0, 0, 0));
+  PetscCall(OperatorsMoments(cloud, viscous)); /* Eq. (4) */
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_SEARCH), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset)
+{
+  Cloud cloud = stepper->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_DIVERGENCE), 0, 0, 0, 0));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, time_offset,
+                                cloud->field[FIELD_DIVERGENCE], cloud->field[FIELD_VELOCITY_GRADIENT],
+                                cloud->field[FIELD_VELOCITY_JUMP]));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_DIVERGENCE), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepKick(Stepper stepper, PetscReal dt)
+{
+  Cloud            cloud  = stepper->cloud;
+  const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR], *a = cloud->field[FIELD_PRESSURE_ACCELERATION];
+  PetscReal       *v      = cloud->field[FIELD_VELOCITY_NEW];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_KICK), 0, 0, 0, 0));
+  PetscCall(PressureAcceleration(stepper->pressure));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_KICK), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done)
+{
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *v_new = cloud->field[FIELD_VELOCITY_NEW];
+  PetscReal       *r = cloud->field[FIELD_POSITION_NEW];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
+    r[k] = from[k] + 0.5 * dt * ((half_done ? 0 : v[k]) + v_new[k]); /* Eq. (10) */
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepGuard(Stepper stepper, const PetscReal from[], StepTrial *trial)
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
+  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r_new, v_new));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal moved[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
+                                  r_new[3 * a + 2] - from[3 * a + 2]};
+
+    largest = PetscMax(largest, Norm(moved));
+    if (!(Norm(moved) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
+  }
+  trial->largest[LARGEST_DISPLACEMENT] += largest;
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));
+  PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY], v_new, DIM * cloud->n_fluid));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

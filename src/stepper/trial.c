@@ -1,0 +1,102 @@
+/* What is measured in a trial of a step, and whether it is accepted. */
+#include "stepper_impl.h"
+
+/* The integral of |sum V grad W| over the liquid below a flat surface is half its area, for any kernel: sum V W rises
+   from 1/2 at the surface to 1 inside. */
+PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a)
+{
+  return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
+}
+
+PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *div;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal ratio = cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a],
+                    sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
+
+    trial->largest[LARGEST_DENSITY] = PetscMax(trial->largest[LARGEST_DENSITY], ratio);
+    trial->sum[SUM_SURFACE_ENERGY] += sigma * TrialSurfaceArea(cloud, a);
+    if (cloud->integer[INT_SURFACE][a]) continue;
+    trial->sum[SUM_DENSITY] += ratio;
+    trial->sum[SUM_DENSITY2] += PetscSqr(ratio - 1);
+    trial->sum[SUM_INSIDE]++;
+  }
+  if (!trial->diagnose) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, 1, &div));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div, NULL, NULL));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (!cloud->integer[INT_SURFACE][a]) trial->sum[SUM_DIVERGENCE2] += PetscSqr(div[a]);
+  PetscCall(CloudRestoreWork(cloud, &div));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial)
+{
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *v     = cloud->field[FIELD_VELOCITY];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal m = cloud->rest_density[a] * cloud->volume[a];
+
+    trial->sum[SUM_MASS] += m;
+    trial->sum[SUM_KINETIC] += 0.5 * m * Dot(v + DIM * a, v + DIM * a);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, trial->largest, LARGEST_COUNT, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, trial->sum, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a solver that did not converge says. */
+static PetscErrorCode ExplainSolver(PetscReal dt, const StepTrial *trial, char why[], size_t length)
+{
+  PetscFunctionBegin;
+  if (trial->viscous < 0)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
+                            "larger -viscous_ksp_max_it or -viscous_ksp_rtol",
+                            KSPConvergedReasons[trial->viscous], (double)dt));
+  else
+    PetscCall(PetscSNPrintf(why, length,
+                            "the pressure solver stopped with %s after %" PetscInt_FMT
+                            " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol",
+                            KSPConvergedReasons[trial->pressure.reason], trial->pressure.iterations, (double)dt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial, char why[], size_t length)
+{
+  const TrialLimits *limits = &stepper->trial;
+  const PetscReal    moved  = trial->largest[LARGEST_DISPLACEMENT] / stepper->cloud->domain->spacing,
+                  at_hand   = limits->at_hand * trial->sum[SUM_MASS];
+
+  PetscFunctionBegin;
+  why[0] = 0;
+  if (TrialFailed(trial))
+    PetscCall(ExplainSolver(dt, trial, why, length));
+  else if (trial->largest[LARGEST_BROKEN] > 0)
+    PetscCall(PetscSNPrintf(why, length,
+                            "positions or velocities are not numbers any more (step %g s): try a smaller -time_cfl",
+                            (double)dt));
+  else if (moved > limits->displacement)
+    PetscCall(PetscSNPrintf(why, length,
+                            "a particle would move %.3g spacings in one step of %g s, more than -displacement_max %g: "
+                            "try a smaller -time_cfl",
+                            (double)moved, (double)dt, (double)limits->displacement));
+  else if (trial->largest[LARGEST_DENSITY] > limits->density)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the density reaches %.3g times the rest density, more than -density_max %g: particles "
+                            "have clumped; try a smaller -time_cfl, -shifting or a smaller spacing",
+                            (double)trial->largest[LARGEST_DENSITY], (double)limits->density));
+  else if (at_hand > 0 && limits->energy > 0 && trial->sum[SUM_KINETIC] > limits->energy * at_hand)
+    PetscCall(PetscSNPrintf(why, length,
+                            "the kinetic energy is %.3g times all that speeds, falls and surfaces of the scene can "
+                            "give, more than -energy_max %g: the run has become unstable; try a smaller -time_cfl or "
+                            "spacing",
+                            (double)(trial->sum[SUM_KINETIC] / at_hand), (double)limits->energy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
