@@ -24,7 +24,8 @@ typedef PetscOptionItems OptionItems;
 #define SIMD_LOOP(clauses) _Pragma_(omp simd clauses)
 #define _Pragma_(text)     _Pragma(#text)
 
-/* One log event a sub-step (drift to guard) and one each part of it that takes time, one stage a phase of the run: -log_view shows them. */
+/* One log event a sub-step (drift to guard) and one each part of it that takes time, one stage a phase of the run:
+ * -log_view shows them. */
 typedef enum {
   EVENT_DRIFT,
   EVENT_SEARCH,

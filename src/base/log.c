@@ -12,13 +12,17 @@ static PetscLogStage Stages[STAGE_COUNT];
 static PetscBool UserErrorRaised = PETSC_FALSE; /* UserError has printed its sentence and its code is on its way up */
 
 static const char *const EventNames[EVENT_COUNT] = {
-  [EVENT_DRIFT] = "SphDrift", [EVENT_SEARCH] = "SphSearch", [EVENT_FORCES] = "SphForces", [EVENT_DIVERGENCE] = "SphDivergence", [EVENT_PROJECT] = "SphProject", [EVENT_KICK] = "SphKick", 
-  [EVENT_HALO] = "SphHalo",       [EVENT_MIGRATE] = "SphMigrate",   [EVENT_NEIGHBORS] = "SphNeighbors",
-  [EVENT_MOMENTS] = "SphMoments", [EVENT_SURFACE] = "SphSurface",   [EVENT_VISCOSITY] = "SphViscosity",
-  [EVENT_TENSION] = "SphTension", [EVENT_SOURCE] = "SphSource",     [EVENT_ASSEMBLE] = "SphAssemble",
-  [EVENT_SOLVE] = "SphSolve",     [EVENT_GRADIENT] = "SphGradient", [EVENT_SHIFT] = "SphShift",
-  [EVENT_GUARD] = "SphGuard",     [EVENT_PACKING] = "SphPacking",   [EVENT_OUTPUT] = "SphOutput",
-  [EVENT_GAUGES] = "SphGauges",
+  [EVENT_DRIFT] = "SphDrift",         [EVENT_SEARCH] = "SphSearch",
+  [EVENT_FORCES] = "SphForces",       [EVENT_DIVERGENCE] = "SphDivergence",
+  [EVENT_PROJECT] = "SphProject",     [EVENT_KICK] = "SphKick",
+  [EVENT_HALO] = "SphHalo",           [EVENT_MIGRATE] = "SphMigrate",
+  [EVENT_NEIGHBORS] = "SphNeighbors", [EVENT_MOMENTS] = "SphMoments",
+  [EVENT_SURFACE] = "SphSurface",     [EVENT_VISCOSITY] = "SphViscosity",
+  [EVENT_TENSION] = "SphTension",     [EVENT_SOURCE] = "SphSource",
+  [EVENT_ASSEMBLE] = "SphAssemble",   [EVENT_SOLVE] = "SphSolve",
+  [EVENT_GRADIENT] = "SphGradient",   [EVENT_SHIFT] = "SphShift",
+  [EVENT_GUARD] = "SphGuard",         [EVENT_PACKING] = "SphPacking",
+  [EVENT_OUTPUT] = "SphOutput",       [EVENT_GAUGES] = "SphGauges",
 };
 
 static const char *const StageNames[STAGE_COUNT] = {

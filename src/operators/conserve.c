@@ -60,7 +60,7 @@ static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal  per_mass = weight[a] / (volume[a] * rest[a]);
     const PetscReal *c = change + DIM * a, *d = dr ? dr + DIM * a : still, xa = x[3 * a], ya = x[3 * a + 1],
-                    za   = x[3 * a + 2];
+                    za = x[3 * a + 2];
     PetscReal *g = push + DIM * a, *beta = spin + DIM * a;
     PetscReal  xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, mx = 0, my = 0, mz = 0, vx = 0, vy = 0, vz = 0;
 

@@ -109,7 +109,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
   const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
   const PetscReal *x           = cloud->field[FIELD_POSITION];
   PetscReal        scale_w, scale_f, inverse_h2, scale;
-  PairRow row;
+  PairRow          row;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);

@@ -98,17 +98,17 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const
 PetscErrorCode OperatorsCompensationWeights(Cloud cloud, PetscReal weight[]);
 /* OperatorsCompensate - spreads the opposite of each particle's change ([n_fluid][3], of velocity or acceleration) over
    its neighbours, with those weights, and adds what each particle receives to its change: momentum and angular momentum
-   of the fluid are kept at positions x (m, ghosts current). dr ([n_fluid][3], m): displacements that were compensated in
-   the same way, at velocities u ([n_total][3]), and whose torque is cancelled too; NULL: none. Collective. */
+   of the fluid are kept at positions x (m, ghosts current). dr ([n_fluid][3], m): displacements that were compensated
+   in the same way, at velocities u ([n_total][3]), and whose torque is cancelled too; NULL: none. Collective. */
 PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
                                    const PetscReal u[], PetscReal change[]);
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles; corrected selects B_a or
    the identity for the fluid; walls always take the identity and only pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: liquid that slides past the lattice of dummy particles would
    otherwise see it approach and leave, a friction no finer spacing removes (a dam break lost a third of its energy).
-   velocity: [n_total][3], a field of the cloud. time_offset (s): the fluid's divergence is that after the particles have
-   moved on for so long with these velocities, to first order: div v - time_offset tr (grad v)^2. On the way, of the
-   fluid: gradient [n_owned][9] = sum V (v_b - v_a)_i grad_j W, without B and without walls, 1/s; jump [n_owned] =
+   velocity: [n_total][3], a field of the cloud. time_offset (s): the fluid's divergence is that after the particles
+   have moved on for so long with these velocities, to first order: div v - time_offset tr (grad v)^2. On the way, of
+   the fluid: gradient [n_owned][9] = sum V (v_b - v_a)_i grad_j W, without B and without walls, 1/s; jump [n_owned] =
    largest |v_b - v_a|, m/s. Each of the three may be NULL. */
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal time_offset,
                                    PetscReal div[], PetscReal gradient[], PetscReal jump[]);

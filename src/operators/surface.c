@@ -1,10 +1,10 @@
 /* Free-surface detection of Marrone, Colagrossi, Le Touze, Graziani 2010. */
 #include "operators.h"
 
-#define LAMBDA_INNER   0.75 /* at least: inner */
-#define LAMBDA_NEAR    0.95 /* at most, next to a flagged particle: near the surface */
-#define CONE_SCALE     1.33 /* cone radius over spacing: tied to the spacing, not to a wide kernel */
-#define NEAR_DISTANCE  1.5  /* spacings */
+#define LAMBDA_INNER  0.75 /* at least: inner */
+#define LAMBDA_NEAR   0.95 /* at most, next to a flagged particle: near the surface */
+#define CONE_SCALE    1.33 /* cone radius over spacing: tied to the spacing, not to a wide kernel */
+#define NEAR_DISTANCE 1.5  /* spacings */
 
 /* Whether no neighbour lies in the umbrella above particle a: outward normal n, cone scale s. */
 static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], PetscReal s)

@@ -137,32 +137,38 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* As GradientCorrected, but the neighbours pay for its difference to Eq. (9), which alone has a sum and a torque. */
+/* As GradientCorrected, but the neighbours compensate for its difference to Eq. (9), which alone has a sum and a
+ * torque.
+ */
 PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
 {
-  Cloud           cloud     = pressure->cloud;
-  PetscReal      *corrected = cloud->field[FIELD_ACCELERATION], *change = cloud->field[FIELD_START];
+  Cloud           cloud = pressure->cloud;
   const PetscReal scale = RowScale(cloud);
-  Row             row;
+  PetscReal      *weight, *change;
+  PairRow         row;
 
   PetscFunctionBegin;
-  PetscCall(GradientCorrected(pressure, corrected));
+  PetscCall(CloudGetWork(cloud, 1, &weight));
+  PetscCall(CloudGetWork(cloud, DIM, &change));
+  PetscCall(GradientCorrected(pressure, acceleration));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal symmetric[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
     if (cloud->integer[INT_SURFACE][a]) continue;
-    RowLoad(cloud, a, &row);
+    PairRowLoadFactors(cloud, a, &row);
     SymmetricRow(pressure, a, &row, scale, symmetric);
     for (PetscInt d = 0; d < DIM; d++) {
-      change[DIM * a + d]    = corrected[DIM * a + d] - symmetric[d];
-      corrected[DIM * a + d] = symmetric[d];
+      change[DIM * a + d]       = acceleration[DIM * a + d] - symmetric[d];
+      acceleration[DIM * a + d] = symmetric[d];
     }
   }
-  PetscCall(OperatorsCompensationWeights(cloud));
-  PetscCall(PetscArrayzero(cloud->field[FIELD_WORK3], DIM * cloud->n_owned));
-  PetscCall(OperatorsCompensate(cloud, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY_STAR], change));
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) acceleration[k] = corrected[k] + change[k];
+  PetscCall(OperatorsCompensationWeights(cloud, weight));
+  PetscCall(
+    OperatorsCompensate(cloud, weight, cloud->field[FIELD_POSITION], NULL, cloud->field[FIELD_VELOCITY_STAR], change));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) acceleration[k] += change[k];
+  PetscCall(CloudRestoreWork(cloud, &change));
+  PetscCall(CloudRestoreWork(cloud, &weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -170,7 +176,7 @@ PetscErrorCode PressureAcceleration(Pressure pressure)
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
-  PetscCall(pressure->gradient(pressure, pressure->cloud->field[FIELD_WORK3]));
+  PetscCall(pressure->gradient(pressure, pressure->cloud->field[FIELD_PRESSURE_ACCELERATION]));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

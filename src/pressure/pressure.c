@@ -74,13 +74,6 @@ PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSetAhead(Pressure pressure, PetscReal ahead)
-{
-  PetscFunctionBegin;
-  pressure->ahead = ahead;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode PressureSetFromOptions(Pressure pressure)
 {
   Cloud             cloud     = pressure->cloud;
@@ -172,7 +165,6 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   if (!p) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureReset(p));
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
-  PetscCall(PetscFree(p->div));
   PetscCall(PetscFree(p->closure_diagonal));
   PetscCall(PetscFree(p->pair_diagonal));
   PetscCall(PetscFree(p->pair_weight));

@@ -37,9 +37,6 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
                                 PetscBool summed);
 /* PressureSetRelaxationTime - T (s) of the density term. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
-/* PressureSetAhead - steps (1) after the time of the positions at which the new velocity shall have no divergence: 0
-   (default), or 0.5 where forces act in the middle of a step. Not collective. */
-PetscErrorCode PressureSetAhead(Pressure pressure, PetscReal ahead);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
    -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
    -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the KSP's options act
@@ -50,10 +47,10 @@ PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
 /* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
-   ghosts; the former pressure is the start value. Reads FIELD_VELOCITY_STAR (owned and ghosts), FIELD_DENSITY (same),
-   FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the free surface), INT_SURFACE
-   of owned particles. A solver that does not converge is no error: see result->reason; the pressure is then unchanged.
-   dt in s. Collective. */
+   ghosts; the former pressure is the start value. Reads FIELD_DENSITY (owned and ghosts), FIELD_DIVERGENCE (if
+   PressureTakesDivergence), FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the
+   free surface), INT_SURFACE of owned particles. A solver that does not converge is no error: see result->reason; the
+   pressure is then unchanged. dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
 /* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
  * call. Collective. */
@@ -75,10 +72,10 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
 /* PressureSource - minus the source of div(grad p/rho), rhs[n_rows] (1/s2), that PressureSolve would solve for; reads
    what that reads. Collective. */
 PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
-/* PressureTakesDivergence - whether the source is a rate of compression over dt, from OperatorsDivergence of
-   FIELD_VELOCITY_STAR, else the compression itself over dt^2. Not collective. */
+/* PressureTakesDivergence - whether the source is a rate of compression over dt, from FIELD_DIVERGENCE, else the
+   compression itself over dt^2. Not collective. */
 PetscBool PressureTakesDivergence(Pressure pressure);
-/* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_WORK3. Not collective. */
+/* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_PRESSURE_ACCELERATION. Not collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);

@@ -46,12 +46,9 @@ struct _p_Pressure {
   PetscReal  *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
   PetscInt    rows_capacity, weight_capacity;
   PetscReal   relaxation_time, relaxation_option;
-  PetscReal   ahead;            /* steps from the positions to the time at which the new velocity has no divergence */
-  PetscReal   lattice_diagonal; /* Lambda_0 of a row with rest density 1 */
-  PetscReal   lattice_sum;      /* sum V W on a full lattice, 1 */
+  PetscReal   lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
+  PetscReal   lattice_sum;                                        /* sum V W on a full lattice, 1 */
   PetscReal   surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
-  PetscReal  *div;                                                /* [owned capacity] 1/s */
-  PetscInt    div_capacity;
   PetscInt    row_layout;             /* the cloud's layout that the rows are numbered for */
   PetscInt    row_start, rows_global; /* first row of this rank, rows of all */
   PetscInt   *parent_row;             /* [n_owned - n_rows] local row of the parent of deeper wall particles */

@@ -44,27 +44,22 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
 /* A relaxation in fewer steps overshoots: the Couette flow with implicit viscosity at dt = 3 T blows up. */
 #define RELAXATION_STEPS 5
 
-/* (1/dt) div v* with corrected kernel gradients, plus e/(dt T), T at least RELAXATION_STEPS dt; wall rows: plain
-   divergence, deeper layers folded in. Positions are those of the middle of a centered step, the new velocity belongs
-   to its end, 'ahead' of them. Free of divergence in the middle, it would have dt/2 tr (grad v)^2 at the end: the
-   density would drift by that times T, and the pressure's work on it is a loss of dt/2 |grad p|^2/rho a volume and
-   time, 3 % of the energy of Taylor-Green vortices of Re 1000 at 50 spacings. */
+/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least RELAXATION_STEPS dt; wall rows: the divergence alone,
+   deeper layers folded in. The positions are those of the middle of a centered step and the new velocity belongs to its
+   end, so the divergence must be that at the end (time_offset of OperatorsDivergence). Free of divergence in the
+   middle, the velocity would have dt/2 tr (grad v)^2 at the end: the density would drift by that times T, and the
+   pressure's work on it is a loss of dt/2 |grad p|^2/rho a volume and time, 3 % of the energy of Taylor-Green vortices
+   of Re 1000 at 50 spacings. */
 PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
-  Cloud           cloud = pressure->cloud;
-  const PetscReal rate  = 1 / (dt * PetscMax(pressure->relaxation_time, RELAXATION_STEPS * dt));
+  Cloud            cloud = pressure->cloud;
+  const PetscReal *div   = cloud->field[FIELD_DIVERGENCE];
+  const PetscReal  rate  = 1 / (dt * PetscMax(pressure->relaxation_time, RELAXATION_STEPS * dt));
 
   PetscFunctionBegin;
-  if (cloud->n_owned > pressure->div_capacity) {
-    pressure->div_capacity = cloud->capacity;
-    PetscCall(PetscFree(pressure->div));
-    PetscCall(PetscMalloc1(pressure->div_capacity, &pressure->div));
-  }
-  PetscCall(
-    OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, pressure->ahead * dt, pressure->div));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -pressure->div[a] / dt - DensityDefect(pressure, a) * rate;
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -pressure->div[a] / dt;
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) rhs[ParentRow(pressure, a)] -= pressure->div[a] / dt;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * rate;
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) rhs[ParentRow(pressure, a)] -= div[a] / dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

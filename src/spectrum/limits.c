@@ -82,7 +82,7 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
   PetscCall(VecDestroy(&p));
   PetscCall(PressureAcceleration(s->pressure));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
-    acceleration[k] = cloud->field[FIELD_ACCELERATION][k] + cloud->field[FIELD_WORK3][k];
+    acceleration[k] = cloud->field[FIELD_ACCELERATION][k] + cloud->field[FIELD_PRESSURE_ACCELERATION][k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,13 +1,13 @@
 /* The consistent scheme, which is the default: every operator acts at the same positions, those of the middle of the
    step, found with one neighbour search. It keeps the energy of an impact at three times the spacing that the printed
-   scheme needs. With v* the velocity without pressure, W, B, n and lambda those of the middle:
+   scheme needs. With v* the velocity without pressure, and all sums over the positions of the middle:
 
      drift       r^{n+1/2} = r^n + dt/2 v^n
-     search      W_ab, B = (-sum V grad W (x) r)^-1, lambda, n = sum V grad W, rho = sum m W, free surface
-     forces      v* = v^n + dt (nu lap v + g + tension of sheets), sigma kappa on the free surface
-     divergence  div v* = sum V (v*_b - v*_a).B_a grad W, grad v*
-     project     div (grad p/rho) = div v*/dt + e/(dt T), p = sigma kappa on the free surface; e: density defect
-     kick        v^{n+1} = v* - dt grad p/rho
+     search      neighbours, rho = sum m W, n = sum V grad W, B = (-sum V grad W (x) r_ab)^-1, free surface
+     forces      v* = v^n + dt (nu lap v + g + tension of sheets); sigma kappa on the free surface
+     divergence  D = sum V (v*_b - v*_a).B_a grad W, and grad v*
+     project     div (grad p/rho) = D/dt + e/(dt T), e the density defect; p = sigma kappa on the free surface
+     kick        v^{n+1} = v* - dt (grad p)/rho
      drift       r^{n+1} = r^{n+1/2} + dt/2 v^{n+1}
      shift       r^{n+1} += dr, v^{n+1} += (dr.grad) v*
      guard       no particle inside a wall
@@ -34,20 +34,14 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(TrialDiagnose(stepper, trial));
   PetscCall(StepForces(stepper, dt, cloud->rest_density, viscous, trial));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StepDivergence(stepper, scheme->divergence_offset * dt));
+  if (scheme->shifting.active || PressureTakesDivergence(stepper->pressure))
+    PetscCall(StepDivergence(stepper, scheme->divergence_offset * dt));
   PetscCall(scheme->project(stepper, dt, &trial->pressure));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StepKick(stepper, dt));
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));
   PetscCall(StepGuard(stepper, cloud->field[FIELD_POSITION], trial));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *result)
-{
-  PetscFunctionBegin;
-  PetscCall(PressureSolve(stepper->pressure, dt, result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,9 +53,9 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "ConsistentSetFromOptions",
                              shifting->active, &shifting->active, NULL));
-  PetscCall(
-    PetscOptionsBool("-shifting_conserved", "shifting keeps momentum and angular momentum, at more loss of energy",
-                     "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
+  PetscCall(PetscOptionsBool("-shifting_conserved",
+                             "shifting keeps momentum and angular momentum, at more loss of energy",
+                             "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
   PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "ConsistentSetFromOptions",
                              shifting->strength, &shifting->strength, NULL));
   PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "ConsistentSetFromOptions",
@@ -109,8 +103,7 @@ PetscErrorCode ConsistentDefaults(Stepper stepper)
   stepper->force_time       = 0.5;
   scheme->centered          = PETSC_TRUE;
   scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, SHIFTING_CAP};
-  PetscCall(
-    PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
+  PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,7 +124,7 @@ PetscErrorCode SchemeCreate_Consistent(Stepper stepper)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&scheme));
-  scheme->project = Project;
+  scheme->project = StepProject;
   stepper->scheme = scheme;
   stepper->ops    = (SchemeOps){.setfromoptions = ConsistentSetFromOptions,
                                 .check          = CheckConsistent,

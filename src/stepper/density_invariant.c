@@ -33,7 +33,7 @@ static PetscErrorCode Correct(Stepper stepper, PetscReal dt, const PetscReal sta
   PetscCall(StepSearch(stepper, PETSC_FALSE));
   PetscCall(TrialDiagnose(stepper, trial));
   if (PressureTakesDivergence(stepper->pressure)) PetscCall(StepDivergence(stepper, 0));
-  PetscCall(PressureSolve(stepper->pressure, dt, &trial->pressure)); /* Eqs. (8), (11) */
+  PetscCall(StepProject(stepper, dt, &trial->pressure)); /* Eqs. (8), (11) */
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StepKick(stepper, dt));                        /* Eq. (9) */
   PetscCall(StepDriftOn(stepper, dt, start, PETSC_FALSE)); /* Eq. (10) */

@@ -14,8 +14,8 @@ static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
 }
 
 /* The terms of the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA. The net flux of the
-   liquid through its surface should be zero. It is not quite, and the pressure that all of a drop has in common would do
-   work on the remainder; StepperAdvance subtracts that as if the remainder were spread evenly. */
+   liquid through its surface should be zero. It is not quite, and the pressure that all of a drop has in common would
+   do work on the remainder; StepperAdvance subtracts that as if the remainder were spread evenly. */
 static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
@@ -69,7 +69,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
 {
   Cloud            cloud        = stepper->cloud;
   PetscReal       *acceleration = cloud->field[FIELD_ACCELERATION], *v_star = cloud->field[FIELD_VELOCITY_STAR];
-  const PetscReal *v            = cloud->field[FIELD_VELOCITY];
+  const PetscReal *v = cloud->field[FIELD_VELOCITY];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
@@ -81,8 +81,8 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   if (stepper->damping == 1) AddBodyForce(cloud, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];
-  PetscCall(PetscArraycpy(v_star + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid,
-                          DIM * (cloud->n_owned - cloud->n_fluid)));
+  PetscCall(
+    PetscArraycpy(v_star + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
   if (stepper->viscous.implicit) {
     const PetscReal before = MassWeightedDot(cloud, FIELD_VELOCITY_STAR);
 

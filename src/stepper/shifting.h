@@ -12,9 +12,9 @@ typedef struct {
 
 /* Shift - moves FIELD_POSITION_NEW (m) towards an even distribution and takes FIELD_VELOCITY_NEW (m/s) to where the
    particles then are. Reads FIELD_VELOCITY_GRADIENT (1/s) and FIELD_VELOCITY_JUMP (m/s) of the velocity before the
-   pressure acted: a pass over the pairs less. If shifting is conserved, centre of mass, momentum and angular momentum of
-   the fluid stay, to round-off, except what mirrors and the box's period do to them. Lists, kernels and B are those of
-   FIELD_POSITION. Collective. */
+   pressure acted: a pass over the pairs less. If shifting is conserved, centre of mass, momentum and angular momentum
+   of the fluid stay, to round-off, except what mirrors and the box's period do to them. Lists, kernels and B are those
+   of FIELD_POSITION. Collective. */
 PetscErrorCode Shift(Cloud cloud, const Shifting *shifting, PetscReal dt);
 
 #endif

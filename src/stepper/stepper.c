@@ -102,7 +102,7 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
 static PetscErrorCode SetViscosityFromOptions(Stepper s)
 {
   const char *const forms[] = {"cleary", "morris"}, *const walls[] = {"rest", "linear"};
-  PetscInt          form = s->viscosity_form, wall = s->no_slip;
+  PetscInt form = s->viscosity_form, wall = s->no_slip;
 
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Viscosity", "Stepper");
@@ -163,8 +163,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   s->reference_velocity = velocity = StepperReferenceVelocity(s);
   if (s->ops.check) PetscCall(s->ops.check(s));
   if (velocity > 0)
-    PetscCall(PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * KernelSmoothingLength(s->cloud->kernel) /
-                                                       velocity));
+    PetscCall(
+      PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * KernelSmoothingLength(s->cloud->kernel) / velocity));
   PetscCheckUser(
     velocity > 0 || s->limits.max > 0 || s->limits.fixed > 0, s->cloud->comm,
     "nothing in the scene moves or pushes, so no time step follows from it: give -time_step or -time_step_max (s)");
@@ -174,8 +174,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g\n", stepper->scheme_type,
-                                   (double)stepper->limits.cfl));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g\n", stepper->scheme_type, (double)stepper->limits.cfl));
   if (stepper->ops.view) PetscCall(stepper->ops.view(stepper, viewer));
   PetscCall(PressureView(stepper->pressure, viewer));
   PetscCall(TensionView(stepper->tension, viewer));

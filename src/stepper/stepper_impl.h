@@ -131,6 +131,8 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
 /* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR; the
    divergence is that after the particles have moved for time_offset (s). */
 PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
+/* StepProject - FIELD_PRESSURE of owned particles and ghosts by PressureSolve, Eqs. (8), (11). */
+PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result);
 /* StepKick - FIELD_PRESSURE_ACCELERATION = -grad p/rho and FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR + dt of it,
    Eq. (9). */
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt);

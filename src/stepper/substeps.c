@@ -46,11 +46,20 @@ PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_PROJECT), 0, 0, 0, 0));
+  PetscCall(PressureSolve(stepper->pressure, dt, result));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_PROJECT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt)
 {
   Cloud            cloud  = stepper->cloud;
   const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR], *a = cloud->field[FIELD_PRESSURE_ACCELERATION];
-  PetscReal       *v      = cloud->field[FIELD_VELOCITY_NEW];
+  PetscReal       *v = cloud->field[FIELD_VELOCITY_NEW];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_KICK), 0, 0, 0, 0));

@@ -6,12 +6,8 @@
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {
-  *limits = (TimeStepLimits){.cfl             = 0.2,
-                             .viscous_limit   = 0.08,
-                             .capillary_limit = 0.25,
-                             .force_limit     = 0.03,
-                             .growth          = 1.2,
-                             .spray_share     = 0.8};
+  *limits = (TimeStepLimits){
+    .cfl = 0.2, .viscous_limit = 0.08, .capillary_limit = 0.25, .force_limit = 0.03, .growth = 1.2, .spray_share = 0.8};
 }
 
 /* The fractions of the bounds, for those who study stability. */
@@ -119,9 +115,8 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
     if (m->viscosity > 0)
       bounds.viscosity = PetscMin(bounds.viscosity, limits->viscous_limit * h * h * m->density / m->viscosity);
     if (m->tension > 0 && TensionReach(stepper->tension) > 0)
-      bounds.tension =
-        PetscMin(bounds.tension,
-                 limits->capillary_limit * PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+      bounds.tension = PetscMin(bounds.tension, limits->capillary_limit *
+                                                  PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
   }
   return bounds;
 }

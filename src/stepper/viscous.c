@@ -32,7 +32,8 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* u ([n_owned][3]): velocities of the fluid, from x, or zero if that is NULL; of walls their own if 'walls', else zero. */
+/* u ([n_owned][3]): velocities of the fluid, from x, or zero if that is NULL; of walls their own if 'walls', else zero.
+ */
 static PetscErrorCode Load(Cloud cloud, Vec x, PetscBool walls, PetscReal u[])
 {
   const PetscScalar *values;

@@ -14,7 +14,8 @@
 
 #define TAIT_EXPONENT 7 /* water; Monaghan 1994 */
 
-#define RELAXATION_RATIO 25 /* time of the density's repair, over h/U of the scene: a faster one does work on the sound */
+#define RELAXATION_RATIO                                                                                               \
+  25 /* time of the density's repair, over h/U of the scene: a faster one does work on the sound */
 
 typedef struct {
   Consistent base;
@@ -207,14 +208,16 @@ static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *res
   const Compressible *s     = (const Compressible *)stepper->scheme;
 
   PetscFunctionBegin;
-  result->reason = KSP_CONVERGED_ITERATING;
-  if (stepper->first && s->projected) {
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_PROJECT), 0, 0, 0, 0));
+  if (stepper->first && s->projected)
     PetscCall(PressureAtStart(stepper, dt, result));
-    if (result->reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  } else
+  else
     PetscCall(Compress(stepper, dt));
-  PetscCall(ExtendToWalls(cloud));
-  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  if (result->reason >= 0) {
+    PetscCall(ExtendToWalls(cloud));
+    PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  }
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_PROJECT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -34,8 +34,8 @@ TIGHT = 1e-5  # of the runs that compare iterations over sizes
 STEPS = {"16k": 20, "128k": 12, "1M": 10}
 KEPT = {"twolevel": 10, "jacobi": 10}  # steps a preconditioner is kept; all others:
 KEPT_DEAR = 50
-EVENTS = ("Neighbors", "Surface", "Viscosity", "Tension", "Source", "Assemble", "Solve", "Gradient", "Shift",
-          "Halo", "Migrate", "Guard")
+EVENTS = ("Neighbors", "Surface", "Viscosity", "Tension", "Divergence", "Source", "Assemble", "Solve", "Gradient",
+          "Shift", "Halo", "Migrate", "Guard")
 # Bytes a step must move: a neighbour is a number and a factor, read by two loops over pairs (source and gradient) and
 # written with a second factor of two bytes by the search; each product reads the number and the second factor. A vector
 # of the solver is eight bytes a particle, some twelve pass in each iteration.

@@ -86,6 +86,17 @@ static inline PetscErrorCode SetupMoments(Setup *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SetupDivergence - of FIELD_VELOCITY_STAR, whose ghosts are updated: what the divergence source reads. */
+static inline PetscErrorCode SetupDivergence(Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(s->cloud, FIELD_VELOCITY_STAR));
+  PetscCall(OperatorsDivergence(s->cloud, s->cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, 0,
+                                s->cloud->field[FIELD_DIVERGENCE], s->cloud->field[FIELD_VELOCITY_GRADIENT],
+                                s->cloud->field[FIELD_VELOCITY_JUMP]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static inline PetscErrorCode SetupClose(Setup *s)
 {
   PetscFunctionBegin;

@@ -1,6 +1,6 @@
 /* Neighbour lists and ghosts against all pairs of particles and explicit images; the signs of vectors and tensors in
    images. Runs on any number of ranks. */
-#include "../../src/wall/wall.h"
+#include "../../src/stepper/stepper_impl.h"
 #include "setup.h"
 #include "check.h"
 
@@ -222,7 +222,7 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
   const PetscInt *id     = cloud->integer[INT_ID];
   const PetscReal tiny   = SAME_PLACE * cloud->domain->spacing;
   PetscReal      *scalar = cloud->field[FIELD_WORK1], *vector = cloud->field[FIELD_WORK3];
-  PetscReal      *tensor = cloud->field[FIELD_STRESS], *point = cloud->field[FIELD_START];
+  PetscReal      *tensor = cloud->field[FIELD_STRESS], *point = cloud->field[FIELD_POSITION_NEW];
   Image           image[64];
   const PetscInt  images = AllImages(cloud->domain, image);
   World           world;
@@ -237,7 +237,7 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
   PetscCall(CloudUpdate(cloud, FIELD_WORK1));
   PetscCall(CloudUpdate(cloud, FIELD_WORK3));
   PetscCall(CloudUpdate(cloud, FIELD_STRESS));
-  PetscCall(CloudUpdate(cloud, FIELD_START));
+  PetscCall(CloudUpdate(cloud, FIELD_POSITION_NEW));
   PetscCall(WorldGather(cloud, &world));
   *wrong = 0;
   for (PetscInt g = cloud->n_owned; g < cloud->n_total; g++) {
@@ -279,7 +279,6 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 {
   Cloud     cloud = s->cloud;
-  PetscInt  touched;
   PetscReal width = STEP_WIDTH * s->domain->spacing;
 
   PetscFunctionBegin;
@@ -294,8 +293,7 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 
       cloud->field[FIELD_POSITION][DIM * a + d] += width * (0.7 * drift + 0.3 * noise);
     }
-  PetscCall(
-    WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], &touched));
+  PetscCall(WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY]));
   PetscCall(CloudMoved(cloud));
   PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
