@@ -82,6 +82,9 @@ for path, text in texts():
     links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
     broken = [link for link in links if not os.path.exists(os.path.join(here, link))]
     runs.check(not broken, f"links_{path}", f"no file {broken}")
+    gone = [p for p in re.findall(r"\b(?:src|tests|options|cases)/[\w./-]*\w", written)
+            if "NAME" not in p and not glob.glob(os.path.join(runs.ROOT, p) + "*")]
+    runs.check(not gone, f"paths_{path}", f"no file {gone}")
     for k, command in enumerate(commands(text)):
         words = shlex.split(command, comments=True)
         words = words[words.index("./isph") + 1:]

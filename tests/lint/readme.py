@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""README.md stays short: at most 200 lines of at most 120 columns. The tables of its method name functions of src/ as
-`file:function`: each is defined in that file, and each equation of the paper, (1) to (11), has one. LINT_ROOT: another
-tree, for a test of the test."""
+"""README.md stays short: at most 200 lines of at most 120 columns. Functions that it and CONTRIBUTING.md name as
+`file:function` are defined in that file of src/, and the README names one for each equation of the paper, (1) to (11).
+LINT_ROOT: another tree, for a test of the test."""
 import os
 import re
 import sys
@@ -26,20 +26,24 @@ def numbers(cell):
     return set(range(ends[0], ends[-1] + 1)) if ends else set()
 
 
-with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
-    text = file.read()
-lines = text.splitlines()
+def lines_of(document):
+    with open(os.path.join(ROOT, document), encoding="utf-8") as file:
+        return file.read().splitlines()
+
+
+lines = lines_of("README.md")
 if len(lines) > LINES:
     bad.append(f"README.md has {len(lines)} lines, at most {LINES}")
 bad += [f"README.md:{k}: {len(line)} columns, at most {COLUMNS}" for k, line in enumerate(lines, 1)
         if len(line) > COLUMNS]
 named, equations = 0, set()
-for k, line in enumerate(lines, 1):
-    for path, function in re.findall(r"`([\w/]+\.[ch]):(\w+)`", line):
-        named += 1
-        equations |= numbers(line.split("|")[1])
-        if not defines(path, function):
-            bad.append(f"README.md:{k}: src/{path} defines no function {function}")
+for document in ("README.md", "CONTRIBUTING.md"):
+    for k, line in enumerate(lines_of(document), 1):
+        for path, function in re.findall(r"`([\w/]+\.[ch]):(\w+)`", line):
+            named += 1
+            equations |= numbers(line.split("|")[1]) if document == "README.md" else set()
+            if not defines(path, function):
+                bad.append(f"{document}:{k}: src/{path} defines no function {function}")
 missing = sorted(set(range(1, EQUATIONS + 1)) - equations)
 if missing:
     bad.append(f"README.md names no function for the equations {missing}")
