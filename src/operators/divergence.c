@@ -1,9 +1,9 @@
-/* Divergence of a velocity field; sliding along walls does not count. */
+/* The divergence of a velocity field, in which sliding along walls does not count. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* The part of a velocity u (m/s) that is normal to the wall of dummy particle b: in the directions of the faces it is
-   behind, or along the normal of its solid. */
+/* The part of a velocity u (m/s) that is normal to the wall of dummy particle b. Of a box wall these are the components
+   along the directions in which b is behind a face, of a solid the component along its normal. */
 static inline void WallPart(Cloud cloud, PetscInt b, const PetscReal u[DIM], PetscReal part[DIM])
 {
   const Domain     domain = cloud->domain;
@@ -22,9 +22,9 @@ static inline void WallPart(Cloud cloud, PetscInt b, const PetscReal u[DIM], Pet
                 : 0;
 }
 
-/* Takes from the velocity gradient G (rows: components of the velocity) of fluid particle a all that walls gave it, and
-   from its copy 'moved' what they gave it by sliding only; without the scale of the kernel, as G. */
-static void RemoveWalls(Cloud cloud, PetscInt a, const Row *row, const PetscReal velocity[], PetscReal G[DIM * DIM],
+/* Removes from the velocity gradient G of fluid particle a all wall contributions, and from its copy 'moved' only the
+   tangential ones. Row i of G belongs to velocity component i; both are over V times scale_f of KernelScales. */
+static void RemoveWalls(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[], PetscReal G[DIM * DIM],
                         PetscReal moved[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
@@ -46,8 +46,9 @@ static void RemoveWalls(Cloud cloud, PetscInt a, const Row *row, const PetscReal
   }
 }
 
-/* sum (v_b - v_a).f r of a wall particle: the fluid only, its velocity normal to the wall only. */
-static PetscReal WallDivergence(Cloud cloud, PetscInt a, const Row *row, const PetscReal velocity[])
+/* sum f (v_b - v_a).r_ab of wall particle a over its neighbours in the fluid, of which only the velocity normal to the
+   wall counts. */
+static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[])
 {
   const PetscReal *x   = cloud->field[FIELD_POSITION];
   PetscReal        sum = 0;
@@ -64,8 +65,8 @@ static PetscReal WallDivergence(Cloud cloud, PetscInt a, const Row *row, const P
   return sum;
 }
 
-/* sum (v_b - v_a)_i f r_j over the row of a, and the largest |v_b - v_a|2. */
-static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a, const PetscReal velocity[],
+/* G_ij = sum f (v_b - v_a)_i (r_ab)_j over the row of a. Returns the largest |v_b - v_a|^2. */
+static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscInt a, const PetscReal velocity[],
                                          PetscReal G[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
@@ -92,7 +93,7 @@ static inline PetscReal VelocityGradient(Cloud cloud, const Row *row, PetscInt a
   return largest;
 }
 
-/* tr (G B)^2 of a velocity gradient G. */
+/* tr (G B)^2 of a velocity gradient G and a correction B. */
 static PetscReal SquareTrace(const PetscReal G[DIM * DIM], const PetscReal B[6])
 {
   PetscReal L[DIM][DIM], trace = 0;

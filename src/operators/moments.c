@@ -1,23 +1,31 @@
+/* Density, moments and normals of the particles, summed during the neighbour search.
+
+   Six sums and the viscous term need the same neighbours, the same positions and the same kernel values. Each of them
+   alone would read the whole pair list from memory again, which costs more than its arithmetic. Therefore the search
+   hands over every row while it is still in the cache (RowVisitor), and one loop makes all the sums: together they cost
+   little more than one of them. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-#define CLUMP_WEIGHT 0.2 /* of the term that resists pairing (Lind et al. 2012; Monaghan 2000) */
+/* The term that resists pairing is R (W/W(d0))^4 grad W with R = 0.2, as Lind et al. 2012 use it after Monaghan 2000.
+ */
+#define CLUMP_WEIGHT 0.2
 
-/* The smallest root of 4 c^3 - 3 c = r, which is cos(arccos(r)/3 + 2 pi/3), over t = sqrt(1 - r): to 0.4 % by the
-   parabola that is exact at r = 1, slope included, and at r = -1; to round-off after so many steps of Newton's method,
-   in half the time of the two functions. */
+/* The smallest root of 4 c^3 - 3 c = r is c = cos(arccos(r)/3 + 2 pi/3). This parabola in t = sqrt(1 - r) has its value
+   at r = -1 and its value and slope at r = 1, and is right to 0.4 % between. NEWTON_STEPS steps of Newton's method then
+   reach round-off, in half the time of the trigonometric functions. */
 #define SMALLEST_ROOT(t) (-0.5 - (t) * (0.408248290463863 - 0.0386751345948129 * (t)))
 #define NEWTON_STEPS     3
-#define SMALLEST         1e-300 /* a matrix of zeros divides nothing by it */
+#define SMALLEST         1e-300 /* added to a divisor that is zero for a matrix of zeros */
 
-/* The smallest eigenvalue of a symmetric matrix, or of its upper left 2 x 2 block; without branches, for many at once.
- */
+/* Smallest2 and Smallest3 are the smallest eigenvalues of symmetric matrices. They have no branches, so that a loop
+   over many matrices is a vector loop. */
 static inline PetscReal Smallest2(PetscReal xx, PetscReal yy, PetscReal xy)
 {
   return 0.5 * (xx + yy) - PetscSqrtReal(0.25 * (xx - yy) * (xx - yy) + xy * xy);
 }
 
-/* Smith, Comm. ACM 4, 168 (1961). */
+/* The trigonometric solution of Smith, Comm. ACM 4, 168 (1961). */
 static inline PetscReal Smallest3(PetscReal xx, PetscReal yy, PetscReal zz, PetscReal xy, PetscReal xz, PetscReal yz)
 {
   const PetscReal mean = (xx + yy + zz) / 3, a = xx - mean, b = yy - mean, c = zz - mean;
@@ -28,7 +36,7 @@ static inline PetscReal Smallest3(PetscReal xx, PetscReal yy, PetscReal zz, Pets
   const PetscReal low = half < 1 ? half : 1, r = low > -1 ? low : -1, t = PetscSqrtReal(1 - r);
   PetscReal       root = SMALLEST_ROOT(t);
 
-  for (PetscInt k = 0; k < NEWTON_STEPS; k++) /* at the double root -1/2 the slope is zero */
+  for (PetscInt k = 0; k < NEWTON_STEPS; k++) /* epsilon: the slope is zero at the double root -1/2 */
     root -= (root * (4 * root * root - 3) - r) / (12 * root * root - 3 + PETSC_MACHINE_EPSILON);
   return mean + 2 * spread * root;
 }
@@ -83,13 +91,16 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
 
 /* What the rows of OperatorsMoments share. */
 typedef struct {
-  PetscReal V, self, scale_w, scale_f, ratio; /* V in m^dim; W(0); of the kernel; scale_w/W(d0) */
-  PetscReal viscosity;                        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
+  PetscReal V, self;          /* volume of a particle, m^dim; W(0), m^-dim */
+  PetscReal scale_w, scale_f; /* of KernelScales */
+  PetscReal ratio;            /* scale_w/W(d0) */
+  PetscReal viscosity;        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
 } Scales;
 
-/* One row: the sums, then what follows from them. */
-static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], const Scales *scales,
-                        PetscBool viscous)
+/* Makes all sums of row a and stores what follows from them: FIELD_DENSITY, FIELD_NORMAL, FIELD_CROWDING, the moments
+   in FIELD_CORRECTION and, if 'viscous' says so, the viscous term in FIELD_ACCELERATION. */
+static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[],
+                              const Scales *scales, PetscBool viscous)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
                   scale = V * scales->scale_f;
@@ -134,15 +145,15 @@ static inline void Sums(Cloud cloud, PetscInt a, const float w[], const float sl
 
 static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  Sums(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE);
+  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE);
 }
 
 static void ViscousRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  Sums(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
+  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
 }
 
-/* FIELD_LAMBDA of M, which FIELD_CORRECTION holds, and B in its place. */
+/* FIELD_CORRECTION holds the moments M: finds FIELD_LAMBDA and replaces M by B. */
 static void Renormalise(Cloud cloud)
 {
   const PetscInt n = cloud->n_owned, dim = cloud->domain->dim;

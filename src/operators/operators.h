@@ -6,12 +6,13 @@
 
 #include "../neighbors/cloud.h"
 
+/* EtaSquared - eta2 (m2) of the regularised square of a distance, r2 + eta2: see ETA_OVER_H. */
 static inline PetscReal EtaSquared(Kernel kernel)
 {
   return PetscSqr(ETA_OVER_H * KernelSmoothingLength(kernel));
 }
 
-/* B_a v for a symmetric matrix stored xx yy zz xy xz yz. */
+/* TensorApply - B v for a symmetric matrix B, stored as xx yy zz xy xz yz, and v = (x, y, z). */
 static inline void TensorApply(const PetscReal B[6], PetscReal x, PetscReal y, PetscReal z, PetscReal out[DIM])
 {
   out[0] = B[0] * x + B[3] * y + B[4] * z;
@@ -19,7 +20,7 @@ static inline void TensorApply(const PetscReal B[6], PetscReal x, PetscReal y, P
   out[2] = B[4] * x + B[5] * y + B[2] * z;
 }
 
-/* Whether dummy particles of walls may be within the kernel's support of x (m). */
+/* OperatorsNearWall - whether dummy particles of walls may be within the kernel's support of x (m). */
 static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
 {
   const Domain    domain = cloud->domain;
@@ -33,12 +34,27 @@ static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
   return PETSC_FALSE;
 }
 
-/* Particles with lambda at most this are spray: almost alone, or a sheet or thread of one particle. They meet no
-   pressure from their surroundings, are not shifted, and no neighbour compensates for them. */
-#define SPRAY_LAMBDA 0.2
+/* lambda, the smallest eigenvalue of a particle's moments M (see OperatorsMoments), is 1 inside the liquid, about 1/2
+   on a flat surface and 0 for a lone particle. The thresholds of the free-surface test are those of Marrone et al.
+   2010; they are defined here, where others may need them, and once.
 
-/* Particles with lambda at most this have too few neighbours for B: it is then the identity. */
-#define MOMENT_MINIMUM 0.3
+   SPRAY_LAMBDA: particles with lambda at most this are spray: almost alone, or a sheet or thread of one particle. They
+   are on the surface without a scan, meet no pressure from their surroundings, are not shifted, and no neighbour
+   compensates for them.
+   SURFACE_LAMBDA_INNER: particles with lambda at least this are not on the surface.
+   SURFACE_LAMBDA_NEAR: particles with lambda at least this are not near the surface either. Marrone et al. have no such
+   class; 0.95 is where sums over a disordered interior begin.
+   SURFACE_CONE_SCALE: radius of the scanned cone over the spacing, the h/d0 of their kernel; a wider kernel must not
+   widen the cone, or it would look over particles of the next layer. SURFACE_NEAR_DISTANCE: from a particle on the
+   surface to one near it, in spacings: the next layer. MOMENT_MINIMUM: with lambda at most this a particle has too few
+   neighbours for B = M^-1, which then is the identity. No reference: the factor 1/lambda by which B enlarges errors
+   stays below 3.3. */
+#define SPRAY_LAMBDA          0.2
+#define SURFACE_LAMBDA_INNER  0.75
+#define SURFACE_LAMBDA_NEAR   0.95
+#define SURFACE_CONE_SCALE    1.33
+#define SURFACE_NEAR_DISTANCE 1.5
+#define MOMENT_MINIMUM        0.3
 
 /* SymmetricSmallestEigenvalue - of M (xx yy zz xy xz yz), of its upper left 2 x 2 block if dim is 2. */
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6]);
@@ -49,19 +65,23 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
 /* OperatorsDensity - FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one
  * liquid Eq. (4) of Kuri et al. */
 PetscErrorCode OperatorsDensity(Cloud cloud);
-/* OperatorsMoments - finds the neighbours and, row by row: FIELD_DENSITY as above; M = -sum V grad W (x) r_ab;
-   FIELD_LAMBDA its smallest eigenvalue; FIELD_CORRECTION B = M^-1, the identity where lambda <= MOMENT_MINIMUM;
-   FIELD_NORMAL = sum V grad W (1/m); FIELD_CROWDING = sum V (1 + 0.2 (W/W(d0))^4) grad W (1/m), the way to where
-   particles crowd (Lind et al. 2012). Marrone et al. 2010, Randles & Libersky 1996. viscous: FIELD_ACCELERATION (m/s2)
-   of the fluid is what OperatorsViscosity would add to it in the form of Cleary, for half the price; for
-   OperatorsOneLiquid at its rest density only. */
+/* OperatorsMoments - finds the neighbours (CloudSearch) and sums, while each row is in the cache (see moments.c), for
+   every owned particle:
+     FIELD_DENSITY     as of OperatorsDensity
+     FIELD_NORMAL      sum V grad W, 1/m: points into the liquid
+     FIELD_CROWDING    sum V (1 + 0.2 (W/W(d0))^4) grad W, 1/m: points to where particles crowd (Lind et al. 2012)
+     FIELD_LAMBDA      the smallest eigenvalue of M = -sum V grad W (x) r_ab (Marrone et al. 2010)
+     FIELD_CORRECTION  B = M^-1, the identity where lambda <= MOMENT_MINIMUM (Randles & Libersky 1996)
+   viscous: FIELD_ACCELERATION (m/s2) of the fluid becomes what OperatorsViscosity in the form of Cleary would add to
+   it, for half the price; only for OperatorsOneLiquid at its rest density. */
 PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous);
 /* OperatorsOneLiquid - whether all bodies have one density and one viscosity, so that every pair has the same
    coefficient. */
 PetscBool OperatorsOneLiquid(Cloud cloud);
-/* OperatorsFreeSurface - INT_SURFACE of rows a < n_rows: 1 on the surface (Marrone et al. 2010: lambda, then the scan
-   of a cone), 2 near it, 0 inside; "near" (fluid only): lambda < 0.75, or lambda < 0.95 with a flagged fluid particle
-   within 1.5 spacings. Needs OperatorsMoments; updates INT_SURFACE of the ghosts. Collective. */
+/* OperatorsFreeSurface - INT_SURFACE of the rows a < n_rows: 1 on the surface (spray, or lambda below
+   SURFACE_LAMBDA_INNER and no neighbour in the cone along the normal), 2 near it, 0 inside. Near it are fluid particles
+   with lambda below SURFACE_LAMBDA_INNER, or below SURFACE_LAMBDA_NEAR within SURFACE_NEAR_DISTANCE of a fluid particle
+   on the surface. Marrone et al. 2010. Needs OperatorsMoments; updates INT_SURFACE of the ghosts. Collective. */
 PetscErrorCode OperatorsFreeSurface(Cloud cloud);
 /* Forms of the viscous term. */
 typedef enum {
@@ -70,18 +90,18 @@ typedef enum {
   VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum */
 } ViscosityForm;
 
-/* OperatorsNoSlip - from now on the pairs of the fluid with walls count wall_factor times in the viscous term: as if
-   the velocity went on straight behind the wall's face, where the liquid sticks (Morris et al. 1997), instead of
-   stopping there. A dummy particle that is at rest as a whole, as the paper's, puts the place of no slip behind the
-   face, and the first layer of particles slides. The factor depends on the particle's distance from the wall only, and
-   no less than a quarter of a spacing: the term stays one of pairs, symmetric, and takes energy. Before it the factors
-   are 1. Not collective. */
+/* OperatorsNoSlip - sets the cloud's wall_factor: from now on the pairs of the fluid with walls count wall_factor times
+   in the viscous term, as if the velocity went on straight behind the wall's face, at which the liquid sticks (Morris
+   et al. 1997). Dummy particles that are at rest as a whole, as the paper has them, put the plane of no slip behind the
+   face, and the first layer of particles slides. The factor depends only on the particle's distance from the wall, and
+   is that of a quarter of a spacing for nearer ones; so the term remains a symmetric sum over pairs that takes energy.
+   Before this call the factors are 1. Not collective. */
 PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
-   have their own velocity and the viscosity of their neighbour. Overwrites FIELD_WORK1. Not collective. */
+   have their own velocity and the viscosity of their neighbour. Not collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
-/* OperatorsWallFriction - adds to FIELD_ACCELERATION what wall_factor makes of the walls' part of the form of Cleary in
-   excess of 1; scale: what multiplies slope v_ab.r_ab/(r2 + eta2) r_ab (1/s). Not collective. */
+/* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times wall_factor - 1, which
+   OperatorsMoments leaves out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not collective. */
 PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale);
 /* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
    each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair

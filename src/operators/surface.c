@@ -1,12 +1,8 @@
-/* Free-surface detection of Marrone, Colagrossi, Le Touze, Graziani 2010. */
+/* Free-surface detection of Marrone, Colagrossi, Le Touze and Graziani 2010. */
 #include "operators.h"
 
-#define LAMBDA_INNER  0.75 /* at least: inner */
-#define LAMBDA_NEAR   0.95 /* at most, next to a flagged particle: near the surface */
-#define CONE_SCALE    1.33 /* cone radius over spacing: tied to the spacing, not to a wide kernel */
-#define NEAR_DISTANCE 1.5  /* spacings */
-
-/* Whether no neighbour lies in the umbrella above particle a: outward normal n, cone scale s. */
+/* Whether no neighbour lies in the umbrella-shaped region above particle a, which belongs to the outward normal n and
+   the cone scale s (m): Eqs. of the paper's cone scan in two and three dimensions. */
 static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], PetscReal s)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = x + DIM * a;
@@ -31,21 +27,18 @@ static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], Pe
   return PETSC_TRUE;
 }
 
-PetscErrorCode OperatorsFreeSurface(Cloud cloud)
+/* Flags the rows that are on the surface with 1 and the others with 0. */
+static void FlagSurface(Cloud cloud, PetscInt flag[])
 {
-  const PetscReal  s = CONE_SCALE * cloud->domain->spacing, near2 = PetscSqr(NEAR_DISTANCE * cloud->domain->spacing);
-  const PetscReal *lambda = cloud->field[FIELD_LAMBDA], *x = cloud->field[FIELD_POSITION];
-  const PetscInt  *layer = cloud->integer[INT_LAYER];
-  PetscInt        *flag  = cloud->integer[INT_SURFACE];
+  const PetscReal  s      = SURFACE_CONE_SCALE * cloud->domain->spacing;
+  const PetscReal *lambda = cloud->field[FIELD_LAMBDA];
 
-  PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal *g = cloud->field[FIELD_NORMAL] + DIM * a, *B = cloud->field[FIELD_CORRECTION] + 6 * a;
     PetscReal        n[DIM], length;
 
     flag[a] = 0;
-    if (a >= cloud->n_rows || lambda[a] >= LAMBDA_INNER) continue;
+    if (a >= cloud->n_rows || lambda[a] >= SURFACE_LAMBDA_INNER) continue;
     TensorApply(B, -g[0], -g[1], -g[2], n);
     length = Norm(n);
     if (lambda[a] <= SPRAY_LAMBDA || length <= 0)
@@ -55,19 +48,36 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
       flag[a] = ConeIsEmpty(cloud, a, n, s) ? 1 : 0;
     }
   }
+}
+
+/* Whether a flagged fluid particle is near particle a. */
+static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, const PetscInt flag[])
+{
+  const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a,
+                  near2 = PetscSqr(SURFACE_NEAR_DISTANCE * cloud->domain->spacing);
+
+  for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt   b    = cloud->list[k];
+    const PetscReal *y    = cloud->field[FIELD_POSITION] + DIM * b;
+    const PetscReal  r[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+
+    if (flag[b] == 1 && cloud->integer[INT_LAYER][b] == 0 && Dot(r, r) < near2) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+PetscErrorCode OperatorsFreeSurface(Cloud cloud)
+{
+  const PetscReal *lambda = cloud->field[FIELD_LAMBDA];
+  PetscInt        *flag   = cloud->integer[INT_SURFACE];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
+  FlagSurface(cloud, flag);
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    if (flag[a] || lambda[a] >= LAMBDA_NEAR) continue;
-    if (lambda[a] < LAMBDA_INNER) flag[a] = 2;
-    for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1] && !flag[a]; k++) {
-      const PetscInt b = cloud->list[k];
-
-      if (flag[b] == 1 && layer[b] == 0) {
-        const PetscReal dx = x[3 * a] - x[3 * b], dy = x[3 * a + 1] - x[3 * b + 1], dz = x[3 * a + 2] - x[3 * b + 2];
-
-        if (dx * dx + dy * dy + dz * dz < near2) flag[a] = 2;
-      }
-    }
+    if (flag[a] || lambda[a] >= SURFACE_LAMBDA_NEAR) continue;
+    if (lambda[a] < SURFACE_LAMBDA_INNER || SurfaceIsNear(cloud, a, flag)) flag[a] = 2;
   }
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));

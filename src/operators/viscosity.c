@@ -1,29 +1,37 @@
+/* The viscous term of a velocity field, explicit or as a linear operator, and its factor on walls that gives no slip.
+ */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-#define PLANE   64   /* points of an integral over a layer of dummies */
-#define CLOSEST 0.25 /* spacings: the friction grows no further nearer to a wall */
+#define PLANE_POINTS 64   /* of the integral over a layer of dummy particles */
+#define CLOSEST      0.25 /* spacings: nearer to a wall than this the factor on wall friction grows no further */
 
-/* Viscosity of each particle, Pa s; -1 marks walls, which take their neighbour's. */
-static PetscErrorCode CollectViscosity(Cloud cloud, PetscReal mu[])
+/* The viscosity of each particle, Pa s. -1 marks walls, which take that of their neighbour. */
+static void CollectViscosity(Cloud cloud, PetscReal mu[])
 {
-  PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
     mu[a] = body < 0 ? -1 : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How much more a wall rubs than dummies with its own velocity would (see operators.h), at each of the table's
-   distances of a flat wall whose layers of dummies begin half a spacing behind its face: 1 + <depth>/distance, the mean
-   of the layers' depths weighted with their part in the viscous term of a flow along the wall. */
+/* The factor zeta of the form: see ViscosityForm. */
+static PetscReal FormFactor(Cloud cloud, ViscosityForm form)
+{
+  return form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
+}
+
+/* The factor on wall friction that gives no slip at the face, as a table over the distance from a flat wall whose
+   layers of dummy particles begin half a spacing behind its face. A dummy at depth z behind the face, seen from a
+   particle at the distance s in front of it, must carry the velocity difference times 1 + z/s if the velocity is to go
+   on straight behind the face. The factor is the mean of that over the layers, each weighted with its part in the
+   viscous term of a flow along the wall. */
 PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form)
 {
   const PetscReal spacing = cloud->domain->spacing, support = KernelSupport(cloud->kernel),
                   eta2 = EtaSquared(cloud->kernel);
-  PetscReal r2[PLANE], F[PLANE];
+  PetscReal r2[PLANE_POINTS], F[PLANE_POINTS];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= WALL_FACTORS; k++) {
@@ -33,9 +41,9 @@ PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form)
     for (PetscReal depth = 0.5 * spacing; distance + depth < support; depth += spacing) {
       const PetscReal z = distance + depth, reach = PetscSqrtReal(support * support - z * z);
 
-      for (PetscInt m = 0; m < PLANE; m++) r2[m] = z * z + PetscSqr(reach * (m + 0.5) / PLANE);
-      KernelEvaluate(cloud->kernel, PLANE, r2, NULL, F);
-      for (PetscInt m = 0; m < PLANE; m++) {
+      for (PetscInt m = 0; m < PLANE_POINTS; m++) r2[m] = z * z + PetscSqr(reach * (m + 0.5) / PLANE_POINTS);
+      KernelEvaluate(cloud->kernel, PLANE_POINTS, r2, NULL, F);
+      for (PetscInt m = 0; m < PLANE_POINTS; m++) {
         const PetscReal rho2 = r2[m] - z * z, part = -F[m] * reach *
                                                      (cloud->domain->dim == 3 ? PetscSqrtReal(rho2) : 1) *
                                                      (form == VISCOSITY_CLEARY ? rho2 / (r2[m] + eta2) : 1);
@@ -49,7 +57,7 @@ PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* wall_factor of particle a of the fluid. */
+/* The factor on wall friction of fluid particle a, from its distance to the nearest wall. */
 static PetscReal WallFactor(Cloud cloud, PetscInt a)
 {
   const Domain     domain = cloud->domain;
@@ -79,10 +87,10 @@ PetscBool OperatorsOneLiquid(Cloud cloud)
   return PETSC_TRUE;
 }
 
-/* Multiplies the row's factors by V_b rho_0b (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b); for liquids of
-   different density the mass that counts is V_b rho_0b. */
-static void PairViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscReal density[], const PetscReal mu[],
-                          Row *row)
+/* Multiplies the row's factors by m_b (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b), m_b = V_b rho_0b, which also
+   holds between liquids of different density. 'one': there is one liquid only, at its rest density. */
+static void MultiplyViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscReal density[], const PetscReal mu[],
+                              PairRow *row)
 {
   const PetscReal *rest = cloud->rest_density, V = cloud->domain->volume, mu_a = mu[a],
                   inverse_a = 1 / (density[a] * density[a]), same = V * 2 * mu_a / density[a];
@@ -101,8 +109,8 @@ static void PairViscosity(Cloud cloud, PetscBool one, PetscInt a, const PetscRea
   }
 }
 
-/* Eq. (1) of Kuri et al. from factors divided by r2 + eta2. */
-static void ViscosityCleary(Cloud cloud, PetscInt a, const Row *row, const PetscReal v[], PetscReal out[DIM])
+/* The sum of Eq. (1) of Kuri et al. for particle a, from factors that are divided by r2 + eta2. */
+static void ViscosityCleary(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal v[], PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
   const Vec8x3     p = Vec8x3Set(x + DIM * a), own = Vec8x3Set(v + DIM * a);
@@ -118,8 +126,8 @@ static void ViscosityCleary(Cloud cloud, PetscInt a, const Row *row, const Petsc
   Vec4Store(Vec8x3Sum(sum, zero), out);
 }
 
-/* Morris et al. 1997; grad W.r is finite at r = 0, so eta is not needed. */
-static void ViscosityMorris(PetscInt a, const Row *row, const PetscReal v[], PetscReal out[DIM])
+/* The sum of Morris et al. 1997 for particle a. grad W.r/r2 is finite at r = 0, so eta is not needed. */
+static void ViscosityMorris(PetscInt a, const PairRow *row, const PetscReal v[], PetscReal out[DIM])
 {
   const Vec8x3 own  = Vec8x3Set(v + DIM * a);
   const Vec8   zero = Vec8Set(0);
@@ -134,7 +142,7 @@ static void ViscosityMorris(PetscInt a, const Row *row, const PetscReal v[], Pet
 }
 
 /* Divides the row's factors F by r2 + eta2 (m2). */
-static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, Row *row)
+static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, PairRow *row)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], x0 = x[DIM * a], x1 = x[DIM * a + 1], x2 = x[DIM * a + 2];
 
@@ -156,10 +164,10 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal factor = WallFactor(cloud, a);
     PetscReal      *out    = cloud->field[FIELD_ACCELERATION] + DIM * a;
-    Row             row;
+    PairRow         row;
 
     if (factor == 1) continue;
-    RowLoad(cloud, a, &row);
+    PairRowLoadFactors(cloud, a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt b = row.index[k];
       PetscReal      d[DIM], u[DIM], f;
@@ -180,24 +188,23 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
 PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[])
 {
   const PetscReal *v    = cloud->field[FIELD_VELOCITY];
-  const PetscReal  eta2 = EtaSquared(cloud->kernel),
-                  zeta  = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
-  const PetscBool one   = (PetscBool)(density == cloud->rest_density && OperatorsOneLiquid(cloud));
-  PetscReal      *mu = cloud->field[FIELD_WORK1], *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f,
-            inverse_h2;
-  Row row;
+  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, form);
+  const PetscBool  one = (PetscBool)(density == cloud->rest_density && OperatorsOneLiquid(cloud));
+  PetscReal       *mu, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
+  PairRow          row;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  PetscCall(CollectViscosity(cloud, mu));
+  PetscCall(CloudGetWork(cloud, 1, &mu));
+  CollectViscosity(cloud, mu);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal sum[DIM], factor;
 
     if (mu[a] <= 0) continue;
-    RowLoad(cloud, a, &row);
+    PairRowLoadFactors(cloud, a, &row);
     if (form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, eta2, &row);
-    PairViscosity(cloud, one, a, density, mu, &row);
+    MultiplyViscosity(cloud, one, a, density, mu, &row);
     factor = WallFactor(cloud, a);
     if (factor != 1)
       for (PetscInt k = 0; k < row.n; k++)
@@ -208,6 +215,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
       ViscosityMorris(a, &row, v, sum);
     for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += zeta * scale_f * sum[d];
   }
+  PetscCall(CloudRestoreWork(cloud, &mu));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -215,18 +223,18 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[])
 {
   const PetscReal *volume = cloud->volume, *rest = cloud->rest_density;
-  const PetscReal  eta2 = EtaSquared(cloud->kernel),
-                  zeta  = form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
-  PetscReal *mu         = cloud->field[FIELD_WORK1];
-  PairRow    row;
+  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, form);
+  PetscReal       *mu;
+  PairRow          row;
 
   PetscFunctionBegin;
-  PetscCall(CollectViscosity(cloud, mu));
+  PetscCall(CloudGetWork(cloud, 1, &mu));
+  CollectViscosity(cloud, mu);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal      *c      = pair + cloud->first[a];
     const PetscReal factor = WallFactor(cloud, a);
 
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b    = row.index[k];
@@ -239,6 +247,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
     }
   }
+  PetscCall(CloudRestoreWork(cloud, &mu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,7 +264,7 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const Pe
     const PetscReal vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
     PetscReal       ax = 0, ay = 0, az = 0;
 
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     if (form == VISCOSITY_CLEARY) {
       SIMD_LOOP(reduction(+ : ax, ay, az))
       for (PetscInt k = 0; k < row.n; k++) {
@@ -294,7 +303,7 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const
     PetscReal       *d = diagonal + DIM * a;
 
     d[0] = d[1] = d[2] = 0;
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, &row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       d[0] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k]) : 1);
       d[1] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
