@@ -34,27 +34,25 @@ static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
   return PETSC_FALSE;
 }
 
-/* lambda, the smallest eigenvalue of a particle's moments M (see OperatorsMoments), is 1 inside the liquid, about 1/2
-   on a flat surface and 0 for a lone particle. The thresholds of the free-surface test are those of Marrone et al.
-   2010; they are defined here, where others may need them, and once.
+/* Thresholds of lambda, the smallest eigenvalue of a particle's moments M (see OperatorsMoments). It is 1 inside the
+   liquid, about 1/2 on a flat surface and 0 for a lone particle. */
 
-   SPRAY_LAMBDA: particles with lambda at most this are spray: almost alone, or a sheet or thread of one particle. They
-   are on the surface without a scan, meet no pressure from their surroundings, are not shifted, and no neighbour
-   compensates for them.
-   SURFACE_LAMBDA_INNER: particles with lambda at least this are not on the surface.
-   SURFACE_LAMBDA_NEAR: particles with lambda at least this are not near the surface either. Marrone et al. have no such
-   class; 0.95 is where sums over a disordered interior begin.
-   SURFACE_CONE_SCALE: radius of the scanned cone over the spacing, the h/d0 of their kernel; a wider kernel must not
-   widen the cone, or it would look over particles of the next layer. SURFACE_NEAR_DISTANCE: from a particle on the
-   surface to one near it, in spacings: the next layer. MOMENT_MINIMUM: with lambda at most this a particle has too few
-   neighbours for B = M^-1, which then is the identity. No reference: the factor 1/lambda by which B enlarges errors
-   stays below 3.3. */
-#define SPRAY_LAMBDA          0.2
-#define SURFACE_LAMBDA_INNER  0.75
-#define SURFACE_LAMBDA_NEAR   0.95
-#define SURFACE_CONE_SCALE    1.33
+/* Spray is almost alone, or a sheet or thread of one particle (Marrone et al. 2010). It is on the surface without a
+   scan, meets no pressure from its surroundings, is not shifted, and no neighbour compensates for it. */
+#define SPRAY_LAMBDA 0.2
+/* Particles with lambda at least this are not on the surface (Marrone et al. 2010). */
+#define SURFACE_LAMBDA_INNER 0.75
+/* Particles with lambda at least this are not near the surface either (no reference). */
+#define SURFACE_LAMBDA_NEAR 0.95
+/* Particles with lambda at most this have too few neighbours for B = M^-1, which then is the identity (no reference).
+ */
+#define MOMENT_MINIMUM 0.3
+
+/* Radius of the cone that is scanned for neighbours, over the spacing and not over h: a wide kernel does not widen it.
+ */
+#define SURFACE_CONE_SCALE 1.33
+/* How far from a particle on the surface others are near it, over the spacing: the next layer. */
 #define SURFACE_NEAR_DISTANCE 1.5
-#define MOMENT_MINIMUM        0.3
 
 /* SymmetricSmallestEigenvalue - of M (xx yy zz xy xz yz), of its upper left 2 x 2 block if dim is 2. */
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6]);
