@@ -74,6 +74,19 @@ PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Makes -help list the options of the preconditioner, which the solver reads when it is made. */
+static PetscErrorCode PreconditionerHelp(MPI_Comm comm)
+{
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(PCCreate(comm, &pc));
+  PetscCall(PCSetType(pc, PCTWOLEVEL));
+  PetscCall(PCSetFromOptions(pc));
+  PetscCall(PCDestroy(&pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSetFromOptions(Pressure pressure)
 {
   Cloud             cloud     = pressure->cloud;
@@ -123,6 +136,7 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
                               "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type),
                               NULL));
   PetscOptionsEnd();
+  if (HelpWanted()) PetscCall(PreconditionerHelp(cloud->comm));
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm,
                  "-pressure_relaxation_time is %g s; it must not be negative", (double)pressure->relaxation_option);
