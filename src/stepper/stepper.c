@@ -75,23 +75,37 @@ static PetscErrorCode CheckDensities(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetSchemeFromOptions(Stepper s)
+/* A TypeReader of schemes. */
+static PetscErrorCode ReadScheme(void *object, const char type[])
 {
-  char name[sizeof(s->scheme_type)];
+  Stepper s = (Stepper)object;
+  char    title[128];
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(name, s->scheme_type, sizeof(name)));
-  PetscOptionsBegin(s->cloud->comm, NULL, "Scheme", "Stepper");
-  PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetScheme",
-                              SchemeList, name, name, sizeof(name), NULL));
-  PetscCall(StepperSetScheme(s, name));
+  PetscCall(StepperSetScheme(s, type));
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Scheme with -scheme %s", type));
+  PetscOptionsBegin(s->cloud->comm, NULL, title, "Stepper");
   if (s->ops.setfromoptions) PetscCall(s->ops.setfromoptions(s, PetscOptionsObject));
   PetscCall(PetscOptionsReal("-pressure_relaxation_ratio",
                              "time in which the divergence source repairs density errors, over h/U of the scene (1)",
                              "StepperSetFromOptions", s->relaxation_ratio, &s->relaxation_ratio, NULL));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetSchemeFromOptions(Stepper s)
+{
+  char type[sizeof(s->scheme_type)];
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(type, s->scheme_type, sizeof(type)));
+  PetscOptionsBegin(s->cloud->comm, NULL, "Scheme", "Stepper");
+  PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetScheme",
+                              SchemeList, type, type, sizeof(type), NULL));
   PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
                              "StepperSetFromOptions", s->guard, &s->guard, NULL));
   PetscOptionsEnd();
+  PetscCall(ReadTypeOptions(SchemeList, type, ReadScheme, s));
   PetscCheckUser(s->relaxation_ratio > 0, s->cloud->comm, "-pressure_relaxation_ratio is %g; it must be positive",
                  (double)s->relaxation_ratio);
   PetscCheckUser(s->guard >= 0 && s->guard <= 0.5, s->cloud->comm,
