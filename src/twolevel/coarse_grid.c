@@ -4,11 +4,11 @@
 
 struct _p_CoarseGrid {
   MPI_Comm   comm;
-  PetscInt   dim, n, n_cells, n_nodes; /* points; touched cells; nodes of those cells: the local nodes */
+  PetscInt   dim, n, n_cells, n_nodes; /* points; cells that hold one; their nodes, the local ones */
   PetscInt   cells[DIM];               /* of the whole grid */
   PetscReal  lower[DIM], h[DIM];       /* m */
   PetscBool  periodic[DIM];
-  PetscInt  *cell;   /* [n] touched cell of the point, -1: skipped */
+  PetscInt  *cell;   /* [n] cell of the point, -1: skipped */
   PetscReal *t;      /* [n][3] place in the cell, 0..1 */
   PetscInt  *corner; /* [n_cells][8] local nodes; bit d of the corner's number: upper end in direction d */
   PetscReal *fill;   /* [n_cells] points of this rank */
@@ -98,106 +98,148 @@ static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers the touched cells and their nodes, x fastest. */
-static PetscErrorCode TouchNodes(CoarseGrid g, const PetscInt first[DIM], const PetscInt size[DIM])
+/* Numbers the cells that hold a point, x fastest, in cell[a] too; place[c] is where cell c is in this rank's box of
+   'count' cells. */
+static PetscErrorCode NumberCells(CoarseGrid g, PetscInt count, PetscInt **place)
 {
-  const PetscInt count = size[0] * size[1] * size[2], nx = size[0] + 1, ny = size[1] + 1;
-  PetscInt      *number, *node, *points;
+  PetscInt *number, *points;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(count, &number));
   PetscCall(PetscCalloc1(count, &points));
   for (PetscInt a = 0; a < g->n; a++)
     if (g->cell[a] >= 0) points[g->cell[a]]++;
-  for (PetscInt c = 0; c < count; c++) number[c] = points[c] ? g->n_cells++ : -1;
+  for (PetscInt k = 0; k < count; k++) number[k] = points[k] ? g->n_cells++ : -1;
   for (PetscInt a = 0; a < g->n; a++)
     if (g->cell[a] >= 0) g->cell[a] = number[g->cell[a]];
-  PetscCall(PetscMalloc1(nx * ny * (size[2] + 1), &node));
-  PetscCall(PetscMalloc1(GRID_CORNERS * g->n_cells, &g->corner));
-  PetscCall(PetscMalloc1(GRID_CORNERS * g->n_cells, &g->key));
+  PetscCall(PetscMalloc1(g->n_cells, place));
   PetscCall(PetscMalloc1(g->n_cells, &g->fill));
   PetscCall(PetscMalloc1(g->n_cells, &g->share));
-  for (PetscInt k = 0; k < nx * ny * (size[2] + 1); k++) node[k] = -1;
-  for (PetscInt c = 0; c < count; c++) {
-    const PetscInt at[DIM] = {c % size[0], c / size[0] % size[1], c / size[0] / size[1]};
-
-    if (number[c] < 0) continue;
-    g->fill[number[c]] = points[c];
-    for (PetscInt m = 0; m < GRID_CORNERS; m++) {
-      PetscInt i[DIM], whole[DIM], k;
-
-      for (PetscInt d = 0; d < DIM; d++) {
-        i[d]     = at[d] + (d < g->dim ? m >> d & 1 : 0);
-        whole[d] = first[d] + i[d];
-        if (g->periodic[d] && whole[d] == g->cells[d]) { /* the image of the first node, which may be here too */
-          whole[d] = 0;
-          if (first[d] == 0) i[d] = 0;
-        }
-      }
-      k = (i[2] * ny + i[1]) * nx + i[0];
-      if (node[k] < 0) {
-        node[k]         = g->n_nodes++;
-        g->key[node[k]] = (whole[2] * (g->cells[1] + 1) + whole[1]) * (g->cells[0] + 1) + whole[0];
-      }
-      g->corner[GRID_CORNERS * number[c] + m] = node[k];
-    }
+  for (PetscInt k = 0; k < count; k++) {
+    if (number[k] < 0) continue;
+    (*place)[number[k]] = k;
+    g->fill[number[k]]  = points[k];
   }
-  PetscCall(PetscMalloc1(g->n_nodes, &g->value));
   PetscCall(PetscFree(number));
   PetscCall(PetscFree(points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The local node at corner m of the cell 'at' of this rank's box, numbered if it is new; node: those of the box's
+   nodes, -1 where there is none yet, nx times ny in a layer. */
+static PetscInt CornerNode(CoarseGrid g, const PetscInt first[DIM], const PetscInt at[DIM], PetscInt m, PetscInt nx,
+                           PetscInt ny, PetscInt node[])
+{
+  PetscInt i[DIM], whole[DIM], k;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    i[d]     = at[d] + (d < g->dim ? m >> d & 1 : 0);
+    whole[d] = first[d] + i[d];
+    if (g->periodic[d] && whole[d] == g->cells[d]) { /* the image of the first node, which may be here too */
+      whole[d] = 0;
+      if (first[d] == 0) i[d] = 0;
+    }
+  }
+  k = (i[2] * ny + i[1]) * nx + i[0];
+  if (node[k] < 0) {
+    node[k]         = g->n_nodes++;
+    g->key[node[k]] = (whole[2] * (g->cells[1] + 1) + whole[1]) * (g->cells[0] + 1) + whole[0];
+  }
+  return node[k];
+}
+
+/* Numbers the cells that hold a point, and their nodes. */
+static PetscErrorCode FindNodes(CoarseGrid g, const PetscInt first[DIM], const PetscInt size[DIM])
+{
+  const PetscInt nx = size[0] + 1, ny = size[1] + 1, nodes = nx * ny * (size[2] + 1);
+  PetscInt      *place, *node;
+
+  PetscFunctionBegin;
+  PetscCall(NumberCells(g, size[0] * size[1] * size[2], &place));
+  PetscCall(PetscMalloc1(GRID_CORNERS * g->n_cells, &g->corner));
+  PetscCall(PetscMalloc1(GRID_CORNERS * g->n_cells, &g->key));
+  PetscCall(PetscMalloc1(nodes, &node));
+  for (PetscInt k = 0; k < nodes; k++) node[k] = -1;
+  for (PetscInt c = 0; c < g->n_cells; c++) {
+    const PetscInt k = place[c], at[DIM] = {k % size[0], k / size[0] % size[1], k / size[0] / size[1]};
+
+    for (PetscInt m = 0; m < GRID_CORNERS; m++)
+      g->corner[GRID_CORNERS * c + m] = CornerNode(g, first, at, m, nx, ny, node);
+  }
+  PetscCall(PetscMalloc1(g->n_nodes, &g->value));
+  PetscCall(PetscFree(place));
   PetscCall(PetscFree(node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ranks meet at the places of the whole grid: each learns the owner and the row of its nodes and the points in its
- * cells. */
-static PetscErrorCode NumberNodes(CoarseGrid g)
+/* Gives all ranks that know a node the combination of their values of it; root holds the starting values. */
+static PetscErrorCode Combine(PetscSF meet, MPI_Datatype type, MPI_Op op, void *value, void *root)
 {
-  PetscSF     meet;
-  PetscLayout whole, owned;
+  PetscFunctionBegin;
+  PetscCall(PetscSFReduceBegin(meet, type, value, root, op));
+  PetscCall(PetscSFReduceEnd(meet, type, value, root, op));
+  PetscCall(PetscSFBcastBegin(meet, type, root, value, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(meet, type, root, value, MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The row of each node: nodes belong to the lowest rank that knows them, and those of a rank follow each other. */
+static PetscErrorCode NumberNodes(CoarseGrid g, PetscSF meet, PetscInt n_roots)
+{
   PetscMPIInt rank, size;
-  PetscInt   *root, *owner, start = 0, next;
-  PetscReal  *sum;
+  PetscInt   *root, *owner, next = 0;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(g->comm, &rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &size));
+  PetscCall(PetscMalloc1(n_roots, &root));
+  PetscCall(PetscMalloc1(g->n_nodes, &owner));
+  PetscCall(PetscMalloc1(g->n_nodes, &g->number));
+  for (PetscInt k = 0; k < n_roots; k++) root[k] = size;
+  for (PetscInt k = 0; k < g->n_nodes; k++) owner[k] = rank;
+  PetscCall(Combine(meet, MPIU_INT, MPI_MIN, owner, root));
+  for (PetscInt k = 0; k < g->n_nodes; k++) g->n_own += owner[k] == rank;
+  PetscCallMPI(MPI_Exscan(&g->n_own, &next, 1, MPIU_INT, MPI_SUM, g->comm));
+  if (rank == 0) next = 0;
+  for (PetscInt k = 0; k < g->n_nodes; k++) g->number[k] = owner[k] == rank ? next++ : -1;
+  for (PetscInt k = 0; k < n_roots; k++) root[k] = -1;
+  PetscCall(Combine(meet, MPIU_INT, MPI_MAX, g->number, root));
+  PetscCall(PetscFree(root));
+  PetscCall(PetscFree(owner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points that all ranks have in each cell; they are added up at its lower node. */
+static PetscErrorCode ShareCells(CoarseGrid g, PetscSF meet, PetscInt n_roots)
+{
+  PetscReal *sum;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(n_roots, &sum));
+  PetscCall(PetscArrayzero(g->value, g->n_nodes));
+  for (PetscInt c = 0; c < g->n_cells; c++) g->value[g->corner[GRID_CORNERS * c]] += g->fill[c];
+  PetscCall(Combine(meet, MPIU_REAL, MPIU_SUM, g->value, sum));
+  for (PetscInt c = 0; c < g->n_cells; c++) g->share[c] = g->value[g->corner[GRID_CORNERS * c]];
+  PetscCall(PetscFree(sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The ranks meet at the nodes of the whole grid, which are spread over all of them, and learn there which nodes they
+   share. */
+static PetscErrorCode Connect(CoarseGrid g)
+{
+  PetscSF     meet;
+  PetscLayout whole, owned;
+
+  PetscFunctionBegin;
   PetscCall(PetscLayoutCreateFromSizes(g->comm, PETSC_DECIDE, (g->cells[0] + 1) * (g->cells[1] + 1) * (g->cells[2] + 1),
                                        1, &whole));
   PetscCall(PetscSFCreate(g->comm, &meet));
   PetscCall(PetscSFSetGraphLayout(meet, whole, g->n_nodes, NULL, PETSC_COPY_VALUES, g->key));
-  PetscCall(PetscMalloc1(whole->n, &root));
-  PetscCall(PetscCalloc1(whole->n, &sum));
-  PetscCall(PetscMalloc1(g->n_nodes, &owner));
-  PetscCall(PetscMalloc1(g->n_nodes, &g->number));
-  for (PetscInt k = 0; k < whole->n; k++) root[k] = size;
-  for (PetscInt k = 0; k < g->n_nodes; k++) owner[k] = rank;
-  PetscCall(PetscSFReduceBegin(meet, MPIU_INT, owner, root, MPI_MIN));
-  PetscCall(PetscSFReduceEnd(meet, MPIU_INT, owner, root, MPI_MIN));
-  PetscCall(PetscSFBcastBegin(meet, MPIU_INT, root, owner, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(meet, MPIU_INT, root, owner, MPI_REPLACE));
-  for (PetscInt k = 0; k < g->n_nodes; k++) g->n_own += owner[k] == rank;
-  PetscCallMPI(MPI_Exscan(&g->n_own, &start, 1, MPIU_INT, MPI_SUM, g->comm));
-  next = rank ? start : 0;
-  for (PetscInt k = 0; k < g->n_nodes; k++) g->number[k] = owner[k] == rank ? next++ : -1;
-  for (PetscInt k = 0; k < whole->n; k++) root[k] = -1;
-  PetscCall(PetscSFReduceBegin(meet, MPIU_INT, g->number, root, MPI_MAX));
-  PetscCall(PetscSFReduceEnd(meet, MPIU_INT, g->number, root, MPI_MAX));
-  PetscCall(PetscSFBcastBegin(meet, MPIU_INT, root, g->number, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(meet, MPIU_INT, root, g->number, MPI_REPLACE));
-  /* points of a cell meet at its lower node */
-  PetscCall(PetscArrayzero(g->value, g->n_nodes));
-  for (PetscInt c = 0; c < g->n_cells; c++) g->value[g->corner[GRID_CORNERS * c]] += g->fill[c];
-  PetscCall(PetscSFReduceBegin(meet, MPIU_REAL, g->value, sum, MPIU_SUM));
-  PetscCall(PetscSFReduceEnd(meet, MPIU_REAL, g->value, sum, MPIU_SUM));
-  PetscCall(PetscSFBcastBegin(meet, MPIU_REAL, sum, g->value, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(meet, MPIU_REAL, sum, g->value, MPI_REPLACE));
-  for (PetscInt c = 0; c < g->n_cells; c++) g->share[c] = g->value[g->corner[GRID_CORNERS * c]];
+  PetscCall(NumberNodes(g, meet, whole->n));
+  PetscCall(ShareCells(g, meet, whole->n));
   PetscCall(PetscSFDestroy(&meet));
   PetscCall(PetscLayoutDestroy(&whole));
-  PetscCall(PetscFree(root));
-  PetscCall(PetscFree(sum));
-  PetscCall(PetscFree(owner));
   PetscCall(PetscLayoutCreateFromSizes(g->comm, g->n_own, PETSC_DETERMINE, 1, &owned));
   PetscCall(PetscSFCreate(g->comm, &g->sf));
   PetscCall(PetscSFSetGraphLayout(g->sf, owned, g->n_nodes, NULL, PETSC_COPY_VALUES, g->number));
@@ -222,8 +264,8 @@ PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const P
   PetscCall(PetscCalloc1(DIM * n, &g->t));
   PetscCall(GridExtent(g, x, skip, width, lower, upper));
   PetscCall(LocatePoints(g, x, skip, first, size));
-  PetscCall(TouchNodes(g, first, size));
-  PetscCall(NumberNodes(g));
+  PetscCall(FindNodes(g, first, size));
+  PetscCall(Connect(g));
   *grid = g;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -325,6 +367,23 @@ static inline PetscInt StencilPlace(PetscInt i, PetscInt j)
   return ((j >> 2 & 1) - (i >> 2 & 1) + 1) * 9 + ((j >> 1 & 1) - (i >> 1 & 1) + 1) * 3 + (j & 1) - (i & 1) + 1;
 }
 
+/* What cell c, which holds so many points, adds to the stencils. Each of its 2^(dim-1) edges in a direction stands for
+   its share of the cell. */
+static void AddCell(CoarseGrid g, PetscInt c, PetscReal points, PetscReal energy, PetscReal stencil[], PetscInt node[])
+{
+  const PetscInt *corner = g->corner + GRID_CORNERS * c;
+
+  for (PetscInt i = 0; i < GRID_CORNERS; i++)
+    for (PetscInt j = 0; j < GRID_CORNERS; j++) node[GRID_STENCIL * corner[i] + StencilPlace(i, j)] = corner[j];
+  for (PetscInt i = 0; i < 1 << g->dim; i++)
+    for (PetscInt d = 0; d < g->dim; d++) {
+      const PetscReal k = energy * points / (g->h[d] * g->h[d] * (1 << (g->dim - 1)));
+
+      stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i)] += k;
+      stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i ^ 1 << d)] -= k;
+    }
+}
+
 /* stencil ([n_nodes][27]) and the node each entry belongs to (same shape). */
 static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal surplus[],
                          PetscReal stencil[], PetscInt node[])
@@ -332,21 +391,8 @@ static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const
   PetscReal capacity = 1 / volume; /* points that fit a cell */
 
   for (PetscInt d = 0; d < g->dim; d++) capacity *= g->h[d];
-  for (PetscInt c = 0; c < g->n_cells; c++) {
-    const PetscInt *corner = g->corner + GRID_CORNERS * c;
-    const PetscReal points = g->fill[c] * PetscMin(1, capacity / g->share[c]);
-
-    for (PetscInt i = 0; i < GRID_CORNERS; i++)
-      for (PetscInt j = 0; j < GRID_CORNERS; j++) node[GRID_STENCIL * corner[i] + StencilPlace(i, j)] = corner[j];
-    for (PetscInt i = 0; i < 1 << g->dim; i++)
-      for (PetscInt d = 0; d < g->dim;
-           d++) { /* each of the 2^(dim-1) edges in a direction stands for its share of the cell */
-        const PetscReal k = energy * points / (g->h[d] * g->h[d] * (1 << (g->dim - 1)));
-
-        stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i)] += k;
-        stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i ^ 1 << d)] -= k;
-      }
-  }
+  for (PetscInt c = 0; c < g->n_cells; c++)
+    AddCell(g, c, g->fill[c] * PetscMin(1, capacity / g->share[c]), energy, stencil, node);
   for (PetscInt a = 0; a < g->n; a++) {
     const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
     PetscReal       w[GRID_CORNERS];
