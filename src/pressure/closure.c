@@ -12,35 +12,30 @@ PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
   return pressure->cloud->integer[INT_SURFACE][a] == 1 ? diagonal : 0;
 }
 
-/* Nair & Tomar (2014) fill the diagonal of a row near the surface up to that of a full neighbourhood: as if the missing
-   neighbours had p = 0, which puts the zero where they would be, 0.8 spacings outside the surface (the first pressure
-   of a rotating square is then 8 % too large at 40 spacings a side). As if they had -p_a, mirrored in the surface as in
-   Eq. (11), is twice the filling: 2.2 %. */
-#define LAMBDA_CLOSURE 0.9 /* fluid below this lambda has its diagonal filled up */
+/* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < closure_lambda) up to that of a full
+   neighbourhood, as if the missing neighbours had p = 0. That puts the zero where they would be, 0.8 spacings outside
+   the surface: the first pressure of a rotating square is then 8 % too large at 40 spacings a side. With twice the
+   filling (closure_factor) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
 
-/* Crowded particles near the surface (two fronts meet) lack nothing that could be filled, but their free side pushes
-   them as before: by Eq. (9) a pressure p drives them by 2 p n/rho, n = sum V grad W, and the corrected divergence of
-   that is 2 n.B n p/rho. Rows closed by less than half of it make each projection reverse a velocity and enlarge it, 5
-   to 15 times where they are not closed at all, whatever the step. At rest density the filling is 2.5 to 6 n.B n/rho,
-   for all kernels and h; crowded rows get no less. */
-#define CLOSURE_LEAST 2.5
-
+   Where two fronts meet, rows look full but have a free side: crowded particles lack nothing that could be filled, yet
+   by Eq. (9) a pressure p drives them outwards by 2 p n/rho, n = sum V grad W, and the corrected divergence of that is
+   2 n.B n p/rho. If such a row is closed by less than half of it, each projection over-corrects and the velocity grows
+   from step to step, 5 to 15 times where the row is not closed at all, whatever the size of the step. At rest density
+   the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than closure_least. */
 PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
-  Cloud     cloud   = pressure->cloud;
-  PetscReal filling = 0, mass, n[DIM];
+  Cloud            cloud   = pressure->cloud;
+  PetscReal        filling = 0, mass, n[DIM];
+  const PetscReal *normal;
 
   if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
   mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
-  if (cloud->field[FIELD_LAMBDA][a] < LAMBDA_CLOSURE)
+  if (cloud->field[FIELD_LAMBDA][a] < pressure->closure_lambda)
     filling = pressure->closure_factor * PetscMax(0, pressure->lattice_diagonal * mass - diagonal);
   if (!cloud->integer[INT_SURFACE][a]) return filling;
-  {
-    const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a;
-
-    TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
-    return PetscMax(filling, CLOSURE_LEAST * Dot(n, normal) * mass);
-  }
+  normal = cloud->field[FIELD_NORMAL] + DIM * a;
+  TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
+  return PetscMax(filling, pressure->closure_least * Dot(n, normal) * mass);
 }
 
 void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)

@@ -6,7 +6,7 @@
 #include "pressure_impl.h"
 
 /* -sum c (r_a - r_b) over the row of a; c: as its factors, padded. */
-static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[], PetscReal out[DIM])
+static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
   const Vec8x3     p    = Vec8x3Set(x + DIM * a);
@@ -22,7 +22,8 @@ static void SumAlong(Cloud cloud, PetscInt a, const Row *row, const PetscReal c[
 }
 
 /* Eq. (9) for one row; scale: of the kernel's F times V. */
-static void SymmetricRow(Pressure pressure, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
+static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal scale,
+                         PetscReal out[DIM])
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
@@ -61,18 +62,18 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 {
   Cloud           cloud = pressure->cloud;
   const PetscReal scale = RowScale(cloud);
-  Row             row;
+  PairRow         row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    RowLoad(cloud, a, &row);
+    PairRowLoadFactors(cloud, a, &row);
     SymmetricRow(pressure, a, &row, scale, acceleration + DIM * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* -B_a sum V (p_b - p_a) grad W of one row. */
-static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, PetscReal scale, PetscReal out[DIM])
+static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, PetscReal scale, PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
   const Vec8x3     place = Vec8x3Set(x + DIM * a);
@@ -90,35 +91,32 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const Row *restrict row, Petsc
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
 }
 
-/* Inside -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), where pressure differences know nothing of the
-   outside. Eq. (9) everywhere conserves momentum, but on disordered particles its error, 2 p_a sum V grad W, grows with
-   the pressure itself: a smooth error of the velocity makes a pressure that grows with the depth, that a rough
-   velocity, and so on from step to step. A film of 40 spacings (jitter 0.1) is torn apart within five steps of any
-   size.
+/* Inside the liquid -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), since pressure differences say
+   nothing of the outside. Eq. (9) everywhere would conserve momentum, but on disordered particles its error,
+   2 p_a sum V grad W, grows with the pressure itself: a smooth error of the velocity makes a pressure that grows with
+   the depth, that makes a rough velocity, and so on from step to step. A film of 40 spacings (jitter 0.1) is torn apart
+   within five steps of any size.
 
    The same error is what keeps particles evenly spread, so a little of it is put back: 2 q sum V grad W of a background
-   pressure q = c h |grad p| that knows nothing of the depth.
+   pressure q = c h |grad p| (c: regularization), which does not grow with the depth.
 
-   That sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012), so a share of the
-   shifting's term against pairing (Monaghan 2000) goes with it. In motion the shifting helps and a tenth is enough;
-   more is a viscosity: half of it costs Taylor-Green vortices of 50 spacings 3 % of their energy. At rest shifting and
-   background hold each other, and what is left is a velocity with which nothing moves, 0.01 sqrt(gH) in a tank. So
-   where a body force makes the pressure it is half. */
-#define PAIRING_MOVING 0.1
-#define PAIRING_LOADED 0.5
-
+   That sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012), so a part of the
+   shifting's term against pairing (Monaghan 2000) goes with it. In motion the shifting helps, and a tenth is enough
+   (pairing_moving). More acts as a viscosity: half of it costs Taylor-Green vortices of 50 spacings 3 % of their
+   energy. At rest, shifting and background hold each other, and a velocity of 0.01 sqrt(gH) remains in a tank in which
+   nothing moves. So where a body force makes the pressure, it is half (pairing_loaded). */
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), scale = RowScale(cloud),
                   factor = 2 * pressure->regularization * KernelSmoothingLength(cloud->kernel);
-  Row row;
+  PairRow row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal *out = acceleration + DIM * a;
 
-    RowLoad(cloud, a, &row);
+    PairRowLoadFactors(cloud, a, &row);
     if (cloud->integer[INT_SURFACE][a])
       SymmetricRow(pressure, a, &row, scale, out);
     else {
@@ -128,8 +126,8 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
       CorrectedRow(cloud, a, &row, scale, out);
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
       background = factor * Norm(out);
-      against =
-        PetscMax(PAIRING_MOVING * background, PAIRING_LOADED * PetscMin(background, factor * density[a] * Norm(g)));
+      against    = PetscMax(pressure->pairing_moving * background,
+                            pressure->pairing_loaded * PetscMin(background, factor * density[a] * Norm(g)));
       for (PetscInt d = 0; d < DIM; d++)
         out[d] = (out[d] - background * n[d] - against * (crowding[d] - n[d])) / density[a];
     }

@@ -182,11 +182,11 @@ static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[
   const Cloud    cloud = pressure->cloud;
   const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first, *index = cloud->list + first;
 
-  PairsAhead(index, n);
+  PairsPrefetch(index, n);
   if (pressure->mixed_density)
-    PairsAhead(pressure->pair_weight + first, n);
+    PairsPrefetch(pressure->pair_weight + first, n);
   else
-    PairsAhead(cloud->laplacian + first, n);
+    PairsPrefetch(cloud->laplacian + first, n);
   return pressure->mixed_density ? PairSum(index, NULL, pressure->pair_weight + first, n, p, p[a])
                                  : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
 }

@@ -1,4 +1,96 @@
+/* The pressure projection as an object: its types, options, view. */
 #include "pressure_impl.h"
+
+typedef enum { POSITIVE, NOT_NEGATIVE, AT_LEAST_ONE } Range;
+
+static const char *const RangeSentences[] = {"it must be positive", "it must not be negative", "it must be at least 1"};
+
+/* An option that is a number: where it is kept, its default and the values allowed. */
+typedef struct {
+  const char *name, *help, *unit;
+  size_t      offset; /* in struct _p_Pressure */
+  PetscReal   value;
+  Range       range;
+} Number;
+
+#define DEFAULT_RELAXATION_TIME 1e-3 /* s, where neither the user nor the stepper chooses */
+
+#define PLACE(member) offsetof(struct _p_Pressure, member)
+
+static const Number Numbers[] = {
+  {"-pressure_closure_factor",
+   "factor of what full_diagonal adds to the diagonal (1): 1 is Nair and Tomar's, 2 puts p = 0 on the surface", "",
+   PLACE(closure_factor), 2, POSITIVE},
+  {"-pressure_regularization",
+   "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)", "",
+   PLACE(regularization), 2, NOT_NEGATIVE},
+  {"-pressure_relaxation_time",
+   "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h", " s",
+   PLACE(relaxation_option), 0, NOT_NEGATIVE},
+  {"-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)", "",
+   PLACE(rebuild_growth), 1.5, AT_LEAST_ONE},
+  {"-pressure_density_tolerance",
+   "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, -ksp_rtol and the others",
+   "", PLACE(density_tolerance), 0, NOT_NEGATIVE},
+};
+
+/* What these do and where their defaults come from is said where they are used: source.c, closure.c, gradient.c. */
+static const Number Advanced[] = {
+  {"-pressure_relaxation_steps", "least number of steps in which the divergence source repairs density errors (1)", "",
+   PLACE(relaxation_steps), 5, POSITIVE},
+  {"-pressure_closure_lambda", "lambda of fluid below which full_diagonal fills up the diagonal (1)", "",
+   PLACE(closure_lambda), 0.9, NOT_NEGATIVE},
+  {"-pressure_closure_least",
+   "least that full_diagonal adds on the surface, over n.B n V/rho, n the sum of V grad W (1); less than 1 diverges",
+   "", PLACE(closure_least), 2.5, NOT_NEGATIVE},
+  {"-pressure_pairing_moving", "part of the term against pairing in the background pressure, liquid in motion (1)", "",
+   PLACE(pairing_moving), 0.1, NOT_NEGATIVE},
+  {"-pressure_pairing_loaded", "the same where a body force makes the pressure (1)", "", PLACE(pairing_loaded), 0.5,
+   NOT_NEGATIVE},
+};
+
+#define COUNT(table) ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(table))
+
+/* Where a pressure keeps a number. */
+static PetscReal *NumberOf(Pressure pressure, const Number *number)
+{
+  return (PetscReal *)((char *)pressure + number->offset);
+}
+
+static void SetDefaults(Pressure pressure, PetscInt n, const Number numbers[])
+{
+  for (PetscInt k = 0; k < n; k++) *NumberOf(pressure, numbers + k) = numbers[k].value;
+}
+
+/* To be called between PetscOptionsBegin and PetscOptionsEnd. */
+static PetscErrorCode ReadNumbers(Pressure pressure, OptionItems PetscOptionsObject, PetscInt n, const Number numbers[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal *value = NumberOf(pressure, numbers + k);
+
+    PetscCall(PetscOptionsReal(numbers[k].name, numbers[k].help, "PressureSetFromOptions", *value, value, NULL));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool InRange(PetscReal value, Range range)
+{
+  if (range == POSITIVE) return (PetscBool)(value > 0);
+  return (PetscBool)(value >= (range == AT_LEAST_ONE ? 1 : 0));
+}
+
+static PetscErrorCode CheckNumbers(Pressure pressure, PetscInt n, const Number numbers[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal value = *NumberOf(pressure, numbers + k);
+
+    PetscCheckUser(InRange(value, numbers[k].range), pressure->cloud->comm, "%s is %g%s; %s", numbers[k].name,
+                   (double)value, numbers[k].unit, RangeSentences[numbers[k].range]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
 
@@ -35,11 +127,10 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   PetscCall(PressureRegisterAll());
   PetscCall(PetscNew(&p));
   p->cloud           = cloud;
-  p->kept            = -1;
-  p->rebuild_growth  = 1.5;
-  p->relaxation_time = 1e-3;
-  p->closure_factor  = 2;
-  p->regularization  = 2;
+  p->kept            = KEPT_NONE;
+  p->relaxation_time = DEFAULT_RELAXATION_TIME;
+  SetDefaults(p, COUNT(Numbers), Numbers);
+  SetDefaults(p, COUNT(Advanced), Advanced);
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -87,75 +178,61 @@ static PetscErrorCode PreconditionerHelp(MPI_Comm comm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSetFromOptions(Pressure pressure)
+/* The types, and which density the operators divide by. To be called between PetscOptionsBegin and PetscOptionsEnd. */
+static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObject)
 {
-  Cloud             cloud     = pressure->cloud;
   const char *const choices[] = {"rest", "summed"};
-  char              source[64], closure[64], gradient[64];
+  char              source[TYPE_LENGTH], closure[TYPE_LENGTH], gradient[TYPE_LENGTH];
   PetscInt          choice = pressure->summed;
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(source, pressure->source_type, sizeof(source)));
   PetscCall(PetscStrncpy(closure, pressure->closure_type, sizeof(closure)));
   PetscCall(PetscStrncpy(gradient, pressure->gradient_type, sizeof(gradient)));
-  PetscOptionsBegin(cloud->comm, NULL, "Pressure projection", "Pressure");
   PetscCall(PetscOptionsFList("-pressure_source", "what the pressure must remove", "PressureSetTypes", SourceList,
                               source, source, sizeof(source), NULL));
   PetscCall(PetscOptionsFList("-pressure_closure", "how the free surface closes the equation", "PressureSetTypes",
                               ClosureList, closure, closure, sizeof(closure), NULL));
-  PetscCall(PetscOptionsReal(
-    "-pressure_closure_factor",
-    "factor of what full_diagonal adds to the diagonal (1): 1 is Nair and Tomar's, 2 puts p = 0 on the surface",
-    "PressureSetTypes", pressure->closure_factor, &pressure->closure_factor, NULL));
   PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
                               gradient, gradient, sizeof(gradient), NULL));
-  PetscCall(
-    PetscOptionsReal("-pressure_regularization",
-                     "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)",
-                     "PressureSetFromOptions", pressure->regularization, &pressure->regularization, NULL));
   PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed",
                               "PressureSetTypes", choices, 2, choices[choice], &choice, NULL));
-  PetscCall(PetscOptionsReal(
-    "-pressure_relaxation_time",
-    "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h",
-    "PressureSetRelaxationTime", pressure->relaxation_option, &pressure->relaxation_option, NULL));
+  PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureSetFromOptions(Pressure pressure)
+{
+  Cloud cloud = pressure->cloud;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(cloud->comm, NULL, "Pressure projection", "Pressure");
+  PetscCall(ReadTypes(pressure, PetscOptionsObject));
+  PetscCall(ReadNumbers(pressure, PetscOptionsObject, COUNT(Numbers), Numbers));
   PetscCall(PetscOptionsInt("-pressure_rebuild_interval",
-                            "steps after which the preconditioner is made anew; 0: 10 for twolevel, 50 for dear ones",
+                            "steps after which the preconditioner is made anew; 0: 10 for twolevel, jacobi and none, "
+                            "50 for all others",
                             "PressureSetFromOptions", pressure->rebuild_interval, &pressure->rebuild_interval, NULL));
-  PetscCall(PetscOptionsReal("-pressure_rebuild_growth",
-                             "growth of the iterations that makes the preconditioner anew (1)",
-                             "PressureSetFromOptions", pressure->rebuild_growth, &pressure->rebuild_growth, NULL));
-  PetscCall(PetscOptionsReal("-pressure_density_tolerance",
-                             "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, "
-                             "-ksp_rtol and the others",
-                             "PressureSetFromOptions", pressure->density_tolerance, &pressure->density_tolerance,
-                             NULL));
   PetscCall(PetscOptionsFList("-mat_type",
                               "PETSc type of the pressure matrix; none given: shell, the sum of pairs without a "
                               "matrix, if the preconditioner does without entries, else aij",
                               "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type),
                               NULL));
   PetscOptionsEnd();
+  PetscOptionsBegin(cloud->comm, NULL, "Advanced: pressure projection", "Pressure");
+  PetscCall(ReadNumbers(pressure, PetscOptionsObject, COUNT(Advanced), Advanced));
+  PetscOptionsEnd();
   if (HelpWanted()) PetscCall(PreconditionerHelp(cloud->comm));
-  PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
-  PetscCheckUser(pressure->relaxation_option >= 0, cloud->comm,
-                 "-pressure_relaxation_time is %g s; it must not be negative", (double)pressure->relaxation_option);
+  PetscCall(CheckNumbers(pressure, COUNT(Numbers), Numbers));
+  PetscCall(CheckNumbers(pressure, COUNT(Advanced), Advanced));
   PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm,
                  "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative",
                  pressure->rebuild_interval);
-  PetscCheckUser(pressure->density_tolerance >= 0, cloud->comm,
-                 "-pressure_density_tolerance is %g; it must not be negative", (double)pressure->density_tolerance);
-  PetscCheckUser(pressure->closure_factor > 0, cloud->comm, "-pressure_closure_factor is %g; it must be positive",
-                 (double)pressure->closure_factor);
-  PetscCheckUser(pressure->regularization >= 0, cloud->comm, "-pressure_regularization is %g; it must not be negative",
-                 (double)pressure->regularization);
-  PetscCheckUser(pressure->rebuild_growth >= 1, cloud->comm, "-pressure_rebuild_growth is %g; it must be at least 1",
-                 (double)pressure->rebuild_growth);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
-  KernelHalfSpace(pressure->cloud->kernel, 0, &pressure->surface_plane, NULL);
-  KernelSurfaceTable(pressure->cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
+  KernelHalfSpace(cloud->kernel, 0, &pressure->surface_plane, NULL);
+  KernelSurfaceTable(cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,8 +7,10 @@
 #include "../twolevel/twolevel.h"
 #include "pressure.h"
 
-#define SURFACE_TABLE 512
-#define KEPT_OPERATOR 2 /* for Pressure.kept */
+#define SURFACE_TABLE 512 /* places of the table of density at a free surface */
+#define TYPE_LENGTH   64
+#define KEPT_NONE     (-1) /* for Pressure.kept */
+#define KEPT_OPERATOR 2
 
 /* rhs[n_rows], to be multiplied by the row's mass later: minus the source of div(grad p/rho). */
 typedef PetscErrorCode (*SourceFunction)(Pressure, PetscReal dt, PetscReal rhs[]);
@@ -34,47 +36,63 @@ typedef struct {
 
 struct _p_Pressure {
   Cloud            cloud; /* borrowed */
-  char             source_type[64], closure_type[64], gradient_type[64], mat_type[64];
+  char             source_type[TYPE_LENGTH], closure_type[TYPE_LENGTH], gradient_type[TYPE_LENGTH];
   SourceFunction   source;
   ClosureFunction  closure;
   GradientFunction gradient;
-  PetscBool        summed;
-  /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2 */
-  PetscBool   mixed_density; /* densities differ: the pairs' weights are pair_weight, not the cloud's laplacian */
-  float      *pair_weight;
-  PetscReal   weight_scale;
-  PetscReal  *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
-  PetscInt    rows_capacity, weight_capacity;
-  PetscReal   relaxation_time, relaxation_option;
-  PetscReal   lattice_diagonal;                                   /* Lambda_0 of a row with rest density 1 */
-  PetscReal   lattice_sum;                                        /* sum V W on a full lattice, 1 */
-  PetscReal   surface_plane, surface_fraction[SURFACE_TABLE + 1]; /* w1(0) and F as function of w1/w1(0) */
-  PetscInt    row_layout;             /* the cloud's layout that the rows are numbered for */
-  PetscInt    row_start, rows_global; /* first row of this rank, rows of all */
-  PetscInt   *parent_row;             /* [n_owned - n_rows] local row of the parent of deeper wall particles */
-  Columns     columns;
-  PetscReal   row_scale; /* 1/m_ref */
+  PetscBool        summed; /* the operators divide by the summed density, not the rest density */
+
+  /* of the source */
+  PetscReal relaxation_time, relaxation_option;  /* s, in use and as the user gave it (0: not) */
+  PetscReal relaxation_steps;                    /* 1 */
+  PetscReal lattice_sum;                         /* sum V W on a full lattice, 1 */
+  PetscReal surface_plane;                       /* |sum V grad W| on the plane surface of a half space, 1/m */
+  PetscReal surface_fraction[SURFACE_TABLE + 1]; /* sum V W over its value inside, by |sum V grad W|/surface_plane */
+
+  /* of the closure */
+  PetscReal closure_factor, closure_lambda, closure_least; /* 1 */
+  PetscReal lattice_diagonal;                              /* Lambda_0 of a row with rest density 1, 1/m2 */
+  PetscBool free_surface;                                  /* any particle of any rank is on one */
+
+  /* of the gradient */
+  PetscReal regularization, pairing_moving, pairing_loaded; /* 1 */
+
+  /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2. Rows are
+     multiplied with the mass of their particle times row_scale, the reciprocal of a particle's of the first body. */
+  PetscReal  row_scale; /* 1/kg */
+  PetscReal  weight_scale;
+  PetscBool  mixed_density; /* densities differ: the pairs' weights are pair_weight, not the cloud's laplacian */
+  float     *pair_weight;
+  PetscReal *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
+  PetscInt   rows_capacity, weight_capacity;
+  PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
+  PetscReal  dt;            /* s, of the right-hand side */
+
+  /* numbers of the rows */
+  PetscInt  row_layout;             /* the cloud's layout that they are for */
+  PetscInt  row_start, rows_global; /* first row of this rank, rows of all */
+  PetscInt *parent_row;             /* [n_owned - n_rows] local row of the parent of deeper wall particles */
+  Columns   columns;
+
+  /* the matrix */
+  char        mat_type[TYPE_LENGTH];
+  PetscBool   assembled;   /* the preconditioner needs entries: A is a matrix, not the operator */
+  Mat         operator, A; /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from it or from a store */
   MatrixStore store[2];
-  PetscInt    current, kept; /* stores of this step's matrix and of the preconditioner's; -1: none, or
-                                KEPT_OPERATOR */
-  Mat       operator, A;     /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from it or from a store */
+  PetscInt    current, kept; /* store of this step's matrix; the preconditioner's, KEPT_NONE or KEPT_OPERATOR */
+
+  /* the solver */
   KSP       ksp;
-  Vec       b, x;
-  PetscInt  solver_layout;  /* the local order the solver was made for */
-  PetscReal closure_factor; /* of the filling of full_diagonal */
-  PetscReal regularization; /* background pressure of the corrected gradient over h |grad p| */
-  PetscBool free_surface;   /* any particle is on one */
-  PetscBool constant_null;
-  PetscBool assembled; /* the solver needs entries: a matrix, not the operator */
-  PetscInt  age, rebuild_interval, kept_steps,
-    first_iterations;          /* kept_steps: rebuild_interval, or what suits the preconditioner */
-  PetscReal dt;                /* s, of the system assembled last */
-  PetscReal density_tolerance; /* 1; 0: PETSc's own test */
-  Vec       scratch[2];
-  PetscReal rebuild_growth;
-  PetscBool rebuild;
+  Vec       b, x, scratch[2];
+  PetscInt  solver_layout;                /* the cloud's layout that it was made for */
+  PetscReal density_tolerance;            /* 1; 0: PETSc's own test */
+  PetscInt  rebuild_interval, kept_steps; /* the user's choice, 0: none; steps that the preconditioner is kept */
+  PetscReal rebuild_growth;               /* of the iterations, 1 */
+  PetscInt  age, first_iterations;        /* of the preconditioner: steps, and iterations in the first of them */
+  PetscBool rebuild;                      /* make it anew in the next step */
 };
 
+/* The weight of pair k of the cloud's list, in units of weight_scale. */
 static inline PetscReal PairWeight(Pressure pressure, PetscInt k)
 {
   return pressure->mixed_density ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];

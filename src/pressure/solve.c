@@ -25,7 +25,7 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscCall(VecDestroy(&pressure->x));
   for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
   PetscCall(MatDestroy(&pressure->operator));
-  pressure->kept    = -1;
+  pressure->kept    = KEPT_NONE;
   pressure->rebuild = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -221,7 +221,7 @@ static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
   PetscScalar *x;
 
   PetscFunctionBegin;
-  PetscCall(SetOperators(pressure, (PetscBool)(pressure->rebuild || pressure->kept < 0 ||
+  PetscCall(SetOperators(pressure, (PetscBool)(pressure->rebuild || pressure->kept == KEPT_NONE ||
                                                pressure->age >= pressure->kept_steps)));
   result->rebuilt = (PetscBool)(pressure->age == 0);
   PetscCall(VecGetArrayWrite(pressure->x, &x));

@@ -5,9 +5,9 @@
                   which it is repaired */
 #include "pressure_impl.h"
 
-/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). A wall particle that is not covered by liquid all around lacks density without
-   any liquid being rarefied, and its row, with few pairs, would turn that into a suction that tears particles off
-   whatever the step. So walls push, they do not pull. */
+/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but do not pull: a wall particle without liquid all around lacks
+   density though no liquid is rarefied, and its row, which has few pairs, would turn that into a suction that tears
+   particles off, whatever the size of the step. */
 PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   Cloud            cloud = pressure->cloud;
@@ -19,8 +19,8 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define LAMBDA_FULL 0.95 /* above: a full neighbourhood, F = 1 */
-#define LAMBDA_THIN 0.3  /* below: too few neighbours for F; only compression counts */
+#define LAMBDA_FULL 0.95           /* above: a full neighbourhood, F = 1 */
+#define LAMBDA_THIN MOMENT_MINIMUM /* below: too few neighbours for F; only compression counts */
 
 /* e_a = F_a - rho_a/(rho_0 S), S the sum V W on a full lattice: the density defect that is neither the free surface's
    nor the kernel's. */
@@ -41,12 +41,10 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
 }
 
-/* A relaxation in fewer steps overshoots: the Couette flow with implicit viscosity at dt = 3 T blows up. */
-#define RELAXATION_STEPS 5
-
-/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least RELAXATION_STEPS dt; wall rows: the divergence alone,
-   deeper layers folded in. The positions are those of the middle of a centered step and the new velocity belongs to its
-   end, so the divergence must be that at the end (time_offset of OperatorsDivergence). Free of divergence in the
+/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least relaxation_steps dt: in fewer steps the repair
+   overshoots, and a Couette flow with implicit viscosity at dt = 3 T blows up. Rows of walls take the divergence alone,
+   that of deeper layers added. The positions are those of the middle of a centered step and the new velocity belongs to
+   its end, so the divergence must be that at the end (time_offset of OperatorsDivergence). Free of divergence in the
    middle, the velocity would have dt/2 tr (grad v)^2 at the end: the density would drift by that times T, and the
    pressure's work on it is a loss of dt/2 |grad p|^2/rho a volume and time, 3 % of the energy of Taylor-Green vortices
    of Re 1000 at 50 spacings. */
@@ -54,7 +52,7 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 {
   Cloud            cloud = pressure->cloud;
   const PetscReal *div   = cloud->field[FIELD_DIVERGENCE];
-  const PetscReal  rate  = 1 / (dt * PetscMax(pressure->relaxation_time, RELAXATION_STEPS * dt));
+  const PetscReal  rate  = 1 / (dt * PetscMax(pressure->relaxation_time, pressure->relaxation_steps * dt));
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * rate;

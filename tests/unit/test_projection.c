@@ -67,7 +67,7 @@ static PetscErrorCode TestCrowd(const char gradient[])
     for (PetscInt l = 0; l < DIM * s.cloud->n_fluid; l++) v[l] += dt * s.cloud->field[FIELD_PRESSURE_ACCELERATION][l];
   }
   PetscCall(PetscSNPrintf(name, sizeof(name), "crowded_surface_%s", gradient));
-  CHECK_CLOSE(Length(s.cloud) / first, 0.5, 0.5, name); /* 1e8 times as long without CLOSURE_LEAST in closure.c */
+  CHECK_CLOSE(Length(s.cloud) / first, 0.5, 0.5, name); /* 1e8 times as long without -pressure_closure_least */
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
