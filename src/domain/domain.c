@@ -118,7 +118,7 @@ static PetscErrorCode CheckBox(Domain domain)
   }
   for (PetscInt d = 0; d < DIM; d++) {
     /* A box thinner than one spacing holds no particle; rounding of decimal input is forgiven. */
-    PetscCheckUser(domain->upper[d] - domain->lower[d] >= (1 - 1e-6) * domain->spacing, domain->comm,
+    PetscCheckUser(domain->upper[d] - domain->lower[d] >= (1 - POINT_TOLERANCE) * domain->spacing, domain->comm,
                    "the box must be at least one -spacing (%g m) wide in %s: -box_upper %g m is not that far above "
                    "-box_lower %g m",
                    (double)domain->spacing, AxisNames[d], (double)domain->upper[d], (double)domain->lower[d]);
@@ -281,6 +281,19 @@ void DomainWrap(Domain domain, PetscReal x[DIM])
     if (domain->face[d][0] != FACE_PERIODIC || (x[d] >= lower && x[d] < upper)) continue;
     x[d] -= (upper - lower) * PetscFloorReal((x[d] - lower) / (upper - lower));
     if (x[d] < lower || x[d] >= upper) x[d] = lower; /* rounding at a face */
+  }
+}
+
+void DomainConfine(Domain domain, PetscReal x[DIM])
+{
+  const PetscReal margin = POINT_TOLERANCE * domain->spacing;
+
+  DomainWrap(domain, x);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (domain->face[d][0] == FACE_PERIODIC) continue;
+    if (domain->face[d][0] == FACE_SYMMETRY && x[d] < domain->lower[d]) x[d] = 2 * domain->lower[d] - x[d];
+    if (domain->face[d][1] == FACE_SYMMETRY && x[d] > domain->upper[d]) x[d] = 2 * domain->upper[d] - x[d];
+    x[d] = PetscMax(domain->lower[d] + margin, PetscMin(domain->upper[d] - margin, x[d]));
   }
 }
 

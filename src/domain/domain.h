@@ -4,6 +4,10 @@
 
 #include "../base/base.h"
 
+/* Points this close to a face or a surface, in spacings, count as on it: far above the rounding of decimal input, far
+   below any distance of particles. */
+#define POINT_TOLERANCE 1e-6
+
 typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
 extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
 
@@ -52,6 +56,9 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
 PetscInt DomainCell(Domain domain, const PetscReal x[DIM]);
 /* DomainWrap - takes x (m) back into the box through periodic faces. Not collective. */
 void DomainWrap(Domain domain, PetscReal x[DIM]);
+/* DomainConfine - takes x (m) back into the box: through periodic faces, mirrored at symmetry faces, just inside an
+   open face or a wall. Not collective. */
+void DomainConfine(Domain domain, PetscReal x[DIM]);
 /* DomainOutside - whether x (m) has left the box through an open face. Not collective. */
 PetscBool DomainOutside(Domain domain, const PetscReal x[DIM]);
 /* DomainPartition - METIS on the cell graph, so that every rank gets its share of each of 'constraints' kinds of work:

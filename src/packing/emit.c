@@ -3,84 +3,65 @@
 
 #define EMITTED_ID (PETSC_MAX_INT / 2) /* ids of emitted particles start here: the same after a restart */
 
-typedef struct {
-  Emission *emission;
-  PetscInt  capacity;
-} Points;
-
-static void CountPoint(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM])
+static PetscErrorCode KeepPoint(void *context, const Sample *sample)
 {
-  ((Points *)context)->capacity++;
-}
+  PetscReal *x;
 
-static void KeepPoint(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM])
-{
-  Emission *emission = ((Points *)context)->emission;
-
-  for (PetscInt d = 0; d < DIM; d++) emission->x[DIM * emission->n + d] = x[d];
-  emission->n++;
+  PetscFunctionBegin;
+  PetscCall(PetscSegBufferGet((PetscSegBuffer)context, DIM, &x));
+  PetscCall(PetscArraycpy(x, sample->x, DIM));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The points of an emitter, once. */
 static PetscErrorCode FindPoints(Packing packing, PetscInt b)
 {
-  Points points = {.emission = &packing->emission[b]};
+  Emission      *emission = &packing->emission[b];
+  PetscSegBuffer points;
+  size_t         size;
 
   PetscFunctionBegin;
-  if (points.emission->x) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(LatticeVisitBody(packing, b, CountPoint, &points));
-  PetscCheckUser(points.capacity > 0, packing->cloud->comm,
+  if (emission->x) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &points));
+  PetscCall(LatticeVisitBody(packing, b, KeepPoint, points));
+  PetscCall(PetscSegBufferGetSize(points, &size));
+  PetscCall(PetscSegBufferExtractAlloc(points, &emission->x));
+  PetscCall(PetscSegBufferDestroy(&points));
+  emission->n = (PetscInt)size / DIM;
+  PetscCheckUser(emission->n > 0, packing->cloud->comm,
                  "no particle of -spacing %g m fits into the emitter %s; it must be larger",
                  (double)packing->cloud->domain->spacing, BodyName(SceneBody(packing->cloud->scene, b)));
-  PetscCall(PetscMalloc1(DIM * points.capacity, &points.emission->x));
-  PetscCall(LatticeVisitBody(packing, b, KeepPoint, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Emission number k of body b, counted over all emitters by 'number': appends this rank's particles. */
-static PetscErrorCode Emit(Packing packing, PetscInt b, PetscInt k, PetscInt first_id, PetscReal time)
+/* One emission: what body number b brings the k-th time, at the time (s). */
+typedef struct {
+  const Emission *emission;
+  Body            body;
+  PetscInt        b, k, first_id;
+  PetscReal       time;
+} Portion;
+
+static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *context)
 {
-  const Cloud     cloud    = packing->cloud;
-  const Domain    domain   = cloud->domain;
-  const Body      body     = SceneBody(cloud->scene, b);
-  const Emission *emission = &packing->emission[b];
-  PetscMPIInt     rank;
-  PetscInt        own = 0, next;
-  PetscReal       shift[DIM];
-  ParticleArrays  arrays;
+  const Portion *portion = (const Portion *)source;
+  PetscReal      shift[DIM];
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
-  BodyEmissionShift(body, k, time, shift);
-  for (PetscInt pass = 0; pass < 2; pass++) {
-    if (pass) {
-      PetscCall(ParticlesLocalSize(cloud->particles, &next));
-      PetscCall(ParticlesAppend(cloud->particles, own));
-      PetscCall(ParticlesOpen(cloud->particles, &arrays));
-    }
-    for (PetscInt p = 0; p < emission->n; p++) {
-      PetscReal x[DIM];
+  BodyEmissionShift(portion->body, portion->k, portion->time, shift);
+  for (PetscInt p = 0; p < portion->emission->n; p++) {
+    Sample sample = {.density = BodyMaterial(portion->body)->density, .body = portion->b};
 
-      for (PetscInt d = 0; d < DIM; d++) x[d] = emission->x[DIM * p + d] + shift[d];
-      if (domain->cell_rank[DomainCell(domain, x)] != rank) continue;
-      if (!pass) {
-        own++;
-        continue;
-      }
-      for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_POSITION][DIM * next + d] = x[d];
-      BodyEmissionVelocity(body, time, x, arrays.real[FIELD_VELOCITY] + DIM * next);
-      arrays.real[FIELD_DENSITY][next] = BodyMaterial(body)->density;
-      arrays.integer[INT_ID][next]     = first_id + p;
-      arrays.integer[INT_PARENT][next] = first_id + p;
-      arrays.integer[INT_BODY][next++] = b;
-    }
+    for (PetscInt d = 0; d < DIM; d++) sample.x[d] = portion->emission->x[DIM * p + d] + shift[d];
+    BodyEmissionVelocity(portion->body, portion->time, sample.x, sample.v);
+    sample.id = sample.parent = portion->first_id + p;
+    PetscCall(visitor(context, &sample));
   }
-  PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Liquid inside an emitter moves with its velocity. */
-static PetscErrorCode Hold(Packing packing, PetscReal time)
+static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
 {
   const Scene    scene = packing->cloud->scene;
   ParticleArrays arrays;
@@ -100,8 +81,8 @@ static PetscErrorCode Hold(Packing packing, PetscReal time)
 
 PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted)
 {
-  const Scene scene    = packing->cloud->scene;
-  PetscInt    first_id = EMITTED_ID, most = 1, emitters = 0, number = 0;
+  const Scene scene = packing->cloud->scene;
+  PetscInt    most = 1, emitters = 0, number = 0; /* points of an emitter at most; emitters; those before this one */
 
   PetscFunctionBegin;
   *emitted = 0;
@@ -114,21 +95,24 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
   }
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     Emission *emission = &packing->emission[b];
-    PetscInt  wanted;
+    Portion   portion  = {.emission = emission, .body = SceneBody(scene, b), .b = b, .time = time};
+    PetscInt  wanted, count;
 
-    if (!BodyEmits(SceneBody(scene, b))) continue;
-    wanted = BodyEmissions(SceneBody(scene, b), time);
+    if (!BodyEmits(portion.body)) continue;
+    wanted = BodyEmissions(portion.body, time);
     for (; emission->done < wanted; emission->done++) {
       if (resumed) continue;
       PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), packing->cloud->comm,
                      "the emitter %s has brought as many particles as this build of PETSc can number",
-                     BodyName(SceneBody(scene, b)));
-      PetscCall(Emit(packing, b, emission->done, first_id + (emission->done * emitters + number) * most, time));
-      *emitted += emission->n;
+                     BodyName(portion.body));
+      portion.k        = emission->done;
+      portion.first_id = EMITTED_ID + (portion.k * emitters + number) * most;
+      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, &portion, &count));
+      *emitted += count;
     }
     number++;
   }
-  PetscCall(Hold(packing, time));
+  PetscCall(SetEmitterVelocities(packing, time));
   if (*emitted) PetscCall(CloudResync(packing->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

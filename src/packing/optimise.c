@@ -9,10 +9,10 @@
 #include "packing_impl.h"
 #include <petsctao.h>
 
-#define REPULSION_STRENGTH 1.0  /* k: at the goal the density pushes with 1e-4, so r falls short of c by as much */
-#define REPULSION_MARGIN   1.02 /* c over the distance wanted */
-#define SLACK              3.0  /* of the halo while packing, spacings: particles move further than in a step */
-#define SEARCH_AFTER       0.02 /* spacings that a particle may move before neighbours are searched again */
+#define SMALLEST_DISTANCE 1e-6 /* over c: two particles in one place have no direction to move apart in */
+#define REPULSION_MARGIN  1.02 /* c over the distance wanted */
+#define SLACK             3.0  /* of the halo while packing, spacings: particles move further than in a step */
+#define SEARCH_AFTER      0.02 /* spacings that a particle may move before neighbours are searched again */
 #define TRIAL_LIMIT                                                                                                    \
   10 /* spacings that a particle may move in a trial of the line search, which goes astray once rounding rules the     \
         gradient */
@@ -22,6 +22,7 @@ typedef struct {
   Cloud      cloud;
   PairRow   *row;
   PetscReal  tolerance, distance; /* wanted: relative; m */
+  PetscReal  repulsion;           /* k */
   PetscReal  deviation, closest;  /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
   PetscReal  travelled;           /* largest displacement of a round, m */
   PetscReal  particles;           /* fluid particles of all ranks */
@@ -29,7 +30,7 @@ typedef struct {
 } Optimiser;
 
 /* Largest displacement of the fluid from 'before' ([n_fluid][3], m). */
-static PetscErrorCode Displacement(Cloud cloud, const PetscReal before[], PetscReal *largest)
+static PetscErrorCode LargestDisplacement(Cloud cloud, const PetscReal before[], PetscReal *largest)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
 
@@ -63,10 +64,10 @@ static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
       x[DIM * a + d] = o->start[DIM * a + d] + cloud->domain->spacing * shift[dim * a + d];
   }
   PetscCall(VecRestoreArrayRead(y, &shift));
-  PetscCall(Displacement(cloud, o->start, &o->travelled));
+  PetscCall(LargestDisplacement(cloud, o->start, &o->travelled));
   *too_far = (PetscBool)(o->travelled > TRIAL_LIMIT * cloud->domain->spacing);
   if (*too_far) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Displacement(cloud, o->searched, &moved));
+  PetscCall(LargestDisplacement(cloud, o->searched, &moved));
   search                  = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
   cloud->distance_outside = o->travelled;
   PetscCall(CloudMoved(cloud));
@@ -88,7 +89,7 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     error[a] = 0;
     if (a >= cloud->n_fluid) continue;
-    error[a] = PackingRow(cloud, a, row) - 1;
+    error[a] = PackingFraction(cloud, a, row) - 1;
     sums[0] += PetscSqr(error[a]);
     for (PetscInt k = 0; k < row->n; k++) {
       const PetscBool fluid = (PetscBool)(cloud->integer[INT_LAYER][row->index[k]] == 0);
@@ -103,7 +104,7 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
   o->closest   = closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) : PETSC_INFINITY;
   o->deviation = PetscSqrtReal(sums[0] / o->particles);
-  *f           = 0.5 * (sums[0] + REPULSION_STRENGTH * sums[1]);
+  *f           = 0.5 * (sums[0] + o->repulsion * sums[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -123,15 +124,15 @@ static PetscErrorCode Gradient(Optimiser *o, Vec gradient)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal sum[DIM] = {0, 0, 0};
 
-    PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, row);
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
     KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
     for (PetscInt k = 0; k < row->n; k++) {
       PetscReal slope = volume * (error[a] + error[row->index[k]]) * row->F[k];
 
       if (row->r2[k] < reach * reach) {
-        const PetscReal r = PetscMax(PetscSqrtReal(row->r2[k]), ROUNDING * reach);
+        const PetscReal r = PetscMax(PetscSqrtReal(row->r2[k]), SMALLEST_DISTANCE * reach);
 
-        slope -= REPULSION_STRENGTH * (1 - r / reach) / (reach * r);
+        slope -= o->repulsion * (1 - r / reach) / (reach * r);
       }
       sum[0] += slope * row->dx[k];
       sum[1] += slope * row->dy[k];
@@ -211,7 +212,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
     PetscInfo(tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n",
               *done, TaoConvergedReasons[*reason], (double)o->deviation,
               (double)(o->closest / cloud->domain->spacing)));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) PackingConfine(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) DomainConfine(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a);
   PetscCall(CloudCommit(cloud, &lost));
   PetscCall(CloudResync(cloud));
   PetscCall(TaoDestroy(&tao));
@@ -223,7 +224,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
 
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
 {
-  Optimiser          o         = {.cloud = cloud, .tolerance = target->tolerance};
+  Optimiser          o         = {.cloud = cloud, .tolerance = target->tolerance, .repulsion = target->repulsion};
   const PetscReal    slack     = cloud->slack;
   PetscInt           remaining = -1, done, particles;
   TaoConvergedReason reason;

@@ -1,6 +1,5 @@
-/* The class: types, options, and how samples become particles. */
+/* The class: types, options, and the packing of a scene step by step. */
 #include "packing_impl.h"
-#include <unistd.h>
 
 static PetscFunctionList PackingList = NULL;
 
@@ -97,86 +96,34 @@ PetscErrorCode PackingDestroy(Packing *packing)
 
 PetscInt PackingWallLayers(Cloud cloud)
 {
-  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - ROUNDING);
+  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
 }
 
-void PackingConfine(Domain domain, PetscReal x[DIM])
-{
-  const PetscReal margin = ROUNDING * domain->spacing;
-
-  DomainWrap(domain, x);
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    if (domain->face[d][0] == FACE_PERIODIC) continue;
-    if (domain->face[d][0] == FACE_SYMMETRY && x[d] < domain->lower[d]) x[d] = 2 * domain->lower[d] - x[d];
-    if (domain->face[d][1] == FACE_SYMMETRY && x[d] > domain->upper[d]) x[d] = 2 * domain->upper[d] - x[d];
-    x[d] = PetscMax(domain->lower[d] + margin, PetscMin(domain->upper[d] - margin, x[d]));
-  }
-}
-
-/* --- from samples to particles --- */
-
-typedef struct {
-  Domain         domain;
-  PetscMPIInt    rank;
-  PetscInt       count;  /* samples seen */
-  PetscInt      *weight; /* [cells] samples of each */
-  ParticleArrays arrays;
-  PetscInt       next; /* place of the next particle of this rank */
-} Filling;
-
-static void Weigh(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM])
-{
-  Filling *filling = (Filling *)context;
-
-  filling->count++;
-  filling->weight[DomainCell(filling->domain, x)]++;
-}
-
-static void Fill(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM])
-{
-  Filling       *filling = (Filling *)context;
-  const PetscInt a       = filling->next;
-
-  if (filling->domain->cell_rank[DomainCell(filling->domain, x)] != filling->rank) return;
-  for (PetscInt d = 0; d < DIM; d++) filling->arrays.real[FIELD_POSITION][DIM * a + d] = x[d];
-  filling->arrays.integer[INT_ID][a]     = id;
-  filling->arrays.integer[INT_BODY][a]   = body;
-  filling->arrays.integer[INT_PARENT][a] = id;
-  filling->next++;
-}
-
-/* Every rank sees all samples and keeps those of its cells; the cells are dealt out first, with the weights that
-   CloudResync will use, so that nothing has to migrate. */
+/* The cells are dealt out first, with the weights that CloudResync will use, so that nothing has to migrate. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud    cloud  = packing->cloud;
   const Domain   domain = cloud->domain;
   const PetscInt cells = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
-  Filling        filling = {.domain = domain};
-  PetscInt      *weight, own = 0, walls, solids;
+  PetscInt      *weight, walls, solids;
+  PetscMPIInt    rank;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(cloud->comm, &filling.rank));
-  PetscCall(PetscCalloc2(cells, &filling.weight, cells, &weight));
-  PetscCall(packing->ops.visit(packing, Weigh, &filling));
-  packing->count = filling.count;
+  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
+  PetscCall(PetscCalloc1(cells, &weight));
+  PetscCall(SamplesWeigh(domain, packing->ops.visit, packing, weight, &packing->count));
   PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
-  if (filling.rank == 0) { /* DomainPartition sums over the ranks */
-    PetscCall(PetscArraycpy(weight, filling.weight, cells));
-    WallWeigh(domain, layers, weight);
-    SolidWeigh(domain, cloud->scene, layers, weight);
+  if (rank) /* DomainPartition sums over the ranks */
+    PetscCall(PetscArrayzero(weight, cells));
+  else {
+    PetscCall(WallWeigh(domain, layers, weight));
+    PetscCall(SolidWeigh(domain, cloud->scene, layers, weight));
   }
   PetscCall(DomainPartition(domain, 1, weight));
-  for (PetscInt c = 0; c < cells; c++)
-    if (domain->cell_rank[c] == filling.rank) own += filling.weight[c];
-  PetscCall(PetscFree2(filling.weight, weight));
-  PetscCall(ParticlesLocalSize(cloud->particles, &filling.next));
-  PetscCall(ParticlesAppend(cloud->particles, own));
-  PetscCall(ParticlesOpen(cloud->particles, &filling.arrays));
-  PetscCall(packing->ops.visit(packing, Fill, &filling));
-  PetscCall(ParticlesClose(cloud->particles, &filling.arrays));
+  PetscCall(PetscFree(weight));
+  PetscCall(SamplesAppend(cloud->particles, domain, packing->ops.visit, packing, &packing->count));
   PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
   PetscCall(SolidCreateParticles(cloud->particles, domain, cloud->scene, layers, packing->count + walls, &solids));
   PetscCall(PetscInfo(NULL,
@@ -184,19 +131,6 @@ static PetscErrorCode CreateParticles(Packing packing)
                       " solid particles\n",
                       packing->type, packing->count, walls, solids));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* --- what is known once the particles stand --- */
-
-PetscReal PackingRow(Cloud cloud, PetscInt a, PairRow *row)
-{
-  PetscReal sum = 0;
-
-  PairRowLoad(cloud, cloud->field[FIELD_POSITION], a, row);
-  KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
-  SIMD_LOOP(reduction(+ : sum))
-  for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
-  return cloud->domain->volume * (sum + KernelSelf(cloud->kernel));
 }
 
 static PetscErrorCode SetVelocities(Packing packing)
@@ -269,93 +203,6 @@ PetscErrorCode PackingSetVelocities(Packing packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Densities, Eq. (4) of Kuri et al. with the rest density of the particle itself, so that two liquids in touch are at
-   rest; and the report. */
-static PetscErrorCode Measure(Packing packing, PackingReport *report)
-{
-  const Cloud cloud = packing->cloud;
-  PairRow    *row;
-  PetscReal   squares = 0, closest2 = PETSC_MAX_REAL;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(&row));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal rest = cloud->rest_density[a], fraction = PackingRow(cloud, a, row);
-
-    cloud->field[FIELD_DENSITY][a] = rest * fraction;
-    if (a >= cloud->n_fluid) continue;
-    squares += PetscSqr(rest * (fraction - 1));
-    for (PetscInt k = 0; k < row->n; k++)
-      if (cloud->integer[INT_LAYER][row->index[k]] == 0) closest2 = PetscMin(closest2, row->r2[k]);
-  }
-  PetscCall(PetscFree(row));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
-  report->density_std = PetscSqrtReal(squares / PetscMax(packing->count, 1));
-  report->smallest_distance =
-    closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-#define PARTICLE_LEAST                                                                                                 \
-  500              /* bytes a particle takes, at least: 1.2 kB in two dimensions, 2.2 kB in three by default           \
-                    */
-#define SAMPLES 16 /* points a direction at which a body is probed */
-
-/* How many particles the bodies (to a few percent) and the box's walls will have. */
-static PetscReal Estimate(Packing packing)
-{
-  const Domain    domain = packing->cloud->domain;
-  const PetscInt  deep   = domain->dim == DIM ? SAMPLES : 1;
-  const PetscReal layers = (PetscReal)PackingWallLayers(packing->cloud);
-  PetscReal       count = 0, box = 1, walled = 1;
-
-  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++) {
-    const Body body   = SceneBody(packing->cloud->scene, b);
-    PetscReal  volume = 1 / domain->volume, inside = 0, lower[DIM], upper[DIM], x[DIM];
-
-    BodyBounds(body, lower, upper);
-    for (PetscInt d = 0; d < domain->dim; d++) volume *= upper[d] - lower[d];
-    for (PetscInt k = 0; k < SAMPLES * SAMPLES * deep; k++) {
-      const PetscInt at[DIM] = {k % SAMPLES, (k / SAMPLES) % SAMPLES, k / (SAMPLES * SAMPLES)};
-
-      for (PetscInt d = 0; d < DIM; d++)
-        x[d] = lower[d] + (upper[d] - lower[d]) * (at[d] + 0.5) / (d < 2 ? SAMPLES : deep);
-      inside += BodyContains(body, x) ? 1 : 0;
-    }
-    count += volume * inside / (SAMPLES * SAMPLES * deep);
-  }
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal places = (domain->upper[d] - domain->lower[d]) / domain->spacing;
-
-    box *= places;
-    walled *= places + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
-  }
-  return count + walled - box;
-}
-
-/* Whether the machines of the ranks have the memory: Linux gives more away than there is and ends the run later. */
-static PetscErrorCode CheckMemory(Packing packing)
-{
-  const MPI_Comm comm  = packing->cloud->comm;
-  const double   bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE), count = Estimate(packing);
-  double         room;
-  PetscMPIInt    neighbors;
-  MPI_Comm       machine;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  PetscCallMPI(MPI_Comm_size(machine, &neighbors));
-  PetscCallMPI(MPI_Comm_free(&machine));
-  room = bytes / neighbors;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_DOUBLE, MPI_SUM, comm));
-  PetscCheckUser(bytes <= 0 || count * PARTICLE_LEAST <= room, comm,
-                 "-spacing %g m is too small for the memory: about %.2g particles take more than %.3g GB, there are "
-                 "%.3g GB",
-                 (double)packing->cloud->domain->spacing, count, count * PARTICLE_LEAST / 1e9, room / 1e9);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode PackingRun(Packing packing, PackingReport *report)
 {
   const Cloud cloud = packing->cloud;
@@ -364,14 +211,14 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
   PetscCall(PetscMemzero(report, sizeof(*report)));
-  PetscCall(CheckMemory(packing));
+  PetscCall(PackingCheckMemory(packing));
   if (packing->ops.setup) PetscCall(packing->ops.setup(packing, report));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));
   if (packing->ops.improve) PetscCall(packing->ops.improve(packing, report));
   PetscCall(SetVelocities(packing));
   PetscCall(CloudResync(cloud));
-  PetscCall(Measure(packing, report));
+  PetscCall(PackingMeasure(packing, report));
   PetscCall(CloudCommit(cloud, &lost));
   PetscCheck(lost == 0, cloud->comm, PETSC_ERR_PLIB, "%" PetscInt_FMT " particles of the packing are outside the box",
              lost);

@@ -1,15 +1,27 @@
-/* Private to packing/: what a type of packing provides, and the lattice that fluid and walls share. */
+/* Private to packing/: what a type of packing provides, and how particles are made. */
 #ifndef ISPH_PACKING_TYPES_H
 #define ISPH_PACKING_TYPES_H
 
 #include "../neighbors/pairs.h"
 #include "packing.h"
 
-/* Points this close to a boundary, in spacings, count as on it: far below any jitter, far above rounding. */
-#define ROUNDING 1e-6
+/* A particle to be made: its place x (m), velocity v (m/s) and integers as in the field table; density (kg/m3): 0 where
+   it is summed later. */
+typedef struct {
+  PetscReal x[DIM], v[DIM], density;
+  PetscInt  id, parent, body, layer;
+} Sample;
 
-/* Sees one sample: its id, the index of its body, its position (m). */
-typedef void (*PackingVisitor)(void *context, PetscInt id, PetscInt body, const PetscReal x[DIM]);
+/* A source shows all its samples, one after the other and the same on every rank, to a visitor. */
+typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
+typedef PetscErrorCode (*SampleSource)(void *source, SampleVisitor visitor, void *context);
+
+/* SamplesWeigh - adds the samples of a source to the number of particles of each cell, weight [cells]; *count is their
+   number. Not collective. */
+PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count);
+/* SamplesAppend - appends those samples of a source that lie in this rank's cells to the swarm; *count is the number of
+   all. Collective. */
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt *count);
 
 /* What an emitter brings each time. */
 typedef struct {
@@ -23,8 +35,7 @@ typedef struct {
                                    OptionItems PetscOptionsObject); /* reads, inside an options block */
   PetscErrorCode (*check)(Packing packing);                         /* refuses bad numbers */
   PetscErrorCode (*setup)(Packing packing, PackingReport *report);  /* before the visits; collective */
-  /* Shows every sample of the scene to the visitor, in the order of the ids 0, 1, ...; all of them on each rank. */
-  PetscErrorCode (*visit)(Packing packing, PackingVisitor visitor, void *context);
+  SampleSource visit; /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */
   PetscErrorCode (*destroy)(Packing packing);
 } PackingOps;
@@ -35,7 +46,7 @@ struct _p_Packing {
   PackingOps ops;
   void      *data; /* of the type */
   PetscInt   seed;
-  PetscInt   count; /* samples of the scene, over all ranks */
+  PetscInt   count; /* fluid particles, over all ranks */
   char       cache[PETSC_MAX_PATH_LEN];
   Emission   emission[SCENE_MAX_BODIES];
 };
@@ -43,43 +54,61 @@ struct _p_Packing {
 PetscErrorCode PackingCreate_Lattice(Packing packing);
 PetscErrorCode PackingCreate_Poisson(Packing packing);
 
-/* The lattice of the box: point i of direction d is at origin[d] + i pitch[d] (m), 0 <= i < n[d] inside the box.
-   Between two closed faces the pitch is fitted to the box, else it is the spacing, counted from the closed face if
-   there is one. */
+/* A lattice: point i of direction d is at origin[d] + i pitch[d] (m), 0 <= i < n[d]. Its points are numbered as the
+   cells of a box are (CellIndex). */
 typedef struct {
   PetscInt  n[DIM];
   PetscReal origin[DIM], pitch[DIM];
-} BoxLattice;
+} Lattice;
 
-/* BoxLatticeSetUp - not collective. */
-void BoxLatticeSetUp(Domain domain, BoxLattice *lattice);
-/* PackingConfine - takes x (m) back into the box: wraps, mirrors, or puts it just inside an open face or a wall. Not
-   collective. */
-void PackingConfine(Domain domain, PetscReal x[DIM]);
+static inline PetscInt LatticeCount(const Lattice *lattice)
+{
+  return lattice->n[0] * lattice->n[1] * lattice->n[2];
+}
+
+/* LatticePoint - the place x (m) of a point. Not collective. */
+static inline void LatticePoint(const Lattice *lattice, PetscInt point, PetscReal x[DIM])
+{
+  PetscInt at[DIM];
+
+  CellCoordinates(lattice->n, point, at);
+  for (PetscInt d = 0; d < DIM; d++) x[d] = lattice->origin[d] + at[d] * lattice->pitch[d];
+}
+
+/* LatticeOfBox - the lattice inside the box. Between two closed faces the pitch is fitted to the box, else it is the
+   spacing, counted from the closed face if there is one. Not collective. */
+void LatticeOfBox(Domain domain, Lattice *lattice);
+/* LatticeVisitBody - shows the lattice points of one body. Collective. */
+PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
+
 /* PackingWallLayers - layers of dummy particles that fill the support of the kernel. Not collective. */
 PetscInt PackingWallLayers(Cloud cloud);
 /* WallWeigh - adds the dummy particles of the walls to the number of particles of each cell, weight [cells]. Not
    collective. */
-void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
-
-/* LatticeVisitBody - shows the lattice points of one body. Collective. */
-PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, PackingVisitor visitor, void *context);
-/* EmissionsDestroy - frees what emitters bring. */
-PetscErrorCode EmissionsDestroy(Packing packing);
+PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
 /* SolidWeigh, SolidCreateParticles - as WallWeigh and WallCreateParticles, of the solids: points of the box's lattice
    inside them, at most 'layers' spacings deep; each is a top layer with a pressure of its own. */
-void           SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
+PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
 PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
                                     PetscInt *count);
+/* EmissionsDestroy - frees what emitters bring. */
+PetscErrorCode EmissionsDestroy(Packing packing);
 
-/* PackingRow - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume fraction
-   V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */
-PetscReal PackingRow(Cloud cloud, PetscInt a, PairRow *row);
+/* PackingCheckMemory - refuses (UserError) more particles than the machines of the ranks have memory for. Collective.
+ */
+PetscErrorCode PackingCheckMemory(Packing packing);
+/* PackingFraction - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume
+   fraction V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */
+PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row);
+/* PackingMeasure - the densities of all particles of the cloud, Eq. (4) of Kuri et al. with the rest density of the
+   particle itself, so that two liquids in touch are at rest; and the report on them. Collective. */
+PetscErrorCode PackingMeasure(Packing packing, PackingReport *report);
 
 /* Shown to the optimiser and given back by it. */
 typedef struct {
   PetscReal distance;   /* smallest allowed, in spacings */
   PetscReal tolerance;  /* standard deviation to reach, over rho_0 */
+  PetscReal repulsion;  /* strength of the repulsion that keeps the distance, 1 */
   PetscReal deviation;  /* reached, over rho_0 */
   PetscInt  iterations; /* of TAO */
 } PackingTarget;
@@ -88,29 +117,10 @@ typedef struct {
    none is closer to another than the smallest distance; leaves the result in the swarm. Collective. */
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target);
 
-/* PoissonSample - random samples of all bodies, V / d0^dim each, as far apart as darts get them. The caller frees x
-   ([n][3], m) and body ([n]) by PetscFree. Not collective; the same everywhere. */
-PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body);
-
-/* Dummy particles of walls and solids are visited twice: DummyWeigh counts them, in all, of this rank and a cell of the
-   domain; then room is made and they are filled in. */
-typedef struct {
-  Domain         domain;
-  PetscMPIInt    rank;
-  PetscInt      *weight;     /* [cells] or NULL */
-  PetscInt       own, count; /* seen: of this rank, of all */
-  PetscInt       next, first_id;
-  ParticleArrays arrays;
-} DummyFilling;
-
-static inline void DummyWeigh(DummyFilling *filling, const PetscReal x[DIM])
-{
-  const PetscInt cell = DomainCell(filling->domain, x);
-
-  filling->count++;
-  if (filling->domain->cell_rank[cell] == filling->rank) filling->own++;
-  if (filling->weight) filling->weight[cell]++;
-}
+/* PoissonSample - random samples of all bodies, V / d0^dim each, as far apart as darts get them; those next to a free
+   surface 'skin' spacings deep. The caller frees x ([n][3], m) and body ([n]) by PetscFree. Not collective; the same
+   everywhere. */
+PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, PetscReal **x, PetscInt **body);
 
 /* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type.
    Not collective. */

@@ -1,9 +1,10 @@
-/* Bodies filled with Poisson-disk samples (Schechter & Bridson 2012), whose density is then brought to rho_0 by TAO,
-   as in Kuri et al. */
+/* The type poisson: bodies filled with random samples (poisson_samples.c), whose density is then brought to rho_0 by
+   TAO (optimise.c), as in Kuri et al.; a finished packing is kept in a file (cache.c). */
 #include "packing_impl.h"
 
 typedef struct {
   PetscReal          distance, tolerance; /* spacings; relative */
+  PetscReal          skin, repulsion;     /* spacings; 1 */
   unsigned long long hash;
   PetscBool          cached;
   PetscInt           n;
@@ -21,6 +22,13 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
   PetscCall(PetscOptionsReal("-packing_tolerance",
                              "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)",
                              "PackingSetFromOptions", p->tolerance, &p->tolerance, NULL));
+  PetscCall(PetscOptionsReal("-packing_skin",
+                             "advanced: depth below a free surface at which its random samples start (spacings)",
+                             "PackingSetFromOptions", p->skin, &p->skin, NULL));
+  PetscCall(PetscOptionsReal("-packing_repulsion",
+                             "advanced: strength of the repulsion that keeps -packing_distance while TAO works, over "
+                             "that of the density's error (1)",
+                             "PackingSetFromOptions", p->repulsion, &p->repulsion, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -36,13 +44,17 @@ static PetscErrorCode Check_Poisson(Packing packing)
                  "-packing_distance is %g; it must lie between 0 and 1 spacings", (double)p->distance);
   PetscCheckUser(p->tolerance > 0 && p->tolerance < 1, comm, "-packing_tolerance is %g; it must lie between 0 and 1",
                  (double)p->tolerance);
+  PetscCheckUser(p->skin > 0 && p->skin <= 1, comm, "-packing_skin is %g; it must lie in (0, 1] spacings",
+                 (double)p->skin);
+  PetscCheckUser(p->repulsion > 0 && p->repulsion <= 1e3, comm, "-packing_repulsion is %g; it must lie in (0, 1000]",
+                 (double)p->repulsion);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
 {
   Poisson        *p         = (Poisson *)packing->data;
-  const PetscReal numbers[] = {p->distance, p->tolerance};
+  const PetscReal numbers[] = {p->distance, p->tolerance, p->skin, p->repulsion};
   const MPI_Comm  comm      = packing->cloud->comm;
   PetscMPIInt     rank;
 
@@ -52,7 +64,7 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   if (packing->cache[0]) PetscCall(CacheRead(comm, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);
-  if (rank == 0) PetscCall(PoissonSample(packing, &p->n, &p->x, &p->body));
+  if (rank == 0) PetscCall(PoissonSample(packing, p->skin, &p->n, &p->x, &p->body));
   PetscCallMPI(MPI_Bcast(&p->n, 1, MPIU_INT, 0, comm));
   if (rank) {
     PetscCall(PetscMalloc1(DIM * p->n, &p->x));
@@ -63,12 +75,17 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Visit_Poisson(Packing packing, PackingVisitor visitor, void *context)
+static PetscErrorCode Visit_Poisson(void *source, SampleVisitor visitor, void *context)
 {
-  const Poisson *p = (const Poisson *)packing->data;
+  const Poisson *p = (const Poisson *)((Packing)source)->data;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->n; a++) visitor(context, a, p->body[a], p->x + DIM * a);
+  for (PetscInt a = 0; a < p->n; a++) {
+    Sample sample = {.id = a, .parent = a, .body = p->body[a]};
+
+    for (PetscInt d = 0; d < DIM; d++) sample.x[d] = p->x[DIM * a + d];
+    PetscCall(visitor(context, &sample));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,7 +93,7 @@ static PetscErrorCode Improve_Poisson(Packing packing, PackingReport *report)
 {
   Poisson      *p      = (Poisson *)packing->data;
   const Cloud   cloud  = packing->cloud;
-  PackingTarget target = {.distance = p->distance, .tolerance = p->tolerance};
+  PackingTarget target = {.distance = p->distance, .tolerance = p->tolerance, .repulsion = p->repulsion};
 
   PetscFunctionBegin;
   PetscCall(PetscFree(p->x)); /* the particles have them now */
@@ -110,6 +127,8 @@ PetscErrorCode PackingCreate_Poisson(Packing packing)
   PetscCall(PetscNew(&p));
   p->distance                 = 0.6;  /* reaches the tolerance of the paper; 0.7 stays at 1.5 times, 0.8 stalls */
   p->tolerance                = 9e-5; /* Kuri et al.: at most 0.1 of 1100 kg/m3 */
+  p->skin                     = 0.5;  /* the centres of particles of a lattice lie half a spacing below the surface */
+  p->repulsion                = 1;    /* at the goal the density pushes with 1e-4: r falls short by as much */
   packing->data               = p;
   packing->ops.setfromoptions = SetFromOptions_Poisson;
   packing->ops.check          = Check_Poisson;

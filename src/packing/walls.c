@@ -1,135 +1,115 @@
 /* Dummy particles of the walls: the box's lattice, continued beyond the faces that are walls. */
 #include "packing_impl.h"
 
-/* Lattice indices [first, end) a direction, those inside the box excluded. */
+/* The lattice of box and walls, and where in it the box is: point i of direction d is inside the box if
+   low[d] <= i < high[d]. */
 typedef struct {
-  BoxLattice box;
-  PetscInt   layers, first[DIM], end[DIM];
-} WallLattice;
+  Domain   domain;
+  Lattice  lattice;
+  PetscInt low[DIM], high[DIM];
+  PetscInt first_id;
+} Walls;
 
-typedef void (*WallVisitor)(void *context, const WallLattice *wall, const PetscInt index[DIM], const PetscReal x[DIM]);
-
-static void WallLatticeSetUp(Domain domain, PetscInt layers, WallLattice *wall)
+static void WallsSetUp(Domain domain, PetscInt layers, PetscInt first_id, Walls *walls)
 {
-  BoxLatticeSetUp(domain, &wall->box);
-  wall->layers = layers;
+  Lattice *lattice = &walls->lattice;
+
+  walls->domain   = domain;
+  walls->first_id = first_id;
+  LatticeOfBox(domain, lattice);
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscBool real = (PetscBool)(d < domain->dim);
+    const PetscBool real  = (PetscBool)(d < domain->dim);
+    const PetscInt  below = real && domain->face[d][0] == FACE_WALL ? layers : 0;
+    const PetscInt  above = real && domain->face[d][1] == FACE_WALL ? layers : 0;
 
-    wall->first[d] = real && domain->face[d][0] == FACE_WALL ? -layers : 0;
-    wall->end[d]   = wall->box.n[d] + (real && domain->face[d][1] == FACE_WALL ? layers : 0);
+    walls->low[d]  = below;
+    walls->high[d] = below + lattice->n[d];
+    lattice->n[d] += below + above;
   }
 }
 
-/* How many lattice steps an index is outside the box, 0 inside. */
-static inline PetscInt Depth(const WallLattice *wall, PetscInt d, PetscInt index)
+/* How many lattice steps a point is outside the box in direction d, 0 inside. */
+static inline PetscInt StepsOutside(const Walls *walls, PetscInt d, PetscInt at)
 {
-  return index < 0 ? -index : PetscMax(0, index - wall->box.n[d] + 1);
+  return PetscMax(0, PetscMax(walls->low[d] - at, at - walls->high[d] + 1));
 }
 
-static void WallVisit(Domain domain, const WallLattice *wall, WallVisitor visitor, void *context)
+/* Points of the walls before this one in the order of the lattice: all before it less those inside the box. */
+static PetscInt WallOrdinal(const Walls *walls, const PetscInt at[DIM])
 {
-  const BoxLattice *box = &wall->box;
+  PetscInt n[DIM], before[DIM], inside; /* of the box: its points, those before this point */
 
-  for (PetscInt k = wall->first[2]; k < wall->end[2]; k++) {
-    for (PetscInt j = wall->first[1]; j < wall->end[1]; j++) {
-      const PetscBool inside = (PetscBool)(!Depth(wall, 1, j) && !Depth(wall, 2, k));
-
-      for (PetscInt i = wall->first[0]; i < wall->end[0]; i++) {
-        PetscInt  index[DIM] = {i, j, k};
-        PetscReal x[DIM];
-
-        if (inside && i == 0) index[0] = i = box->n[0]; /* leap over the box */
-        if (i >= wall->end[0]) break;
-        for (PetscInt d = 0; d < DIM; d++) x[d] = box->origin[d] + index[d] * box->pitch[d];
-        visitor(context, wall, index, x);
-      }
-    }
+  for (PetscInt d = 0; d < DIM; d++) {
+    n[d]      = walls->high[d] - walls->low[d];
+    before[d] = PetscMax(0, PetscMin(n[d], at[d] - walls->low[d]));
   }
-}
-
-/* Number of wall particles before this one in the order of WallVisit: all lattice points before it less those inside
-   the box. */
-static PetscInt WallOrdinal(const WallLattice *wall, const PetscInt index[DIM])
-{
-  const PetscInt *n = wall->box.n, wide = wall->end[0] - wall->first[0], deep = wall->end[1] - wall->first[1];
-  PetscInt        all, inside, clamped[DIM];
-
-  for (PetscInt d = 0; d < DIM; d++) clamped[d] = PetscMax(0, PetscMin(n[d], index[d]));
-  all    = ((index[2] - wall->first[2]) * deep + index[1] - wall->first[1]) * wide + index[0] - wall->first[0];
-  inside = clamped[2] * n[1] * n[0];
-  if (!Depth(wall, 2, index[2])) {
-    inside += clamped[1] * n[0];
-    if (!Depth(wall, 1, index[1])) inside += clamped[0];
+  inside = before[2] * n[1] * n[0];
+  if (!StepsOutside(walls, 2, at[2])) {
+    inside += before[1] * n[0];
+    if (!StepsOutside(walls, 1, at[1])) inside += before[0];
   }
-  return all - inside;
-}
-
-static void Weigh(void *context, const WallLattice *wall, const PetscInt index[DIM], const PetscReal x[DIM])
-{
-  DummyWeigh((DummyFilling *)context, x);
+  return CellIndex(walls->lattice.n, at[0], at[1], at[2]) - inside;
 }
 
 /* The wall's velocity v (m/s): that of the face; in an edge or corner zero in each component in which the faces
    differ. */
-static void WallVelocity(Domain domain, const WallLattice *wall, const PetscInt index[DIM], PetscReal v[DIM])
+static void WallVelocity(const Walls *walls, const PetscInt at[DIM], PetscReal v[DIM])
 {
   PetscInt faces = 0;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal *face = domain->wall_velocity[d][index[d] < 0 ? 0 : 1];
+    const PetscReal *face = walls->domain->wall_velocity[d][at[d] < walls->low[d] ? 0 : 1];
 
-    if (!Depth(wall, d, index[d])) continue;
+    if (!StepsOutside(walls, d, at[d])) continue;
     for (PetscInt c = 0; c < DIM; c++) v[c] = faces == 0 || v[c] == face[c] ? face[c] : 0;
     faces++;
   }
 }
 
-static void Fill(void *context, const WallLattice *wall, const PetscInt index[DIM], const PetscReal x[DIM])
+static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *context)
 {
-  DummyFilling  *filling = (DummyFilling *)context;
-  const PetscInt a       = filling->next;
-  PetscInt       parent[DIM], layer = 0;
+  const Walls   *walls   = (const Walls *)source;
+  const Lattice *lattice = &walls->lattice;
+  PetscInt       number  = 0;
 
-  if (filling->domain->cell_rank[DomainCell(filling->domain, x)] != filling->rank) return;
-  for (PetscInt d = 0; d < DIM; d++) {
-    filling->arrays.real[FIELD_POSITION][DIM * a + d] = x[d];
-    parent[d]                                         = PetscMax(-1, PetscMin(wall->box.n[d], index[d]));
-    layer                                             = PetscMax(layer, Depth(wall, d, index[d]));
+  PetscFunctionBegin;
+  for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
+    Sample   sample = {.body = -1};
+    PetscInt at[DIM], parent[DIM];
+
+    CellCoordinates(lattice->n, point, at);
+    for (PetscInt d = 0; d < DIM; d++) sample.layer = PetscMax(sample.layer, StepsOutside(walls, d, at[d]));
+    if (!sample.layer) continue;
+    for (PetscInt d = 0; d < DIM; d++) {
+      sample.x[d] = lattice->origin[d] + (at[d] - walls->low[d]) * lattice->pitch[d];
+      parent[d]   = PetscMax(walls->low[d] - 1, PetscMin(walls->high[d], at[d]));
+    }
+    WallVelocity(walls, at, sample.v);
+    sample.id     = walls->first_id + number++;
+    sample.parent = walls->first_id + WallOrdinal(walls, parent);
+    PetscCall(visitor(context, &sample));
   }
-  WallVelocity(filling->domain, wall, index, filling->arrays.real[FIELD_VELOCITY] + DIM * a);
-  filling->arrays.integer[INT_ID][a]     = filling->first_id + WallOrdinal(wall, index);
-  filling->arrays.integer[INT_BODY][a]   = -1;
-  filling->arrays.integer[INT_LAYER][a]  = layer;
-  filling->arrays.integer[INT_PARENT][a] = filling->first_id + WallOrdinal(wall, parent);
-  filling->next++;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void WallWeigh(Domain domain, PetscInt layers, PetscInt weight[])
+PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[])
 {
-  DummyFilling filling = {.domain = domain, .weight = weight};
-  WallLattice  wall;
+  Walls    walls;
+  PetscInt count;
 
-  WallLatticeSetUp(domain, layers, &wall);
-  WallVisit(domain, &wall, Weigh, &filling);
+  PetscFunctionBegin;
+  WallsSetUp(domain, layers, 0, &walls);
+  PetscCall(SamplesWeigh(domain, VisitWalls, &walls, weight, &count));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
                                    PetscInt *count)
 {
-  DummyFilling filling = {.domain = domain, .first_id = first_id};
-  WallLattice  wall;
+  Walls walls;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(domain->comm, &filling.rank));
-  WallLatticeSetUp(domain, layers, &wall);
-  WallVisit(domain, &wall, Weigh, &filling);
-  *count = filling.count;
-  if (*count == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ParticlesLocalSize(particles, &filling.next));
-  PetscCall(ParticlesAppend(particles, filling.own));
-  PetscCall(ParticlesOpen(particles, &filling.arrays));
-  WallVisit(domain, &wall, Fill, &filling);
-  PetscCall(ParticlesClose(particles, &filling.arrays));
+  WallsSetUp(domain, layers, first_id, &walls);
+  PetscCall(SamplesAppend(particles, domain, VisitWalls, &walls, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,7 +79,7 @@ PetscBool BodyContains(Body body, const PetscReal x[DIM])
   for (PetscInt d = 0; d < body->domain->dim; d++) {
     if (!(x[d] >= body->domain->lower[d] && x[d] <= body->domain->upper[d])) return PETSC_FALSE;
   }
-  return body->shape->distance(body, x) < -SURFACE_TOLERANCE * body->domain->spacing ? PETSC_TRUE : PETSC_FALSE;
+  return body->shape->distance(body, x) < -POINT_TOLERANCE * body->domain->spacing ? PETSC_TRUE : PETSC_FALSE;
 }
 
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])

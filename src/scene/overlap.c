@@ -50,7 +50,7 @@ PetscErrorCode BodyCheckInside(Body body)
   PetscFunctionBegin;
   BodyBounds(body, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++) {
-    if (upper[d] - lower[d] <= SURFACE_TOLERANCE * domain->spacing) inside = PETSC_FALSE;
+    if (upper[d] - lower[d] <= POINT_TOLERANCE * domain->spacing) inside = PETSC_FALSE;
   }
   if (inside) inside = Meet(body, body, PetscSqrtReal((PetscReal)domain->dim) * domain->spacing, x);
   PetscCheckUser(inside, domain->comm,
@@ -61,7 +61,7 @@ PetscErrorCode BodyCheckInside(Body body)
 
 PetscErrorCode SceneCheckOverlap(Scene scene)
 {
-  const PetscReal tolerance = SURFACE_TOLERANCE * scene->domain->spacing;
+  const PetscReal tolerance = POINT_TOLERANCE * scene->domain->spacing;
   PetscReal       x[DIM];
 
   PetscFunctionBegin;

@@ -6,9 +6,6 @@
 #include "scene.h"
 
 #define SCENE_NAME_LENGTH 64
-#define SURFACE_TOLERANCE                                                                                              \
-  1e-6 /* of the spacing: points of a surface itself are outside, and bodies that touch do not overlap, whatever the   \
-          rounding */
 
 /* Shapes, velocity fields and types of bodies are choices, each a table of functions that begins with this. Any of them
    may be NULL or 0. */

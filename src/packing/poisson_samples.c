@@ -1,22 +1,25 @@
-/* Random samples at a distance from each other: Schechter & Bridson 2012 (Ghost SPH for animating water, Sec. 4), first
-   the free surface, then the volume. Departures: the samples stand half a spacing inside the surface, where the centres
-   of particles belong; the volume is filled by plain darts whose distance shrinks until there are V / d0^dim of them,
-   the number that can reach rho_0; TAO takes the place of their relaxation. */
+/* The samples that -packing_type poisson starts from: random points at a distance from each other (Schechter & Bridson
+   2012, Ghost SPH for animating water, Sec. 4), first on the free surface, then in the volume. Three things differ from
+   that paper. The surface samples stand half a spacing inside the surface, where the centres of particles belong. The
+   volume is filled by plain darts whose distance shrinks until there are V / d0^dim of them, the number that can reach
+   rho_0. TAO takes the place of their relaxation. */
 #include "packing_impl.h"
 
-#define SURFACE_RADIUS  0.95 /* first distance between surface samples, spacings */
-#define SURFACE_DARTS   15   /* a grid cell crossed by the surface */
-#define SURFACE_NEWTON  4    /* projections of a dart onto the surface */
-#define SURFACE_PRECISE 1e-3 /* distance from the surface that is on it, spacings */
-#define SURFACE_FOOT    0.1  /* how far the foot of a normal may be from the surface, spacings */
-#define VOLUME_RADIUS   0.95 /* first distance of darts in the volume, spacings; 0.90 is the most for V / d0^3 darts */
-#define VOLUME_SHRINK   0.98 /* when ... */
-#define VOLUME_POOR     0.03 /* ... less than this part of the darts in the core finds a place */
-#define VOLUME_BATCH    2    /* darts thrown a batch, over the missing samples */
-#define RADIUS_SMALLEST 0.6  /* spacings; a body that does not hold its samples then is too thin for the skin */
-#define SKIN            0.5  /* depth of the surface samples, spacings */
-#define SKIN_SMALLEST   0.05
-#define SUBCELLS        6 /* a direction, to measure cells that the surface crosses */
+/* Lengths in spacings. All numbers were found by trial on drops and films; TAO forgives each of them. */
+#define FIRST_RADIUS 0.95 /* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most  \
+                           */
+#define RADIUS_SHRINK   0.98 /* factor on the distance in the volume ... */
+#define PLACED_LEAST    0.03 /* ... when less than this part of the darts in the core finds a place */
+#define RADIUS_SMALLEST 0.6  /* a body that does not hold its samples at this distance is too thin for the skin ... */
+#define SKIN_SHRINK     0.5  /* ... which takes this factor ... */
+#define SKIN_SMALLEST   0.05 /* ... down to this depth */
+#define SURFACE_DARTS   15   /* thrown into a grid cell that the surface crosses */
+#define VOLUME_DARTS    2    /* thrown in a batch for each missing sample, and ... */
+#define VOLUME_DARTS_0  1000 /* ... so many more */
+#define PROJECTIONS     4    /* of a dart onto the surface, by Newton's method */
+#define ON_SURFACE      1e-3 /* a dart so close to the surface is on it */
+#define FOOT_OFF        0.1  /* the foot of a normal may be so far from the surface */
+#define SUBCELLS        6    /* a direction: the share of a cell inside the body is exact to about a percent */
 #define NOBODY          (-1)
 
 typedef struct {
@@ -25,7 +28,7 @@ typedef struct {
   unsigned long long seed, draws;
   Body               body;                   /* that is being filled */
   PetscReal          lower[DIM], upper[DIM]; /* of it, m */
-  PetscReal          skin;                   /* m */
+  PetscReal          skin, skin_first;       /* depth of the surface samples, now and as asked for, m */
   PetscReal          radius;                 /* m */
   /* A grid of cells at least one spacing wide over all bodies; lists of samples through head and next. */
   PetscReal  grid_lower[DIM], cell[DIM];
@@ -34,12 +37,14 @@ typedef struct {
   PetscReal *x; /* [n][3] m */
 } Darts;
 
+/* The next random number. */
 static PetscReal Draw(Darts *darts)
 {
   return RandomUnit(darts->seed, darts->draws++);
 }
 
-static void CellOf(const Darts *darts, const PetscReal x[DIM], PetscInt cell[DIM])
+/* The cell of the grid that holds x, the nearest one outside. */
+static void FindCell(const Darts *darts, const PetscReal x[DIM], PetscInt cell[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscInt c = (PetscInt)PetscFloorReal((x[d] - darts->grid_lower[d]) / darts->cell[d]);
@@ -48,13 +53,8 @@ static void CellOf(const Darts *darts, const PetscReal x[DIM], PetscInt cell[DIM
   }
 }
 
-static inline PetscInt Place(const Darts *darts, const PetscInt cell[DIM])
-{
-  return (cell[2] * darts->cells[1] + cell[1]) * darts->cells[0] + cell[0];
-}
-
 /* Squared distance of x to a sample, to its nearest image where the box is periodic. */
-static PetscReal Distance2(const Darts *darts, const PetscReal x[DIM], PetscInt sample)
+static PetscReal SampleDistance2(const Darts *darts, const PetscReal x[DIM], PetscInt sample)
 {
   PetscReal sum = 0;
 
@@ -68,59 +68,64 @@ static PetscReal Distance2(const Darts *darts, const PetscReal x[DIM], PetscInt 
   return sum;
 }
 
-/* Whether a sample may stand at x: far enough from the others, from its own mirror image and from the dummies of a
-   wall. */
-static PetscBool Free(const Darts *darts, const PetscReal x[DIM])
+/* Whether x is far enough from the dummies of a wall and from its own image in a mirror. */
+static PetscBool ClearOfFaces(const Darts *darts, const PetscReal x[DIM])
 {
-  PetscInt center[DIM], width[DIM], cell[DIM];
-
   for (PetscInt d = 0; d < DIM; d++) {
     const FaceType *face = darts->domain->face[d];
 
-    width[d] = d < darts->domain->dim;
     if ((face[0] == FACE_WALL || face[0] == FACE_SYMMETRY) && x[d] < darts->domain->lower[d] + 0.5 * darts->radius)
       return PETSC_FALSE;
     if ((face[1] == FACE_WALL || face[1] == FACE_SYMMETRY) && x[d] > darts->domain->upper[d] - 0.5 * darts->radius)
       return PETSC_FALSE;
   }
-  CellOf(darts, x, center);
-  for (PetscInt k = -width[2]; k <= width[2]; k++) {
-    for (PetscInt j = -width[1]; j <= width[1]; j++) {
-      for (PetscInt i = -width[0]; i <= width[0]; i++) {
-        const PetscInt offset[DIM] = {i, j, k};
-        PetscBool      valid       = PETSC_TRUE;
+  return PETSC_TRUE;
+}
 
-        for (PetscInt d = 0; d < DIM; d++) {
-          cell[d] = center[d] + offset[d];
-          if (darts->domain->face[d][0] == FACE_PERIODIC)
-            cell[d] = (cell[d] + darts->cells[d]) % darts->cells[d];
-          else
-            valid = (PetscBool)(valid && cell[d] >= 0 && cell[d] < darts->cells[d]);
-        }
-        if (!valid) continue;
-        for (PetscInt s = darts->head[Place(darts, cell)]; s != NOBODY; s = darts->next[s])
-          if (Distance2(darts, x, s) < PetscSqr(darts->radius)) return PETSC_FALSE;
-      }
-    }
+/* The cell that many cells from another, across periodic faces; whether there is one. */
+static PetscBool ShiftCell(const Darts *darts, const PetscInt from[DIM], const PetscInt offset[DIM], PetscInt cell[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) {
+    cell[d] = from[d] + offset[d];
+    if (darts->domain->face[d][0] == FACE_PERIODIC)
+      cell[d] = (cell[d] + darts->cells[d]) % darts->cells[d];
+    else if (cell[d] < 0 || cell[d] >= darts->cells[d])
+      return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-static void Add(Darts *darts, const PetscReal x[DIM])
+/* Whether a sample may stand at x: far enough from walls and mirrors and from the other samples. */
+static PetscBool IsFree(const Darts *darts, const PetscReal x[DIM])
 {
-  PetscInt cell[DIM], place;
+  const PetscInt last[DIM] = {1, 1, darts->domain->dim == DIM ? 1 : 0}, first[DIM] = {-1, -1, -last[2]};
+  PetscInt       center[DIM], cell[DIM], offset[DIM] = {first[0], first[1], first[2]};
 
-  CellOf(darts, x, cell);
-  place = Place(darts, cell);
+  if (!ClearOfFaces(darts, x)) return PETSC_FALSE;
+  FindCell(darts, x, center);
+  do {
+    if (!ShiftCell(darts, center, offset, cell)) continue;
+    for (PetscInt s = darts->head[CellIndex(darts->cells, cell[0], cell[1], cell[2])]; s != NOBODY; s = darts->next[s])
+      if (SampleDistance2(darts, x, s) < PetscSqr(darts->radius)) return PETSC_FALSE;
+  } while (CellNext(first, last, offset));
+  return PETSC_TRUE;
+}
+
+static void AddSample(Darts *darts, const PetscReal x[DIM])
+{
+  PetscInt cell[DIM], index;
+
+  FindCell(darts, x, cell);
+  index = CellIndex(darts->cells, cell[0], cell[1], cell[2]);
   for (PetscInt d = 0; d < DIM; d++) darts->x[DIM * darts->n + d] = x[d];
-  darts->next[darts->n] = darts->head[place];
-  darts->head[place]    = darts->n++;
+  darts->next[darts->n] = darts->head[index];
+  darts->head[index]    = darts->n++;
 }
 
 /* Outward normal of the body at x by central differences, zero where the distance is flat. */
 static void Normal(const Darts *darts, const PetscReal x[DIM], PetscReal normal[DIM])
 {
-  const PetscReal step = SURFACE_PRECISE * darts->spacing;
+  const PetscReal step = ON_SURFACE * darts->spacing;
   PetscReal       size;
 
   for (PetscInt d = 0; d < DIM; d++) {
@@ -138,9 +143,9 @@ static void Normal(const Darts *darts, const PetscReal x[DIM], PetscReal normal[
 /* Whether the surface next to x, at distance s (negative inside), is a free one: its nearest point is in the box and
    not on a closed face, where the liquid goes on as an image or meets a wall. Not so where no normal leads to the
    surface, as between two faces of a box. */
-static PetscBool FreeSurface(const Darts *darts, const PetscReal x[DIM], PetscReal s, const PetscReal normal[DIM])
+static PetscBool IsFreeSurface(const Darts *darts, const PetscReal x[DIM], PetscReal s, const PetscReal normal[DIM])
 {
-  const PetscReal tiny = SURFACE_PRECISE * darts->spacing;
+  const PetscReal tiny = ON_SURFACE * darts->spacing;
   PetscReal       foot[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) foot[d] = x[d] - s * normal[d];
@@ -148,8 +153,7 @@ static PetscBool FreeSurface(const Darts *darts, const PetscReal x[DIM], PetscRe
     if (darts->domain->face[d][0] != FACE_OPEN && foot[d] < darts->domain->lower[d] + tiny) return PETSC_FALSE;
     if (darts->domain->face[d][1] != FACE_OPEN && foot[d] > darts->domain->upper[d] - tiny) return PETSC_FALSE;
   }
-  return (PetscBool)(Norm(normal) == 0 ||
-                     PetscAbsReal(BodyDistance(darts->body, foot)) < SURFACE_FOOT * darts->spacing);
+  return (PetscBool)(Norm(normal) == 0 || PetscAbsReal(BodyDistance(darts->body, foot)) < FOOT_OFF * darts->spacing);
 }
 
 /* Whether x is in the body and below its skin. */
@@ -158,60 +162,54 @@ static PetscBool InCore(const Darts *darts, const PetscReal x[DIM])
   const PetscReal s = BodyDistance(darts->body, x);
   PetscReal       normal[DIM];
 
-  if (s > -ROUNDING * darts->spacing || !BodyContains(darts->body, x)) return PETSC_FALSE;
+  if (s > -POINT_TOLERANCE * darts->spacing || !BodyContains(darts->body, x)) return PETSC_FALSE;
   if (s <= -darts->skin) return PETSC_TRUE;
   Normal(darts, x, normal);
-  return (PetscBool)!FreeSurface(darts, x, s, normal);
+  return (PetscBool)!IsFreeSurface(darts, x, s, normal);
 }
 
 /* Takes x to the surface of the core along the normal; false if that fails or the surface is not free. */
-static PetscBool Project(const Darts *darts, PetscReal x[DIM])
+static PetscBool ProjectToSkin(const Darts *darts, PetscReal x[DIM])
 {
   PetscReal normal[DIM] = {0, 0, 0}, s = BodyDistance(darts->body, x);
 
-  for (PetscInt pass = 0; pass < SURFACE_NEWTON; pass++) {
+  for (PetscInt pass = 0; pass < PROJECTIONS; pass++) {
     Normal(darts, x, normal);
     for (PetscInt d = 0; d < DIM; d++) x[d] -= (s + darts->skin) * normal[d];
     s = BodyDistance(darts->body, x);
   }
-  return (PetscBool)(PetscAbsReal(s + darts->skin) < SURFACE_PRECISE * darts->spacing && BodyContains(darts->body, x) &&
-                     FreeSurface(darts, x, s, normal));
+  return (PetscBool)(PetscAbsReal(s + darts->skin) < ON_SURFACE * darts->spacing && BodyContains(darts->body, x) &&
+                     IsFreeSurface(darts, x, s, normal));
 }
 
-/* Darts at the cells of the grid that the surface of the core may cross. */
+/* Throws darts into the cells of the grid that the surface of the core may cross. */
 static void SampleSurface(Darts *darts, PetscInt most)
 {
   const PetscReal half = 0.5 * Norm(darts->cell);
-  PetscInt        first[DIM], last[DIM];
+  PetscInt        first[DIM], last[DIM], cell[DIM];
+  PetscReal       x[DIM] = {0, 0, 0};
 
-  darts->radius = SURFACE_RADIUS * darts->spacing;
-  CellOf(darts, darts->lower, first);
-  CellOf(darts, darts->upper, last);
-  for (PetscInt k = first[2]; k <= last[2]; k++) {
-    for (PetscInt j = first[1]; j <= last[1]; j++) {
-      for (PetscInt i = first[0]; i <= last[0]; i++) {
-        const PetscInt at[DIM] = {i, j, k};
-        PetscReal      x[DIM];
-
-        for (PetscInt d = 0; d < DIM; d++)
-          x[d] = d < darts->domain->dim ? darts->grid_lower[d] + (at[d] + 0.5) * darts->cell[d] : 0;
-        if (PetscAbsReal(BodyDistance(darts->body, x) + darts->skin) > half) continue;
-        for (PetscInt dart = 0; dart < SURFACE_DARTS && darts->n < most; dart++) {
-          for (PetscInt d = 0; d < darts->domain->dim; d++)
-            x[d] = darts->grid_lower[d] + (at[d] + Draw(darts)) * darts->cell[d];
-          if (Project(darts, x) && Free(darts, x)) Add(darts, x);
-        }
-      }
+  darts->radius = FIRST_RADIUS * darts->spacing;
+  FindCell(darts, darts->lower, first);
+  FindCell(darts, darts->upper, last);
+  FindCell(darts, darts->lower, cell);
+  do {
+    for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->grid_lower[d] + (cell[d] + 0.5) * darts->cell[d];
+    if (PetscAbsReal(BodyDistance(darts->body, x) + darts->skin) > half) continue;
+    for (PetscInt dart = 0; dart < SURFACE_DARTS && darts->n < most; dart++) {
+      for (PetscInt d = 0; d < darts->domain->dim; d++)
+        x[d] = darts->grid_lower[d] + (cell[d] + Draw(darts)) * darts->cell[d];
+      if (ProjectToSkin(darts, x) && IsFree(darts, x)) AddSample(darts, x);
     }
-  }
+  } while (CellNext(first, last, cell));
 }
 
-/* Darts into the core until there are 'most' samples or no hope. */
+/* Throws darts into the core until there are 'most' samples or no hope. */
 static void SampleVolume(Darts *darts, PetscInt most)
 {
-  darts->radius = VOLUME_RADIUS * darts->spacing;
+  darts->radius = FIRST_RADIUS * darts->spacing;
   while (darts->n < most) {
-    const PetscInt missing = most - darts->n, batch = VOLUME_BATCH * missing + 1000;
+    const PetscInt missing = most - darts->n, batch = VOLUME_DARTS * missing + VOLUME_DARTS_0;
     PetscInt       inside = 0;
 
     for (PetscInt dart = 0; dart < batch && darts->n < most; dart++) {
@@ -221,47 +219,57 @@ static void SampleVolume(Darts *darts, PetscInt most)
         x[d] = darts->lower[d] + Draw(darts) * (darts->upper[d] - darts->lower[d]);
       if (!InCore(darts, x)) continue;
       inside++;
-      if (Free(darts, x)) Add(darts, x);
+      if (IsFree(darts, x)) AddSample(darts, x);
     }
-    if (missing - (most - darts->n) >= VOLUME_POOR * inside && inside > 0) continue;
-    darts->radius *= VOLUME_SHRINK;
+    if (missing - (most - darts->n) >= PLACED_LEAST * inside && inside > 0) continue;
+    darts->radius *= RADIUS_SHRINK;
     if (darts->radius >= RADIUS_SMALLEST * darts->spacing) continue;
-    darts->skin *= 0.5;
-    darts->radius = VOLUME_RADIUS * darts->spacing;
+    darts->skin *= SKIN_SHRINK;
+    darts->radius = FIRST_RADIUS * darts->spacing;
     if (darts->skin < SKIN_SMALLEST * darts->spacing) break;
   }
 }
 
-/* Volume (area in two dimensions) of the body in the box over that of one particle, by cells of about one spacing. */
-static PetscReal Measure(const Darts *darts)
+/* The share of cell 'at' of those of these edges (m) from the body's lower corner on that is inside the body. */
+static PetscReal CellShare(const Darts *darts, const PetscInt at[DIM], const PetscReal edge[DIM])
 {
-  PetscReal cell[DIM] = {0, 0, 0}, half, volume = 1, sum = 0;
-  PetscInt  n[DIM] = {1, 1, 1}, sub[DIM] = {1, 1, 1};
+  const PetscInt n[DIM] = {SUBCELLS, SUBCELLS, darts->domain->dim == DIM ? SUBCELLS : 1}, points = n[0] * n[1] * n[2];
+  PetscInt       inside = 0;
+
+  for (PetscInt p = 0; p < points; p++) {
+    PetscReal y[DIM] = {0, 0, 0};
+    PetscInt  part[DIM];
+
+    CellCoordinates(n, p, part);
+    for (PetscInt d = 0; d < darts->domain->dim; d++)
+      y[d] = darts->lower[d] + (at[d] + (part[d] + 0.5) / n[d]) * edge[d];
+    inside += BodyContains(darts->body, y);
+  }
+  return (PetscReal)inside / points;
+}
+
+/* Volume (area in two dimensions) of the body in the box over that of one particle, by cells of about one spacing. */
+static PetscReal CountParticles(const Darts *darts)
+{
+  PetscReal edge[DIM] = {0, 0, 0}, half, volume = 1, sum = 0;
+  PetscInt  n[DIM] = {1, 1, 1};
 
   for (PetscInt d = 0; d < darts->domain->dim; d++) {
     n[d]    = PetscMax(1, (PetscInt)PetscFloorReal((darts->upper[d] - darts->lower[d]) / darts->spacing + 0.5));
-    cell[d] = (darts->upper[d] - darts->lower[d]) / n[d];
-    sub[d]  = SUBCELLS;
-    volume *= cell[d];
+    edge[d] = (darts->upper[d] - darts->lower[d]) / n[d];
+    volume *= edge[d];
   }
-  half = 0.5 * Norm(cell);
+  half = 0.5 * Norm(edge);
   for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
-    const PetscInt at[DIM] = {c % n[0], (c / n[0]) % n[1], c / (n[0] * n[1])};
-    PetscReal      x[DIM]  = {0, 0, 0}, s;
-    PetscInt       inside  = 0;
+    PetscReal x[DIM] = {0, 0, 0}, s;
+    PetscInt  at[DIM];
 
-    for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->lower[d] + (at[d] + 0.5) * cell[d];
+    CellCoordinates(n, c, at);
+    for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->lower[d] + (at[d] + 0.5) * edge[d];
     s = BodyDistance(darts->body, x);
     if (s < -half) sum += 1;
     if (PetscAbsReal(s) > half) continue;
-    for (PetscInt p = 0; p < sub[0] * sub[1] * sub[2]; p++) {
-      const PetscInt part[DIM] = {p % sub[0], (p / sub[0]) % sub[1], p / (sub[0] * sub[1])};
-
-      for (PetscInt d = 0; d < darts->domain->dim; d++)
-        x[d] = darts->lower[d] + (at[d] + (part[d] + 0.5) / sub[d]) * cell[d];
-      inside += BodyContains(darts->body, x);
-    }
-    sum += (PetscReal)inside / (sub[0] * sub[1] * sub[2]);
+    sum += CellShare(darts, at, edge);
   }
   return sum * volume / darts->domain->volume;
 }
@@ -269,7 +277,7 @@ static PetscReal Measure(const Darts *darts)
 static void SelectBody(Darts *darts, Body body)
 {
   darts->body = body;
-  darts->skin = SKIN * darts->spacing;
+  darts->skin = darts->skin_first;
   BodyBounds(body, darts->lower, darts->upper);
   for (PetscInt d = 0; d < DIM; d++) {
     darts->lower[d] = PetscMax(darts->lower[d], darts->domain->lower[d]);
@@ -308,17 +316,18 @@ static PetscErrorCode GridCreate(Darts *darts, Scene scene, PetscInt capacity)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body)
+PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, PetscReal **x, PetscInt **body)
 {
   const Scene scene = packing->cloud->scene;
   Darts       darts = {.domain = packing->cloud->domain, .seed = (unsigned long long)packing->seed};
   PetscInt    wanted[SCENE_MAX_BODIES], total = 0;
 
   PetscFunctionBegin;
-  darts.spacing = darts.domain->spacing;
+  darts.spacing    = darts.domain->spacing;
+  darts.skin_first = skin * darts.spacing;
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     SelectBody(&darts, SceneBody(scene, b));
-    wanted[b] = (PetscInt)PetscFloorReal(Measure(&darts) + 0.5);
+    wanted[b] = (PetscInt)PetscFloorReal(CountParticles(&darts) + 0.5);
     total += wanted[b];
   }
   PetscCall(GridCreate(&darts, scene, total));

@@ -1,0 +1,39 @@
+/* The density of particles as they stand. */
+#include "packing_impl.h"
+
+PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
+{
+  PetscReal sum = 0;
+
+  PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
+  KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
+  SIMD_LOOP(reduction(+ : sum))
+  for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
+  return cloud->domain->volume * (sum + KernelSelf(cloud->kernel));
+}
+
+PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)
+{
+  const Cloud cloud = packing->cloud;
+  PairRow    *row;
+  PetscReal   squares = 0, closest2 = PETSC_MAX_REAL;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&row));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal rest = cloud->rest_density[a], fraction = PackingFraction(cloud, a, row);
+
+    cloud->field[FIELD_DENSITY][a] = rest * fraction;
+    if (a >= cloud->n_fluid) continue;
+    squares += PetscSqr(rest * (fraction - 1));
+    for (PetscInt k = 0; k < row->n; k++)
+      if (cloud->integer[INT_LAYER][row->index[k]] == 0) closest2 = PetscMin(closest2, row->r2[k]);
+  }
+  PetscCall(PetscFree(row));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
+  report->density_std = PetscSqrtReal(squares / PetscMax(packing->count, 1));
+  report->smallest_distance =
+    closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) / cloud->domain->spacing : PETSC_INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,75 @@
+/* From samples to particles: every rank sees all samples of a source and keeps those of its cells. */
+#include "packing_impl.h"
+
+typedef struct {
+  Domain         domain;
+  PetscMPIInt    rank;
+  PetscInt      *weight; /* [cells] */
+  PetscInt       count;  /* samples seen */
+  PetscSegBuffer own;    /* those of this rank */
+} Selection;
+
+static PetscErrorCode WeighSample(void *context, const Sample *sample)
+{
+  Selection *selection = (Selection *)context;
+
+  selection->count++;
+  selection->weight[DomainCell(selection->domain, sample->x)]++;
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count)
+{
+  Selection selection = {.domain = domain, .weight = weight};
+
+  PetscFunctionBegin;
+  PetscCall(visit(source, WeighSample, &selection));
+  *count = selection.count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode KeepSample(void *context, const Sample *sample)
+{
+  Selection *selection = (Selection *)context;
+  Sample    *kept;
+
+  PetscFunctionBegin;
+  selection->count++;
+  if (selection->domain->cell_rank[DomainCell(selection->domain, sample->x)] == selection->rank) {
+    PetscCall(PetscSegBufferGet(selection->own, 1, &kept));
+    *kept = *sample;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt *count)
+{
+  Selection      selection = {.domain = domain};
+  ParticleArrays arrays;
+  PetscInt       next;
+  size_t         n;
+  Sample        *sample;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(domain->comm, &selection.rank));
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &selection.own));
+  PetscCall(visit(source, KeepSample, &selection));
+  *count = selection.count;
+  PetscCall(PetscSegBufferGetSize(selection.own, &n));
+  PetscCall(PetscSegBufferExtractInPlace(selection.own, &sample));
+  PetscCall(ParticlesLocalSize(particles, &next));
+  PetscCall(ParticlesAppend(particles, (PetscInt)n));
+  PetscCall(ParticlesOpen(particles, &arrays));
+  for (size_t k = 0; k < n; k++, next++) {
+    PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION] + DIM * next, sample[k].x, DIM));
+    PetscCall(PetscArraycpy(arrays.real[FIELD_VELOCITY] + DIM * next, sample[k].v, DIM));
+    arrays.real[FIELD_DENSITY][next] = sample[k].density;
+    arrays.integer[INT_ID][next]     = sample[k].id;
+    arrays.integer[INT_PARENT][next] = sample[k].parent;
+    arrays.integer[INT_BODY][next]   = sample[k].body;
+    arrays.integer[INT_LAYER][next]  = sample[k].layer;
+  }
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCall(PetscSegBufferDestroy(&selection.own));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
