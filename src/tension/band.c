@@ -1,16 +1,19 @@
-/* Where tension is evaluated: cells within a distance of a surface particle. They are the same on every rank, as many
-   as the surface particles of a rank and their surroundings need, and no rank asks another unless its ghosts do not
-   reach that far. A rank whose surface is so spread that it must take larger cells evaluates more and keeps the same.
- */
+/* Where tension is evaluated: in cells within a distance of a surface particle. A rank has as many cells as its surface
+   particles and their surroundings need, and asks no other rank unless its ghosts do not reach that far. The cells have
+   the same places on every rank, so that all ranks decide alike. A rank whose surface is so spread that it must take
+   larger cells evaluates more of its particles, with the same results. */
 #include "tension_impl.h"
 
-#define MAX_CELLS (1 << 25) /* above, the cells are made larger: a bound of the memory */
-#define JOIN      3         /* cells along x from one mark to the next within which one stroke marks around both */
+#define MAX_CELLS   (1 << 25) /* more cells than this would take too much memory: they are made larger */
+#define CELL_GROWTH 1.25      /* by this factor at a time */
+#define JOIN        3         /* surface cells so close to each other along x are marked around in one stroke */
 
-PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal known, PetscReal pad, Band *band)
+/* Sets up the band at its first use: see BandMark. */
+static void Create(Band *band, Cloud cloud, PetscReal radius, PetscReal known)
 {
-  PetscFunctionBegin;
-  PetscCall(PetscMemzero(band, sizeof(*band)));
+  const Domain    domain = cloud->domain;
+  const PetscReal pad    = known + cloud->slack;
+
   band->comm   = domain->comm;
   band->dim    = domain->dim;
   band->radius = radius;
@@ -19,7 +22,6 @@ PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal known, Pets
     band->lower[d] = domain->lower[d] - pad;
     band->upper[d] = domain->upper[d] + pad;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode BandDestroy(Band *band)
@@ -35,8 +37,8 @@ static inline PetscBool OnSurface(Cloud cloud, PetscInt a)
   return (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && cloud->integer[INT_LAYER][a] == 0);
 }
 
-/* The box around the surface particles, of all ranks if they tell each other: its lower corner and minus its upper one,
-   m; PETSC_MAX_REAL if there are none. */
+/* The box (m) around the surface particles of this rank, or of all ranks if they share: its lower corner and minus its
+   upper corner, PETSC_MAX_REAL if there are no surface particles. */
 static PetscErrorCode SurfaceBox(const Band *band, Cloud cloud, PetscReal box[2 * DIM])
 {
   PetscFunctionBegin;
@@ -54,7 +56,8 @@ static PetscErrorCode SurfaceBox(const Band *band, Cloud cloud, PetscReal box[2 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cells of this size over the box and what the radius reaches around it; returns their number. */
+/* Lays cells of this size (m) over the box and the radius around it. Returns their number, which may be too large for
+   an integer. */
 static PetscReal SetCells(Band *band, PetscReal size, const PetscReal box[2 * DIM])
 {
   PetscReal count = 1;
@@ -75,7 +78,7 @@ static PetscReal SetCells(Band *band, PetscReal size, const PetscReal box[2 * DI
   return count;
 }
 
-/* The window around the surface particles, with room for it. */
+/* Chooses the cells around the surface particles, makes room for them and clears their marks. */
 static PetscErrorCode SetWindow(Band *band, Cloud cloud, PetscInt *count)
 {
   PetscReal box[2 * DIM], size = band->radius / BAND_CELLS;
@@ -84,7 +87,7 @@ static PetscErrorCode SetWindow(Band *band, Cloud cloud, PetscInt *count)
   *count = band->n[0] = band->n[1] = band->n[2] = 0;
   PetscCall(SurfaceBox(band, cloud, box));
   if (box[0] == PETSC_MAX_REAL) PetscFunctionReturn(PETSC_SUCCESS);
-  while (SetCells(band, size, box) > MAX_CELLS) size *= 1.25;
+  while (SetCells(band, size, box) > MAX_CELLS) size *= CELL_GROWTH;
   *count = band->n[0] * band->n[1] * band->n[2];
   if (*count > band->capacity) {
     band->capacity = *count + *count / 4;
@@ -98,25 +101,26 @@ static PetscErrorCode SetWindow(Band *band, Cloud cloud, PetscInt *count)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Marks what is near the cells first to last of line y, z. */
+/* Marks all cells within the radius of the cells first to last of the line y, z. */
 static void MarkAround(Band *band, PetscInt first, PetscInt last, PetscInt y, PetscInt z)
 {
   const PetscInt *n = band->n, reach = band->reach;
 
   for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, n[2] - 1 - z); dz++)
     for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, n[1] - 1 - y); dy++) {
-      const PetscInt along = band->along[PetscAbsInt(dy)][PetscAbsInt(dz)], line = ((z + dz) * n[1] + y + dy) * n[0],
+      const PetscInt along = band->along[PetscAbsInt(dy)][PetscAbsInt(dz)], line = CellIndex(n, 0, y + dy, z + dz),
                      begin = PetscMax(0, first - along), end = PetscMin(n[0] - 1, last + along);
 
       if (along > 0) (void)memset(band->near + line + begin, 1, (size_t)(end - begin + 1));
     }
 }
 
-PetscErrorCode BandMark(Band *band, Cloud cloud)
+PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known)
 {
   PetscInt count;
 
   PetscFunctionBegin;
+  if (band->radius <= 0) Create(band, cloud, radius, known);
   PetscCall(SetWindow(band, cloud, &count));
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < cloud->n_total; a++)
@@ -131,7 +135,7 @@ PetscErrorCode BandMark(Band *band, Cloud cloud)
     while (mark) {
       const unsigned char *last = mark, *next = mark;
 
-      while (next && next - last <= JOIN) { /* 'along' is at least 1: nothing between them is left out */
+      while (next && next - last <= JOIN) { /* each marks at least one cell along x: no gap of JOIN - 1 is left out */
         last = next;
         next = (const unsigned char *)memchr(last + 1, 1, (size_t)(end - last - 1));
       }

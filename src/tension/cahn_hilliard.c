@@ -1,8 +1,7 @@
+/* Surface tension as the divergence of a capillary stress: Eqs. (5)-(7) of Kuri et al. See tension.h. */
 #include "tension_impl.h"
 
-#define CHUNK 512
-
-/* grad phi of the walls around x: each wall face is a half-space full of liquid. */
+/* Adds grad phi of the walls around x: each wall face stands for a half-space full of liquid. */
 static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], PetscReal gradient[DIM])
 {
   const PetscReal support = KernelSupport(tension->kernel);
@@ -18,7 +17,7 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
     }
 }
 
-/* sum over the n collected candidates of V grad W^H at x (without V). */
+/* The sum of grad W^H at x over the n collected candidates. */
 static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal gradient[DIM])
 {
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
@@ -47,7 +46,7 @@ static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], Pet
   }
 }
 
-/* sum over the n collected candidates of S_b grad W^H at x (without V). */
+/* The sum of S_b grad W^H at x over the n collected candidates, S_b in the columns 3 to 8. */
 static void SumForce(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal force[DIM])
 {
   const PetscInt stride        = tension->liquid.stride;
@@ -92,54 +91,112 @@ static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
   S[5] = -kappa * g[1] * g[2];
 }
 
-/* One pass over the owned liquid in near cells: grad phi, Eq. (6), and S; or, with S known everywhere, acceleration +=
-   1/rho_a sum_b V_b S_b grad W^H_ab, which equals the symmetric form of Eq. (1) because S_a . grad phi_a = 0. All V are
-   the same. */
-static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscBool force)
+/* Whether particle a at x is one of those that the model is evaluated for. */
+static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM])
+{
+  return (PetscBool)(a < cloud->n_owned && BandNear(&tension->band_cells, x));
+}
+
+/* grad phi, Eq. (6), and from it the stress ([n_owned][6]) of the particles near the surface. All V are the same. */
+static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
   Liquid         *liquid = &tension->liquid;
-  const CellGrid *grid   = &liquid->grid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
+  PetscInt        cell = -1, n = 0;
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < grid->count; c++) {
-    PetscInt n = -1;
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
+    PetscReal      x[DIM], gradient[DIM];
 
-    for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-      const PetscInt  a      = LiquidParticle(liquid, p);
-      const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
-                                liquid->sorted[2 * liquid->count + p]};
-      PetscReal       sum[DIM];
-
-      if (a >= cloud->n_owned || !BandNear(&tension->band_cells, x)) continue;
-      if (n < 0) PetscCall(LiquidCollect(liquid, c, COLUMNS(0, force ? 9 : 3), 1, &n));
-      if (force) {
-        SumForce(tension, n, x, sum);
-        for (PetscInt d = 0; d < DIM; d++)
-          cloud->field[FIELD_ACCELERATION][DIM * a + d] += V / cloud->rest_density[a] * sum[d];
-      } else {
-        SumGradient(tension, n, x, sum);
-        for (PetscInt d = 0; d < DIM; d++) sum[d] *= V;
-        AddWalls(tension, cloud->domain, x, sum);
-        Stress(tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
-               sum, cloud->field[FIELD_STRESS] + 6 * a);
-      }
+    LiquidPosition(liquid, p, x);
+    if (!Evaluated(tension, cloud, a, x)) continue;
+    if (LiquidCell(liquid, p) != cell) {
+      cell = LiquidCell(liquid, p);
+      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM), 1, &n));
     }
+    SumGradient(tension, n, x, gradient);
+    for (PetscInt d = 0; d < DIM; d++) gradient[d] *= V;
+    AddWalls(tension, cloud->domain, x, gradient);
+    Stress(tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
+           gradient, stress + 6 * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
+/* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration. This equals the symmetric form of Eq. (1) because
+   S_a . grad phi_a = 0. */
+static PetscErrorCode AddForce(Tension tension, Cloud cloud)
+{
+  Liquid         *liquid = &tension->liquid;
+  const PetscReal V      = cloud->domain->volume;
+  PetscInt        cell = -1, n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
+    PetscReal      x[DIM], force[DIM];
+
+    LiquidPosition(liquid, p, x);
+    if (!Evaluated(tension, cloud, a, x)) continue;
+    if (LiquidCell(liquid, p) != cell) {
+      cell = LiquidCell(liquid, p);
+      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 6), 1, &n));
+    }
+    SumForce(tension, n, x, force);
+    for (PetscInt d = 0; d < DIM; d++)
+      cloud->field[FIELD_ACCELERATION][DIM * a + d] += V / cloud->rest_density[a] * force[d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+  PetscReal      *stress;
+
+  PetscFunctionBegin;
+  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
+  PetscCall(BandMark(&tension->band_cells, cloud, tension->band * support + tension->spacing, support));
+  PetscCall(CloudGetWork(cloud, 6, &stress));
+  PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
+  PetscCall(FindStress(tension, cloud, stress));
+  PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, stress));
+  LiquidLoad(&tension->liquid, DIM, 6, stress);
+  PetscCall(CloudRestoreWork(cloud, &stress));
+  PetscCall(AddForce(tension, cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* w1(s) of W^H, for the part of phi that a wall stands for. */
+static PetscErrorCode TabulateWall(Tension tension)
 {
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
-  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
-  PetscCall(TensionBand(tension, cloud, tension->band * support + tension->spacing));
-  PetscCall(PetscArrayzero(cloud->field[FIELD_STRESS], 6 * cloud->n_owned));
-  PetscCall(Pass(tension, cloud, PETSC_FALSE));
-  PetscCall(CloudUpdate(cloud, FIELD_STRESS));
-  LiquidLoad(&tension->liquid, 3, 6, cloud->field[FIELD_STRESS]);
-  PetscCall(Pass(tension, cloud, PETSC_TRUE));
+  for (PetscInt k = 0; k <= WALL_TABLE; k++)
+    KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &tension->wall[k], NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsReal("-tension_calibration",
+                             "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
+                             "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
+  PetscCall(PetscOptionsReal("-tension_band",
+                             "distance from the surface within which tension is evaluated, over 2H (1)",
+                             "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionCreate_CahnHilliard(Tension tension)
+{
+  PetscFunctionBegin;
+  tension->setfromoptions = SetFromOptions;
+  tension->setadvanced    = NULL;
+  tension->setup          = TabulateWall;
+  tension->apply          = TensionApply_CahnHilliard;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

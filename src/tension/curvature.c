@@ -2,24 +2,30 @@
 
    The outward normal is n = -grad phi/|grad phi| of phi = sum V W^H over the liquid. Where |grad phi| shows that the
    surface is near, the curvature tensor K = grad n is the slope of a weighted linear fit, intercept included, to the
-   normals around (those that look the same way), projected onto the tangent plane; its eigenvalues belong to a parallel
-   surface at the fit's mean depth s below the free one and are carried to it by k/(1 + s k). The mean of
-   sigma (k1 + k2) over the neighbours is FIELD_CAPILLARY. The pressure solver puts it on the free surface in place of
-   p = 0: a drop of constant curvature is then at rest exactly, because both closure and gradient see only p - sigma
-   kappa. Depth: phi = F(s) of a half-space, lowered by kappa/2 int x^2 W dA where the surface is curved.
+   normals around that point to the same side of the liquid. It is projected onto the tangent plane. Its eigenvalues k
+   belong to a parallel surface at the fit's mean depth s below the free surface, and are carried to the free surface by
+   k/(1 + s k). The mean of sigma (k1 + k2) over the neighbours is FIELD_CAPILLARY. The pressure solver puts it on the
+   free surface in place of p = 0: a drop of constant curvature is then at rest exactly, because both closure and
+   gradient see only p - sigma kappa. The depth follows from phi = F(s) of a half-space, which a curved surface lowers
+   by kappa/2 int x^2 W dA.
 
    Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
-   contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is set
-   right in grad phi (SumMirrored) and in the normals of the images (Mirror). */
+   contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is
+   corrected in grad phi (SumMirrored) and in the normals of the images (MirrorNormal). */
 #include "tension_impl.h"
 
-#define ALIKE      0.2       /* n_a . n_b above: the same side of the liquid */
-#define FEWEST     (DIM + 2) /* normals a fit needs */
-#define THIN       0.3       /* 1 + s k is taken no smaller */
-#define PARALLEL   0.5  /* times sin of the contact angle: a smaller part of n along the wall is no contact line's */
-#define REGULARITY 1e-6 /* of the fit's matrix, relative to its trace */
+/* Options: -tension_threshold, |grad phi| H above which the surface is near and a particle has a normal (0.9 H deep
+   below a flat surface for 0.2); -tension_same_side, n_a . n_b above which two normals belong to the same side of the
+   liquid, so that a sheet's other side is left out; -tension_thinnest, what 1 + s k is at least. No references. */
 
-PetscErrorCode CurvatureSetUp(Tension tension)
+#define FEWEST_NORMALS  (DIM + 2) /* that a fit needs: one more than it has coefficients */
+#define PARALLEL        0.5 /* times sin of the contact angle: a surface with less of n along the wall does not end there */
+#define REGULARITY      1e-6 /* added to the fit's matrix, relative to its trace: normals along a line give no NaN */
+#define BELOW_ONE       (1 - 1e-9)
+#define LARGEST_OUTSIDE 0.5 /* spacings: no particle counts as further outside the liquid */
+
+/* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
+static PetscErrorCode CurvatureSetUp(Tension tension)
 {
   const PetscReal support = KernelSupport(tension->kernel);
   PetscReal       r2[WALL_TABLE], W[WALL_TABLE], fraction = 0.5, next = 0.5;
@@ -33,7 +39,7 @@ PetscErrorCode CurvatureSetUp(Tension tension)
   tension->moment = 0;
   for (PetscInt k = 0; k < WALL_TABLE; k++)
     tension->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
-  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* the depth at which a half-space fills (1 + k/WALL_TABLE)/2 */
+  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* depth[k]: where a half-space fills (1 + k/WALL_TABLE)/2 */
     const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
 
     while (m < WALL_TABLE && next < wanted) {
@@ -47,23 +53,23 @@ PetscErrorCode CurvatureSetUp(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Depth (m) below a flat surface of a particle with this phi; negative outside. */
+/* The depth (m) below a flat surface of a particle with this phi; it is negative outside. */
 static PetscReal FlatDepth(Tension tension, PetscReal phi)
 {
-  const PetscReal place = PetscMin(2 * phi - 1, 1 - 1e-9) * WALL_TABLE;
+  const PetscReal place = PetscMin(2 * phi - 1, BELOW_ONE) * WALL_TABLE;
   const PetscInt  k     = (PetscInt)place;
 
-  if (place < 0) return PetscMax((phi - 0.5) / tension->plane, -0.5 * tension->spacing);
+  if (place < 0) return PetscMax((phi - 0.5) / tension->plane, -LARGEST_OUTSIDE * tension->spacing);
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
-/* The mirror images that one wall adds to the collected particles. */
+/* The images that one wall adds to the collected particles: those from begin to end - 1. */
 typedef struct {
   PetscInt  begin, end, axis;
   PetscReal inward; /* +1 or -1: the way into the box along the axis */
-} Image;
+} WallImages;
 
-/* How far from a wall a cell's particles may have images among their neighbours, m. */
+/* How far (m) from a wall the particles of a cell may have images among their neighbours. */
 static PetscReal ImageReach(const Liquid *liquid)
 {
   return liquid->support + liquid->grid.size;
@@ -81,53 +87,96 @@ static PetscBool NearWall(Tension tension, Domain domain, const PetscReal x[DIM]
   return near;
 }
 
-/* Continues the n collected candidates behind the walls within the support of the cell of x; normals (columns 3 to 5,
-   if width says there are any) so that their mean with the originals has the contact angle, unless the surface is too
-   close to parallel to the wall to end there. Returns the new number, and what each wall added. */
-static PetscInt Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, PetscInt n,
-                       Image image[2 * DIM], PetscInt *images)
+/* The normal of the image behind a wall: one whose mean with the original has the contact angle. False if the surface
+   is too close to parallel to the wall to end there. */
+static PetscBool MirrorNormal(Tension tension, PetscInt axis, PetscReal inward, const PetscReal normal[DIM],
+                              PetscReal image[DIM])
 {
-  Liquid         *liquid = &tension->liquid;
-  const PetscReal reach = ImageReach(liquid), c = PetscCosReal(tension->angle), s = PetscSinReal(tension->angle);
+  PetscReal along = 0, scale, length = 0;
 
-  *images = 0;
+  for (PetscInt e = 0; e < DIM; e++)
+    if (e != axis) along += PetscSqr(normal[e]);
+  if (along < PetscSqr(PARALLEL * tension->sine)) return PETSC_FALSE;
+  scale = 2 * tension->sine / PetscSqrtReal(along);
+  for (PetscInt e = 0; e < DIM; e++) {
+    image[e] = (e == axis ? 2 * tension->cosine * inward : scale * normal[e]) - normal[e];
+    length += PetscSqr(image[e]);
+  }
+  length = length > 0 ? 1 / PetscSqrtReal(length) : 0;
+  for (PetscInt e = 0; e < DIM; e++) image[e] *= length;
+  return PETSC_TRUE;
+}
+
+/* Adds the images in one wall (m, its place along the axis) of the n collected candidates behind them; columns 3 to 5
+   hold normals if width says that there are any. Returns the new number. */
+static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, PetscReal inward, PetscInt width, PetscInt n)
+{
+  Liquid        *liquid = &tension->liquid;
+  const PetscInt stride = liquid->stride;
+  PetscInt       copies = n;
+
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal *to = liquid->near + copies, *from = liquid->near + k;
+
+    if (PetscAbsReal(from[axis * stride] - wall) > ImageReach(liquid)) continue;
+    for (PetscInt w = 0; w < width; w++) to[w * stride] = from[w * stride];
+    to[axis * stride] = 2 * wall - from[axis * stride];
+    if (width > DIM) {
+      const PetscReal normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
+      PetscReal       image[DIM];
+
+      if (!MirrorNormal(tension, axis, inward, normal, image)) continue;
+      for (PetscInt e = 0; e < DIM; e++) to[(DIM + e) * stride] = image[e];
+    }
+    copies++;
+  }
+  return copies;
+}
+
+/* What is collected around the particles of one cell: 'real' particles, then the images of 'images' walls, n in all. */
+typedef struct {
+  PetscInt   cell, real, n, images;
+  WallImages image[2 * DIM];
+} Around;
+
+/* Continues the collected candidates behind all walls within the support of the cell of x. An image may have an image
+   in the next wall. */
+static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, Around *around)
+{
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
       const PetscReal wall = side ? domain->upper[d] : domain->lower[d], inward = side ? -1 : 1;
-      PetscInt        copies = n;
+      PetscInt        n;
 
-      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > reach) continue;
-      for (PetscInt k = 0; k < n; k++) {
-        PetscReal *to = liquid->near + copies, *from = liquid->near + k;
-
-        if (PetscAbsReal(from[d * liquid->stride] - wall) > reach) continue;
-        for (PetscInt w = 0; w < width; w++) to[w * liquid->stride] = from[w * liquid->stride];
-        to[d * liquid->stride] = 2 * wall - from[d * liquid->stride];
-        if (width > DIM) {
-          PetscReal normal[DIM], along = 0, scale, length = 0;
-
-          for (PetscInt e = 0; e < DIM; e++) {
-            normal[e] = from[(DIM + e) * liquid->stride];
-            if (e != d) along += PetscSqr(normal[e]);
-          }
-          if (along < PetscSqr(PARALLEL * s)) continue;
-          scale = 2 * s / PetscSqrtReal(along);
-          for (PetscInt e = 0; e < DIM; e++) {
-            normal[e] = (e == d ? 2 * c * inward : scale * normal[e]) - normal[e];
-            length += PetscSqr(normal[e]);
-          }
-          length = length > 0 ? 1 / PetscSqrtReal(length) : 0;
-          for (PetscInt e = 0; e < DIM; e++) to[(DIM + e) * liquid->stride] = length * normal[e];
-        }
-        copies++;
-      }
-      image[(*images)++] = (Image){n, copies, d, inward};
-      n                  = copies;
+      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > ImageReach(&tension->liquid)) continue;
+      n                               = AddImages(tension, wall, d, inward, width, around->n);
+      around->image[around->images++] = (WallImages){around->n, n, d, inward};
+      around->n                       = n;
     }
-  return n;
 }
 
-/* Adds phi and grad phi of the collected candidates first to n - 1 at x, without V. */
+/* Collects the columns of what is around the particle at place p and x, unless that has been done for its cell: of the
+   liquid, and of its images in walls, which have the first 'width' columns. */
+static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM],
+                                    PetscInt columns, PetscInt width, Around *around)
+{
+  Liquid        *liquid = &tension->liquid;
+  const PetscInt cell   = LiquidCell(liquid, p);
+  PetscBool      mirrored;
+
+  PetscFunctionBegin;
+  if (cell == around->cell) PetscFunctionReturn(PETSC_SUCCESS);
+  mirrored       = NearWall(tension, domain, x);
+  around->cell   = cell;
+  around->images = 0;
+  if (mirrored) columns = COLUMNS(0, width);
+  PetscCall(LiquidCollect(liquid, cell, columns, mirrored ? 1 << (2 * domain->dim) : 1, &around->real));
+  around->n = around->real;
+  if (mirrored) Mirror(tension, domain, x, width, around);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds phi and grad phi at x of the collected candidates first to n - 1, without V. */
 static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
                      PetscReal gradient[DIM])
 {
@@ -157,41 +206,44 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
   gradient[2] += scale_f * gz;
 }
 
-/* phi and grad phi at x of the n collected particles and, behind them, the images. An image of the free surface has the
-   part of grad phi normal to the wall reversed: it would draw all normals near the wall towards 90 degrees. In its
-   place comes that of a surface which goes on straight under the contact angle, cot(angle) times the part along the
-   wall. */
-static void SumMirrored(Tension tension, PetscInt n, const Image image[], PetscInt images, const PetscReal x[DIM],
-                        PetscReal *phi, PetscReal g[DIM])
+/* phi and grad phi at x of all that is collected around, without V. The images of the free surface have the part of
+   grad phi normal to the wall reversed, which would draw all normals near the wall towards 90 degrees. It is replaced
+   by that of a surface which goes on straight under the contact angle, cot(angle) times the part along the wall. */
+static void SumMirrored(Tension tension, const Around *around, const PetscReal x[DIM], PetscReal *phi, PetscReal g[DIM])
 {
   PetscReal of[2 * DIM][DIM], turn[2 * DIM];
 
   *phi = g[0] = g[1] = g[2] = 0;
-  SumPhase(tension, 0, n, x, phi, g);
-  for (PetscInt k = 0; k < images; k++) {
+  SumPhase(tension, 0, around->real, x, phi, g);
+  for (PetscInt k = 0; k < around->images; k++) {
     of[k][0] = of[k][1] = of[k][2] = 0;
-    SumPhase(tension, image[k].begin, image[k].end, x, phi, of[k]);
+    SumPhase(tension, around->image[k].begin, around->image[k].end, x, phi, of[k]);
     for (PetscInt d = 0; d < DIM; d++) g[d] += of[k][d];
   }
-  for (PetscInt k = 0; k < images; k++) {
+  for (PetscInt k = 0; k < around->images; k++) {
     PetscReal along = 0, square = 0;
 
     for (PetscInt d = 0; d < DIM; d++) {
-      if (d == image[k].axis) continue;
+      if (d == around->image[k].axis) continue;
       along += of[k][d] * g[d];
       square += PetscSqr(g[d]);
     }
-    turn[k] = along > 0 ? 2 * image[k].inward * along / (PetscSqrtReal(square) * PetscTanReal(tension->angle)) : 0;
+    turn[k] =
+      along > 0 ? 2 * around->image[k].inward * along / (PetscSqrtReal(square) * PetscTanReal(tension->angle)) : 0;
   }
-  for (PetscInt k = 0; k < images; k++) g[image[k].axis] -= turn[k];
+  for (PetscInt k = 0; k < around->images; k++) g[around->image[k].axis] -= turn[k];
 }
 
-/* Weighted sums over the collected normals that look the same way as n at x: number, weight, positions relative to x,
-   normals, depth, and their products; weight: [m], zero for the others. */
+/* Weighted sums over the collected normals that point to the same side as n at x. */
 typedef struct {
-  PetscReal count, w, x[DIM], n[DIM], s, xx[6], nx[DIM][DIM];
+  PetscReal count, w;       /* of normals; of weights */
+  PetscReal x[DIM], n[DIM]; /* positions relative to x; normals */
+  PetscReal s;              /* depths */
+  PetscReal xx[6];          /* products of positions: xx yy zz xy xz yz */
+  PetscReal nx[DIM][DIM];   /* products of normals and positions */
 } Moments;
 
+/* weight: [m], zero for normals that point to another side. The loop is long because all sums must share it. */
 static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM],
                        float *restrict weight, Moments *out)
 {
@@ -199,7 +251,7 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
-  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
+  const PetscReal same_side = tension->same_side, x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
   PetscReal       scale_w, scale_f, inverse_h2;
   float           s[CHUNK], W[CHUNK];
   PetscReal       count = 0, sw = 0, sx = 0, sy = 0, sz = 0, px = 0, py = 0, pz = 0, ss = 0;
@@ -218,7 +270,7 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
     /* clang-format on */
     for (PetscInt k = 0; k < l; k++) {
       const PetscInt  b     = begin + k;
-      const PetscReal alike = ax * nx[b] + ay * ny[b] + az * nz[b] > ALIKE ? 1 : 0, w = alike * W[k];
+      const PetscReal alike = ax * nx[b] + ay * ny[b] + az * nz[b] > same_side ? 1 : 0, w = alike * W[k];
       const PetscReal dx = cx[b] - x0, dy = cy[b] - y0, dz = cz[b] - z0;
       const PetscReal wx = w * dx, wy = w * dy, wz = w * dz;
 
@@ -258,12 +310,12 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
                    .nx    = {{qxx, qxy, qxz}, {qyx, qyy, qyz}, {qzx, qzy, qzz}}};
 }
 
-/* What a linear fit to values at the collected places with normals that look the same way needs to know of these. */
-static void FitPlaces(Tension tension, const Moments *m, NormalFit *fit)
+/* Prepares a linear fit to values at the collected positions whose normals point to the same side. */
+static void PrepareFit(Tension tension, const Moments *m, NormalFit *fit)
 {
   PetscReal M[6];
 
-  fit->enough    = (PetscBool)(m->count >= FEWEST);
+  fit->enough    = (PetscBool)(m->count >= FEWEST_NORMALS);
   fit->inverse_w = m->w > 0 ? 1 / m->w : 0;
   for (PetscInt d = 0; d < DIM; d++) fit->x[d] = m->x[d] * fit->inverse_w;
   if (!fit->enough) return;
@@ -281,7 +333,15 @@ static void FitPlaces(Tension tension, const Moments *m, NormalFit *fit)
   }
 }
 
-/* kappa (1/m) of the free surface from the sums around a particle with normal n. */
+/* Carries the principal curvatures k1 and k2 (1/m) of a surface at 'depth' (m) to the parallel free surface; their sum.
+ */
+static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth)
+{
+  return k1 / PetscMax(1 + depth * k1, tension->thinnest) + k2 / PetscMax(1 + depth * k2, tension->thinnest);
+}
+
+/* kappa (1/m) of the free surface from the sums around a particle with normal n; at most that of a drop of one spacing.
+ */
 static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal n[DIM])
 {
   const PetscReal limit = (tension->dim - 1) / tension->spacing;
@@ -309,15 +369,15 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   k1    = 0.5 * trace + root;
   k2    = 0.5 * trace - root;
   depth = m->s / m->w;
-  kappa = k1 / PetscMax(1 + depth * k1, THIN) + k2 / PetscMax(1 + depth * k2, THIN);
+  kappa = CarryToSurface(tension, k1, k2, depth);
   depth += 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane;
-  kappa = k1 / PetscMax(1 + depth * k1, THIN) + k2 / PetscMax(1 + depth * k2, THIN);
+  kappa = CarryToSurface(tension, k1, k2, depth);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
-/* Mean of column 6 over the m collected candidates with their weights, and its slope along the surface. */
-static PetscReal Mean(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
-                      const PetscReal n[DIM], const NormalFit *fit, PetscReal slope[DIM])
+/* The weighted mean of column 6 over the m collected candidates, and its slope along the surface. */
+static PetscReal WeightedMean(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
+                              const PetscReal n[DIM], const NormalFit *fit, PetscReal slope[DIM])
 {
   const PetscInt stride        = tension->liquid.stride;
   const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
@@ -348,121 +408,211 @@ static inline PetscReal Sigma(Cloud cloud, PetscInt a)
   return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 }
 
-typedef enum { PASS_NORMAL, PASS_CURVATURE, PASS_MEAN } PassKind;
+/* Column 6 holds the depth, then sigma kappa. */
+#define VALUE_COLUMN  (2 * DIM)
+#define COLUMNS_TOTAL (VALUE_COLUMN + 1)
 
-/* One pass over the owned particles of the sorted liquid. Normal and depth go to FIELD_WORK3 (zero where the surface is
- * not near) and FIELD_WORK1, the curvature to FIELD_WORK1, its mean times sigma to FIELD_CAPILLARY. */
-static PetscErrorCode Pass(Tension tension, Cloud cloud, PassKind kind)
+/* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles near the surface; both are zero
+   elsewhere. slope: NULL, or sigma times SheetSlope of all owned particles in the band. */
+static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[],
+                                  PetscReal slope[])
 {
   Liquid         *liquid = &tension->liquid;
-  const CellGrid *grid   = &liquid->grid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
-  const PetscInt  width = kind == PASS_NORMAL ? DIM : 2 * DIM + 1, copies = 1 << (2 * cloud->domain->dim);
-  PetscInt        used   = 0; /* weights */
-  PetscReal      *normal = cloud->field[FIELD_WORK3], *scalar = cloud->field[FIELD_WORK1];
+  Around          around = {.cell = -1};
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < grid->count; c++) {
-    PetscInt n = -1, real = 0, images = 0;
-    Image    image[2 * DIM];
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
+    PetscReal      x[DIM], g[DIM], phi, length;
 
-    for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-      const PetscInt  a      = LiquidParticle(liquid, p);
-      const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
-                                liquid->sorted[2 * liquid->count + p]};
-
-      if (a >= cloud->n_owned || (kind == PASS_NORMAL && !BandNear(&tension->band_cells, x))) continue;
-      if (n < 0) {
-        const PetscBool mirrored = NearWall(tension, cloud->domain, x);
-        const PetscInt  columns  = COLUMNS(0, DIM) | (kind == PASS_MEAN && !mirrored ? 0 : COLUMNS(DIM, width - DIM)) |
-                                 (kind == PASS_MEAN ? COLUMNS(2 * DIM, 1) : 0);
-
-        PetscCall(LiquidCollect(liquid, c, columns, mirrored ? copies : 1, &n));
-        real = n;
-        if (mirrored) n = Mirror(tension, cloud->domain, x, width, n, image, &images);
-      }
-      if (kind == PASS_NORMAL) {
-        PetscReal g[DIM], phi, length;
-
-        SumMirrored(tension, real, image, images, x, &phi, g);
-        length = Norm(g);
-        if (tension->sheets)
-          cloud->field[FIELD_CAPILLARY][a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi, V * length);
-        if (V * length * H < tension->threshold) continue;
-        for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
-        scalar[a] = FlatDepth(tension, V * phi);
-      } else if (kind == PASS_CURVATURE) {
-        Moments m;
-
-        if (used + n > tension->weight_capacity) {
-          tension->weight_capacity = 2 * (used + n);
-          PetscCall(PetscRealloc(tension->weight_capacity * sizeof(float), &tension->weight));
-        }
-        SumNormals(tension, n, x, normal + DIM * a, tension->weight + used, &m);
-        FitPlaces(tension, &m, &tension->fit[p]);
-        scalar[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], normal + DIM * a);
-      } else
-        cloud->field[FIELD_CAPILLARY][a] = Mean(tension, n, tension->weight + used, x, normal + DIM * a,
-                                                &tension->fit[p], cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
-      if (kind != PASS_NORMAL) used += n;
-    }
+    LiquidPosition(liquid, p, x);
+    if (a >= cloud->n_owned || !BandNear(&tension->band_cells, x)) continue;
+    PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
+    SumMirrored(tension, &around, x, &phi, g);
+    length = Norm(g);
+    if (slope) slope[a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi, V * length);
+    if (V * length * H < tension->threshold) continue;
+    for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
+    depth[a] = FlatDepth(tension, V * phi);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = FIELD_CAPILLARY and its slope, which gives back
-   what normals, fit and mean have smoothed away of a curvature that varies over a few H. With c = 2 a drop's second
-   mode has its period to 3 % at R/d0 = 8 (15 to 20 % too long without). */
-static PetscErrorCode Sharpen(Tension tension, Cloud cloud)
+/* Finds sigma kappa ([n_owned], Pa) of the owned particles that have a normal, and keeps the fits and the weights of
+   their neighbours for TakeMean. The depth is in its column. */
+static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal capillary[])
+{
+  Liquid  *liquid = &tension->liquid;
+  PetscInt used   = 0; /* weights */
+  Around   around = {.cell = -1};
+
+  PetscFunctionBegin;
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
+    PetscReal      x[DIM];
+    Moments        m;
+
+    LiquidPosition(liquid, p, x);
+    if (a >= cloud->n_owned) continue;
+    PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
+    if (used + around.n > tension->weight_capacity) {
+      tension->weight_capacity = 2 * (used + around.n);
+      PetscCall(PetscRealloc(tension->weight_capacity * sizeof(float), &tension->weight));
+    }
+    SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + used, &m);
+    PrepareFit(tension, &m, &tension->fit[p]);
+    capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], normal + DIM * a);
+    used += around.n;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE become the mean over the neighbours of a value ([n_total], Pa), of which
+   the ghosts are current, and its slope. After FindCurvature, with the same particles. */
+static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
+{
+  Liquid  *liquid = &tension->liquid;
+  PetscInt used   = 0; /* weights */
+  Around   around = {.cell = -1};
+
+  PetscFunctionBegin;
+  LiquidLoad(liquid, VALUE_COLUMN, 1, value);
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
+    PetscReal      x[DIM];
+
+    LiquidPosition(liquid, p, x);
+    if (a >= cloud->n_owned) continue;
+    PetscCall(
+      CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM) | COLUMNS(VALUE_COLUMN, 1), COLUMNS_TOTAL, &around));
+    cloud->field[FIELD_CAPILLARY][a] = WeightedMean(tension, around.n, tension->weight + used, x, normal + DIM * a,
+                                                    &tension->fit[p], cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+    used += around.n;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = FIELD_CAPILLARY and its slope. It gives back what
+   normals, fit and mean have smoothed away of a curvature that varies over a few H. With c = 2 the period of a drop's
+   second mode is right to 3 % at R/d0 = 8; without, it is 15 to 20 % too long. */
+static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal normal[])
 {
   PetscReal *value = cloud->field[FIELD_CAPILLARY], *slope = cloud->field[FIELD_CAPILLARY_SLOPE], *first, *first_slope;
   const PetscReal c = tension->sharpening;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(cloud->n_fluid, &first, DIM * cloud->n_fluid, &first_slope));
-  PetscCall(PetscArraycpy(first, value, cloud->n_fluid));
-  PetscCall(PetscArraycpy(first_slope, slope, DIM * cloud->n_fluid));
+  PetscCall(CloudGetWork(cloud, 1, &first));
+  PetscCall(CloudGetWork(cloud, DIM, &first_slope));
   PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
-  LiquidLoad(&tension->liquid, 2 * DIM, 1, value);
-  PetscCall(Pass(tension, cloud, PASS_MEAN));
+  PetscCall(PetscArraycpy(first, value, cloud->n_total));
+  PetscCall(PetscArraycpy(first_slope, slope, DIM * cloud->n_fluid));
+  PetscCall(TakeMean(tension, cloud, normal, first));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] = first[a] + c * (first[a] - value[a]);
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] = first_slope[k] + c * (first_slope[k] - slope[k]);
-  PetscCall(PetscFree2(first, first_slope));
+  PetscCall(CloudRestoreWork(cloud, &first_slope));
+  PetscCall(CloudRestoreWork(cloud, &first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+/* Sorts the particles that have a normal, ghosts too, with normal and depth in their columns. */
+static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
 {
-  const PetscReal support = KernelSupport(tension->kernel);
-  PetscReal      *normal  = cloud->field[FIELD_WORK3];
-  PetscBool      *keep;
+  Liquid    *liquid = &tension->liquid;
+  PetscBool *keep;
 
   PetscFunctionBegin;
-  /* |grad phi| H is below the threshold 0.9 H deep; surface particles are half a spacing deep */
-  PetscCall(TensionBand(tension, cloud, KernelSmoothingLength(tension->kernel)));
-  PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
-  PetscCall(PetscArrayzero(cloud->field[FIELD_WORK1], cloud->n_owned));
-  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
-  PetscCall(Pass(tension, cloud, PASS_NORMAL));
-  if (tension->sheets) PetscCall(SheetPull(tension, cloud));
-  PetscCall(CloudUpdate(cloud, FIELD_WORK3));
-  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
   PetscCall(PetscMalloc1(cloud->n_total, &keep));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0);
-  PetscCall(LiquidSort(&tension->liquid, cloud, support, keep));
+  PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), keep));
   PetscCall(PetscFree(keep));
-  if (tension->liquid.count > tension->fit_capacity) {
-    tension->fit_capacity = tension->liquid.count + tension->liquid.count / 4;
+  LiquidLoad(liquid, DIM, DIM, normal);
+  LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
+  if (liquid->count > tension->fit_capacity) {
+    tension->fit_capacity = liquid->count + liquid->count / 4;
     PetscCall(PetscFree(tension->fit));
     PetscCall(PetscMalloc1(tension->fit_capacity, &tension->fit));
   }
-  LiquidLoad(&tension->liquid, DIM, DIM, normal);
-  LiquidLoad(&tension->liquid, 2 * DIM, 1, cloud->field[FIELD_WORK1]);
-  PetscCall(Pass(tension, cloud, PASS_CURVATURE));
-  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
-  LiquidLoad(&tension->liquid, 2 * DIM, 1, cloud->field[FIELD_WORK1]);
-  PetscCall(Pass(tension, cloud, PASS_MEAN));
-  if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The normals of the particles near the surface, ghosts too; adds the forces of thin sheets. */
+static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[])
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+  PetscReal      *slope   = NULL;
+
+  PetscFunctionBegin;
+  /* |grad phi| H is below the default threshold 0.9 H deep; surface particles are half a spacing deep */
+  PetscCall(BandMark(&tension->band_cells, cloud, KernelSmoothingLength(tension->kernel), support));
+  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
+  PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
+  PetscCall(PetscArrayzero(depth, cloud->n_owned));
+  if (tension->sheets) {
+    PetscCall(CloudGetWork(cloud, 1, &slope));
+    PetscCall(PetscArrayzero(slope, cloud->n_owned));
+  }
+  PetscCall(FindNormals(tension, cloud, normal, depth, slope));
+  if (tension->sheets) {
+    PetscCall(SheetPull(tension, cloud, slope));
+    PetscCall(CloudRestoreWork(cloud, &slope));
+  }
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, normal));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, depth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+{
+  PetscReal *normal, *scalar; /* the depth, then sigma kappa */
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, DIM, &normal));
+  PetscCall(CloudGetWork(cloud, 1, &scalar));
+  PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar));
+  PetscCall(SortNormals(tension, cloud, normal, scalar));
+  PetscCall(FindCurvature(tension, cloud, normal, scalar));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
+  PetscCall(TakeMean(tension, cloud, normal, scalar));
+  PetscCall(CloudRestoreWork(cloud, &scalar));
+  if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal));
+  PetscCall(CloudRestoreWork(cloud, &normal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsBool("-tension_sheets", "energy of sheets and threads too thin for a normal",
+                             "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
+  PetscCall(PetscOptionsReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)",
+                             "TensionSetFromOptions", tension->sharpening, &tension->sharpening, NULL));
+  PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
+                             "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetAdvancedFromOptions(Tension tension, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsReal("-tension_threshold", "|grad phi| H above which a particle is near the surface (1)",
+                             "TensionSetFromOptions", tension->threshold, &tension->threshold, NULL));
+  PetscCall(PetscOptionsReal("-tension_same_side",
+                             "cosine between two normals above which they belong to one side of the liquid (1)",
+                             "TensionSetFromOptions", tension->same_side, &tension->same_side, NULL));
+  PetscCall(PetscOptionsReal("-tension_thinnest",
+                             "least 1 + s k when a curvature k is carried over the depth s to the surface (1)",
+                             "TensionSetFromOptions", tension->thinnest, &tension->thinnest, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionCreate_Curvature(Tension tension)
+{
+  PetscFunctionBegin;
+  tension->setfromoptions = SetFromOptions;
+  tension->setadvanced    = SetAdvancedFromOptions;
+  tension->setup          = CurvatureSetUp;
+  tension->apply          = TensionApply_Curvature;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

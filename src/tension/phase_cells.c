@@ -1,4 +1,4 @@
-/* The liquid around a cell, in columns that the compiler can vectorise over. */
+/* The liquid sorted into cells, and the part of it around a cell in columns, over which the compiler can vectorise. */
 #include "tension_impl.h"
 
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
@@ -39,34 +39,39 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
       liquid->sorted[(column + w) * liquid->count + k] = field[width * LiquidParticle(liquid, k) + w];
 }
 
-/* One pass over the cells around c: counts (no columns) or copies. */
-static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
+/* Copies columns of the particles in the cells first to last of the line y, z behind the n collected ones; returns
+   their number. */
+static PetscInt CopyLine(Liquid *liquid, PetscInt n, PetscInt y, PetscInt z, PetscInt first, PetscInt last,
+                         PetscInt columns)
 {
   const CellGrid *grid = &liquid->grid;
-  const PetscInt  x = c % grid->n[0], y = (c / grid->n[0]) % grid->n[1], z = c / (grid->n[0] * grid->n[1]);
+  const PetscInt  line = CellIndex(grid->n, 0, y, z), begin = grid->start[line + PetscMax(0, first)],
+                 length = grid->start[line + PetscMin(grid->n[0] - 1, last) + 1] - begin;
+
+  for (PetscInt w = 0; columns >> w; w++) {
+    PetscReal *restrict to         = liquid->near + w * liquid->stride + n;
+    const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin;
+
+    if (!(columns >> w & 1)) continue;
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < length; k++) to[k] = from[k];
+  }
+  return length;
+}
+
+/* One pass over the cells around c: counts the particles and copies the columns whose bits are set. */
+static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
+{
+  const CellGrid *grid  = &liquid->grid;
   const PetscInt  reach = liquid->reach;
-  PetscInt        n     = 0;
+  PetscInt        n     = 0, cell[DIM];
 
-  for (PetscInt dz = PetscMax(-reach, -z); dz <= PetscMin(reach, grid->n[2] - 1 - z); dz++)
-    for (PetscInt dy = PetscMax(-reach, -y); dy <= PetscMin(reach, grid->n[1] - 1 - y); dy++) {
-      const PetscInt along = liquid->along[PetscAbsInt(dy)][PetscAbsInt(dz)],
-                     line  = ((z + dz) * grid->n[1] + y + dy) * grid->n[0];
+  CellCoordinates(grid->n, c, cell);
+  for (PetscInt z = PetscMax(0, cell[2] - reach); z <= PetscMin(grid->n[2] - 1, cell[2] + reach); z++)
+    for (PetscInt y = PetscMax(0, cell[1] - reach); y <= PetscMin(grid->n[1] - 1, cell[1] + reach); y++) {
+      const PetscInt along = liquid->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])];
 
-      if (along < 0) continue;
-      {
-        const PetscInt begin  = grid->start[line + PetscMax(0, x - along)],
-                       length = grid->start[line + PetscMin(grid->n[0] - 1, x + along) + 1] - begin;
-
-        for (PetscInt w = 0; columns >> w; w++) {
-          PetscReal *restrict to         = liquid->near + w * liquid->stride + n;
-          const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin;
-
-          if (!(columns >> w & 1)) continue;
-          SIMD_LOOP()
-          for (PetscInt k = 0; k < length; k++) to[k] = from[k];
-        }
-        n += length;
-      }
+      if (along >= 0) n += CopyLine(liquid, n, y, z, cell[0] - along, cell[0] + along, columns);
     }
   return n;
 }

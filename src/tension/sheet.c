@@ -1,36 +1,47 @@
-/* Tension of sheets too thin for normals: the sides of a sheet of one or two particles cancel in grad phi, and its edge
-   looks like a flat surface. There the surface S that a particle has follows from phi itself: a sheet of thickness t
-   fills phi = t w1(0) at its middle and has 2 V/t a particle, so S' = dS/dphi = -2 V w1(0)/phi^2. From the energy
-   sum_b sigma S(phi_b)
+/* Tension of sheets too thin for normals.
+
+   The two sides of a sheet of one or two particles cancel in grad phi, and its edge looks like a flat surface. There
+   the surface S that a particle has follows from phi itself: a sheet of thickness t fills phi = t w1(0) at its middle
+   and has the surface 2 V/t a particle, so S' = dS/dphi = -2 V w1(0)/phi^2. From the energy sum_b sigma S(phi_b)
+   follows
 
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
    which is pairwise and central: momentum and angular momentum are kept. A sheet of one particle pulls its edge back
-   with 2 sigma per unit of length (cases/retracting_sheet). Where curvature.c sees the sides nothing may be added: phi
-   is then that of the flat surface which |grad phi| tells of, and S' is faded out with what phi lacks to that. It stays
-   as at THICKNESS_SPRAY below it, where particles are nearly alone. In threads there is none: phi does not tell a
-   thread from a thinner sheet, whose pull is half as much again, and with it threads would not break (Rayleigh). No
-   reference; forces from a function of the density are those of many-body dissipative particle dynamics (Pagonabarraga
-   and Frenkel 2001).
+   with 2 sigma per unit of length (cases/retracting_sheet). Three limits:
+   - Where curvature.c sees the sides, nothing may be added. There phi is that of the flat surface which |grad phi|
+   tells of, and S' fades out with what phi lacks to that.
+   - Below THICKNESS_SPRAY, where particles are nearly alone, S' stays as it is there.
+   - In threads there is no S'. phi does not tell a thread from a thinner sheet, whose pull is half as much again, and
+   with that pull threads would not break (Rayleigh). There is no reference for this; forces from a function of the
+   density are those of many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
 
-   Alone, that tears sheets: where particles crowd over less than the kernel's length phi rises less than their number.
-   With w(k) the transform of W^H over the plane, 1 at k = 0, a wave dn/n of their number has the energy 2 sigma (w^2 -
-   w) (dn/n)^2 per area, less than none, and grows e-fold in 0.5 ms at a thickness of 0.25 mm. So particles repel each
-   other at a shorter range: with W_c, of SHEET_CORE H and the same integral over the plane, in
+   By itself this force tears sheets: where particles crowd over less than the kernel's length, phi rises less than
+   their number. With w(k) the transform of W^H over the plane, 1 at k = 0, a wave dn/n of their number has the energy 2
+   sigma (w^2 - w) (dn/n)^2 per area. That is negative, and the wave grows e-fold in 0.5 ms at a thickness of 0.25 mm.
+   So particles repel each other at a shorter range. With W_c, of SHEET_CORE H and the same integral over the plane, in
 
      grad W^H + (grad W^H - grad W_c)
 
-   instead of grad W^H the energy becomes 2 sigma (w^2 - w + (w_c - w)) (dn/n)^2: -0.03 sigma at the worst, instead of
-   -0.5 sigma, and the crown of the drop impact holds. Repulsion of 4/3 as much would leave no wave to grow, but pushes
-   particles out of the plane more. The pull of the edge stays, to what sums over a lattice of that spacing differ from
-   integrals (2 % of W_c). */
+   instead of grad W^H, the energy becomes 2 sigma (w^2 - w + (w_c - w)) (dn/n)^2. Its minimum is -0.03 sigma instead of
+   -0.5 sigma, and the crown of the drop impact holds. 4/3 of this repulsion would leave no wave that grows, but pushes
+   particles out of the plane more. The pull of the edge stays, but for what sums over a lattice of that spacing differ
+   from integrals (2 % of W_c). */
 #include "tension_impl.h"
 
-#define THICKNESS_SPRAY 0.41 /* over the spacing; below, S would be more than that of a sphere: a constant slope */
-#define LACK_NONE       0.2  /* of phi to the flat surface that grad phi tells of; below: none of S' */
-#define LACK_ALL        0.65 /* above: all of it */
-#define FLAT_NONE       0.2  /* second over largest moment of the neighbours; below: a thread, none of S' */
-#define FLAT_ALL        0.5  /* above: a sheet, all of it */
+/* Chosen for this model, no reference. */
+#define THICKNESS_SPRAY                                                                                                \
+  0.41                 /* over the spacing; a thinner sheet would have more surface than the particles as spheres */
+#define LACK_NONE 0.2  /* what phi lacks to the flat surface that grad phi tells of: below this no S', ... */
+#define LACK_ALL  0.65 /* ... and above this all of it */
+#define FLAT_NONE 0.2  /* second over largest moment of the neighbours: below this a thread, no S', ... */
+#define FLAT_ALL  0.5  /* ... and above this a sheet, all of it */
+
+/* 0 for x below 'none', 1 above 'all', a line between. Both factors below are the smooth step 3 t^2 - 2 t^3 of it. */
+static PetscReal Ramp(PetscReal none, PetscReal all, PetscReal x)
+{
+  return PetscMin(1, PetscMax(0, (x - none) / (all - none)));
+}
 
 PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient)
 {
@@ -38,23 +49,24 @@ PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal
                   low  = PetscMax(phi, THICKNESS_SPRAY * unit);
   const PetscInt  k    = PetscMin((PetscInt)place, WALL_TABLE - 1);
   const PetscReal flat = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
-                  t    = PetscMin(1, PetscMax(0, (flat - phi - LACK_NONE) / (LACK_ALL - LACK_NONE)));
+                  t    = Ramp(LACK_NONE, LACK_ALL, flat - phi);
 
   return -2 * volume * tension->plane / (low * low) * t * t * (3 - 2 * t);
 }
 
-/* How flat the neighbourhood of the particle at place p is: the second over the largest eigenvalue of sum W r (x) r,
-   1 in a sheet and at its edge, small in a thread, faded to 0 for threads and 1 for sheets. */
+/* How flat the neighbourhood of the particle at place p is, whose n neighbours are collected: from the second over the
+   largest eigenvalue of sum W r (x) r, which is 1 in a sheet and at its edge and small in a thread. 0 for threads, 1
+   for sheets. */
 static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
 {
-  const Liquid   *liquid       = &tension->liquid;
-  const PetscReal x[DIM]       = {liquid->sorted[p], liquid->sorted[liquid->count + p],
-                                  liquid->sorted[2 * liquid->count + p]};
+  const Liquid *liquid         = &tension->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
-  PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, opposite[6], largest, t, scale_w, scale_f, inverse_h2;
-  float     s[CHUNK], W[CHUNK];
+  PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], opposite[6], largest, t, scale_w, scale_f,
+            inverse_h2;
+  float s[CHUNK], W[CHUNK];
 
   if (tension->dim == 2) return 1;
+  LiquidPosition(liquid, p, x);
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
@@ -77,23 +89,23 @@ static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
 
   for (PetscInt d = 0; d < 6; d++) opposite[d] = -M[d];
   largest = -SymmetricSmallestEigenvalue(DIM, opposite);
-  if (largest <= 0) return 0; /* alone */
+  if (largest <= 0) return 0; /* it is alone */
   t = (M[0] + M[1] + M[2] - SymmetricSmallestEigenvalue(DIM, M) - largest) / largest;
-  t = PetscMin(1, PetscMax(0, (t - FLAT_NONE) / (FLAT_ALL - FLAT_NONE)));
+  t = Ramp(FLAT_NONE, FLAT_ALL, t);
   return t * t * (3 - 2 * t);
 }
 
-/* The pull of thin particle b at place p on all n collected candidates, and theirs on it. */
+/* Adds the pull of the thin particle at place p, whose sigma S' is slope, on all n collected candidates, and theirs on
+   it. Column 3 holds the local indices. */
 static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope)
 {
-  const Liquid   *liquid = &tension->liquid;
-  const PetscReal x[DIM] = {liquid->sorted[p], liquid->sorted[liquid->count + p],
-                            liquid->sorted[2 * liquid->count + p]};
-  const PetscInt  b      = LiquidParticle(liquid, p);
-  PetscReal      *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, scale_w, scale_f, core_f, inverse_h2,
+  const Liquid  *liquid = &tension->liquid;
+  const PetscInt b      = LiquidParticle(liquid, p);
+  PetscReal *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, x[DIM], scale_w, scale_f, core_f, inverse_h2,
             core_h2;
   float s[CHUNK], F[CHUNK], core[CHUNK];
 
+  LiquidPosition(liquid, p, x);
   KernelScales(tension->core, &scale_w, &core_f, &core_h2);
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
@@ -120,32 +132,35 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
     for (PetscInt e = 0; e < DIM; e++) out[DIM * b + e] += sum[e] / cloud->rest_density[b];
 }
 
-PetscErrorCode SheetPull(Tension tension, Cloud cloud)
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[])
 {
-  Liquid         *liquid = &tension->liquid;
-  const CellGrid *grid   = &liquid->grid;
-  PetscReal      *slope  = cloud->field[FIELD_CAPILLARY];
+  Liquid  *liquid = &tension->liquid;
+  PetscInt cell = -1, n = 0;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < liquid->count; k++)
-    liquid->sorted[DIM * liquid->count + k] = (PetscReal)LiquidParticle(liquid, k);
-  for (PetscInt pass = 0; pass < 2; pass++) {
-    for (PetscInt c = 0; c < grid->count; c++) {
-      PetscInt n = -1;
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
 
-      for (PetscInt p = grid->start[c]; p < grid->start[c + 1]; p++) {
-        const PetscInt a = LiquidParticle(liquid, p);
-
-        if ((pass == 0 && a >= cloud->n_owned) || slope[a] == 0) continue;
-        if (n < 0) PetscCall(LiquidCollect(liquid, c, COLUMNS(0, DIM + 1), 1, &n));
-        if (pass == 0)
-          slope[a] *= Flatness(tension, p, n);
-        else
-          Pull(tension, cloud, p, n, slope[a]);
-      }
+    if (a >= cloud->n_owned || slope[a] == 0) continue;
+    if (LiquidCell(liquid, p) != cell) {
+      cell = LiquidCell(liquid, p);
+      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM), 1, &n));
     }
-    if (pass == 0) PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
+    slope[a] *= Flatness(tension, p, n);
   }
-  PetscCall(PetscArrayzero(slope, cloud->n_total));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));
+  for (PetscInt p = 0; p < liquid->count; p++)
+    liquid->sorted[DIM * liquid->count + p] = (PetscReal)LiquidParticle(liquid, p);
+  cell = -1;
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    const PetscInt a = LiquidParticle(liquid, p);
+
+    if (slope[a] == 0) continue;
+    if (LiquidCell(liquid, p) != cell) {
+      cell = LiquidCell(liquid, p);
+      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
+    }
+    Pull(tension, cloud, p, n, slope[a]);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,3 +1,4 @@
+/* The class: the registered models, the options and tables they share. */
 #include "tension_impl.h"
 
 static PetscFunctionList TensionList = NULL;
@@ -9,22 +10,24 @@ static PetscErrorCode TensionFinalizePackage(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode TensionCreate_None(Tension tension)
+{
+  PetscFunctionBegin;
+  tension->setfromoptions = tension->setadvanced = NULL;
+  tension->setup                                 = NULL;
+  tension->apply                                 = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TensionRegisterAll(void)
 {
   PetscFunctionBegin;
   if (TensionList) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscRegisterFinalize(TensionFinalizePackage));
-  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CAHN_HILLIARD, TensionApply_CahnHilliard));
-  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CURVATURE, TensionApply_Curvature));
-  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_NONE, TensionApply_None));
+  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CAHN_HILLIARD, TensionCreate_CahnHilliard));
+  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CURVATURE, TensionCreate_Curvature));
+  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_NONE, TensionCreate_None));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TensionApply_None(Tension tension, Cloud cloud)
-{
-  (void)tension;
-  (void)cloud;
-  return PETSC_SUCCESS;
 }
 
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension)
@@ -44,6 +47,8 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->sharpening  = 2;
   t->sheets      = PETSC_TRUE;
   t->threshold   = 0.2;
+  t->same_side   = 0.2;
+  t->thinnest    = 0.3;
   t->angle       = 90;
   for (PetscInt d = 0; d < domain->dim; d++)
     if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;
@@ -55,48 +60,30 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tabulates w1(s) of W^H for the part of phi that a wall stands for. */
-static PetscErrorCode TabulateWall(Tension tension)
-{
-  const PetscReal support = KernelSupport(tension->kernel);
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k <= WALL_TABLE; k++)
-    KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &tension->wall[k], NULL);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A TypeReader of surface tension models. */
+/* A TypeReader of surface tension models: takes over the model's functions and reads its options. */
 static PetscErrorCode ReadModel(void *object, const char type[])
 {
   Tension tension = (Tension)object;
-  char    names[NAMES_LENGTH], title[128];
+  PetscErrorCode (*create)(Tension);
+  char names[NAMES_LENGTH], title[128];
 
   PetscFunctionBegin;
   PetscCall(ListNames(TensionList, names));
-  PetscCall(PetscFunctionListFind(TensionList, type, &tension->apply));
-  PetscCheckUser(tension->apply, tension->comm, "-tension_type %s is not a surface tension model; there are %s", type,
-                 names);
-  if (tension->apply == TensionApply_None) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
-  PetscOptionsBegin(tension->comm, NULL, title, "Tension");
-  if (tension->apply == TensionApply_CahnHilliard) {
-    PetscCall(PetscOptionsReal("-tension_calibration",
-                               "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
-                               "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
-    PetscCall(PetscOptionsReal("-tension_band",
-                               "distance from the surface within which tension is evaluated, over 2H (1)",
-                               "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  PetscCall(PetscFunctionListFind(TensionList, type, &create));
+  PetscCheckUser(create, tension->comm, "-tension_type %s is not a surface tension model; there are %s", type, names);
+  PetscCall(create(tension));
+  if (tension->setfromoptions) {
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
+    PetscOptionsBegin(tension->comm, NULL, title, "Tension");
+    PetscCall(tension->setfromoptions(tension, PetscOptionsObject));
+    PetscOptionsEnd();
   }
-  if (tension->apply == TensionApply_Curvature) {
-    PetscCall(PetscOptionsBool("-tension_sheets", "energy of sheets and threads too thin for a normal",
-                               "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
-    PetscCall(PetscOptionsReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)",
-                               "TensionSetFromOptions", tension->sharpening, &tension->sharpening, NULL));
-    PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
-                               "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
+  if (tension->setadvanced) {
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Advanced: surface tension with -tension_type %s", type));
+    PetscOptionsBegin(tension->comm, NULL, title, "Tension");
+    PetscCall(tension->setadvanced(tension, PetscOptionsObject));
+    PetscOptionsEnd();
   }
-  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,23 +107,20 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                  (double)tension->band);
   PetscCheckUser(tension->angle > 0 && tension->angle < 180, tension->comm,
                  "-wall_contact_angle is %g; it must lie between 0 and 180 degrees", (double)tension->angle);
+  PetscCheckUser(tension->threshold > 0 && tension->threshold < 1, tension->comm,
+                 "-tension_threshold is %g; it must lie between 0 and 1", (double)tension->threshold);
+  PetscCheckUser(tension->same_side > -1 && tension->same_side < 1, tension->comm,
+                 "-tension_same_side is %g; the cosine of an angle must lie between -1 and 1",
+                 (double)tension->same_side);
+  PetscCheckUser(tension->thinnest > 0 && tension->thinnest <= 1, tension->comm,
+                 "-tension_thinnest is %g; it must lie in (0, 1]", (double)tension->thinnest);
   tension->angle *= PETSC_PI / 180;
-  if (tension->apply == TensionApply_None) tension->active = PETSC_FALSE;
+  tension->cosine = PetscCosReal(tension->angle);
+  tension->sine   = PetscSinReal(tension->angle);
+  if (!tension->apply) tension->active = PETSC_FALSE;
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
-  if (tension->active) PetscCall(TabulateWall(tension));
-  if (tension->active && tension->apply == TensionApply_Curvature) PetscCall(CurvatureSetUp(tension));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius)
-{
-  PetscFunctionBegin;
-  if (!tension->has_band)
-    PetscCall(BandCreate(cloud->domain, radius, TensionReach(tension), KernelSupport(tension->kernel) + cloud->slack,
-                         &tension->band_cells));
-  tension->has_band = PETSC_TRUE;
-  PetscCall(BandMark(&tension->band_cells, cloud));
+  if (tension->active && tension->setup) PetscCall(tension->setup(tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,7 +161,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(LiquidReset(&(*tension)->liquid));
   PetscCall(PetscFree((*tension)->fit));
   PetscCall(PetscFree((*tension)->weight));
-  if ((*tension)->has_band) PetscCall(BandDestroy(&(*tension)->band_cells));
+  PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

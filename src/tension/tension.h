@@ -29,8 +29,7 @@ PetscErrorCode TensionSetFromOptions(Tension tension);
 PetscReal TensionReach(Tension tension);
 /* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to
    FIELD_ACCELERATION or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero
-   otherwise). Updates the ghosts of the fields in between; overwrites FIELD_WORK1 and FIELD_WORK3. Only near a surface
-   particle is anything evaluated. Collective. */
+   otherwise). Only near a surface particle is anything evaluated. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);

@@ -5,22 +5,26 @@
 #include "../operators/operators.h"
 #include "tension.h"
 
-#define WALL_TABLE 256
-#define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H */
+#define WALL_TABLE 256 /* intervals of the tables over a depth or a filled fraction */
+#define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
 
-/* The liquid (fluid particles, ghosts too) sorted into cells, with columns of whatever a pass sums over. */
-#define LIQUID_WIDTH 9
-/* Cells a support: small enough that the cells around a particle are not much more than its sphere, large enough that
-   the particles of one share the work of collecting them. */
+/* --- phase_cells.c: the liquid around a particle --- */
+
+#define LIQUID_WIDTH 9 /* columns: x, y, z, then whatever a pass sums over */
+/* Cells in the length of a support: so small that the cells around a particle are not much more than its sphere, so
+   large that the particles of a cell share the work of collecting what is around it. */
 #define LIQUID_CELLS 2
+
+/* The liquid (fluid particles, ghosts too) sorted into cells. A particle has a place in the sorted order and a local
+   index in the cloud. */
 typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m */
   PetscInt   capacity, count, stride;
   PetscInt   reach, along[LIQUID_CELLS + 2][LIQUID_CELLS + 2]; /* cells within the support: see CellsAlong */
-  PetscReal *sorted; /* [LIQUID_WIDTH][count] x, y, z, then a payload, in the grid's order */
-  PetscReal *near;   /* [LIQUID_WIDTH][stride] the same columns of what LiquidCollect found */
-  PetscInt  *index;  /* [count] local index, before sorting: see LiquidParticle */
+  PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
+  PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
+  PetscInt  *index;  /* [count] local index of each particle before the sort: see LiquidParticle */
 } Liquid;
 
 /* CellsAlong - how many cells of a size (m) further along x may hold points within 'radius' (m) of a cell that is dy,
@@ -35,23 +39,33 @@ static inline PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy,
 
 /* LiquidSort - sorts the fluid particles whose keep flag ([n_total], NULL: all) is true. Not collective. */
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[]);
-/* LiquidLoad - fills columns from a field ([n_total][width]). */
+/* LiquidLoad - fills 'width' columns from 'column' on with the values of a field ([n_total][width]). */
 void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[]);
-/* LiquidCollect - copies the columns whose bits are set, of all particles within the support of cell c, to near; *n of
-   them, and room for copies times as many. */
+/* LiquidCollect - copies the columns whose bits are set (COLUMNS) of all particles within the support of cell c to
+   near; there are *n of them. near has room for 'copies' times as many. */
 #define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
 PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
 PetscErrorCode LiquidReset(Liquid *liquid);
 
-/* The local index of the particle at a place of the sorted order. */
+/* LiquidParticle - the local index of the particle at a place. LiquidCell - its cell. LiquidPosition - its x (m). */
 static inline PetscInt LiquidParticle(const Liquid *liquid, PetscInt place)
 {
   return liquid->index[liquid->grid.order[place]];
 }
 
-typedef PetscErrorCode (*TensionFunction)(Tension, Cloud);
+static inline PetscInt LiquidCell(const Liquid *liquid, PetscInt place)
+{
+  return liquid->grid.of_point[liquid->grid.order[place]];
+}
 
-#define BAND_CELLS 4 /* a radius; fewer if that were too many cells */
+static inline void LiquidPosition(const Liquid *liquid, PetscInt place, PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) x[d] = liquid->sorted[d * liquid->count + place];
+}
+
+/* --- band.c: where tension is evaluated --- */
+
+#define BAND_CELLS 4 /* cells in the length of the radius; fewer if that were too many cells */
 
 typedef struct {
   MPI_Comm       comm;
@@ -64,12 +78,11 @@ typedef struct {
   unsigned char *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
 } Band;
 
-/* BandCreate - for a distance 'radius' (m), over the box and 'pad' (m) around it. A rank has all particles within
-   'known' (m) of its own, which may suffice. Not collective. */
-PetscErrorCode BandCreate(Domain domain, PetscReal radius, PetscReal known, PetscReal pad, Band *band);
-/* BandMark - finds the cells within the radius of the surface particles (INT_SURFACE is 1) of all ranks and their
-   images, of which those are known to a rank that its own particles may be in. Collective. */
-PetscErrorCode BandMark(Band *band, Cloud cloud);
+/* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
+   images, as far as own particles of this rank may be in them. The rank has all particles within 'known' (m) of its own
+   ones; if that is less than the radius, the ranks share their surface particles. Begin with a zeroed band; radius and
+   known must not change. Collective. */
+PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known);
 PetscErrorCode BandDestroy(Band *band);
 
 static inline PetscReal BandClamp(const Band *band, PetscInt d, PetscReal x)
@@ -77,7 +90,7 @@ static inline PetscReal BandClamp(const Band *band, PetscInt d, PetscReal x)
   return PetscMax(band->lower[d], PetscMin(band->upper[d], x));
 }
 
-/* The cell of x (m); -1 if it is none of those around the surface particles. */
+/* BandCell - the cell of x (m); -1 if it is not one of those around the surface particles. */
 static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
 {
   PetscInt cell[DIM];
@@ -86,7 +99,7 @@ static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
     cell[d] = (PetscInt)PetscFloorReal((BandClamp(band, d, x[d]) - band->lower[d]) / band->size) - band->first[d];
     if (cell[d] < 0 || cell[d] >= band->n[d]) return -1;
   }
-  return (cell[2] * band->n[1] + cell[1]) * band->n[0] + cell[0];
+  return CellIndex(band->n, cell[0], cell[1], cell[2]);
 }
 
 /* BandNear - whether x (m) may be within the radius of a surface particle: true if it is, false if it is beyond the
@@ -98,42 +111,53 @@ static inline PetscBool BandNear(const Band *band, const PetscReal x[DIM])
   return (PetscBool)(cell >= 0 && band->near[cell]);
 }
 
-/* A linear fit to values at the places around a particle whose normals look the same way: weighted mean place relative
-   to it (m), inverse of the second moments about that mean (1/m2) if there are enough, 1/sum W. */
+/* --- the models --- */
+
+/* A linear fit to values at the neighbours of a particle whose normals point to the same side. */
 typedef struct {
-  PetscReal B[6], x[DIM], inverse_w;
-  PetscBool enough;
+  PetscBool enough;    /* neighbours for a slope */
+  PetscReal x[DIM];    /* weighted mean position of the neighbours relative to the particle, m */
+  PetscReal B[6];      /* inverse of their weighted second moments about that mean, 1/m2 */
+  PetscReal inverse_w; /* 1/sum W */
 } NormalFit;
 
 struct _p_Tension {
-  MPI_Comm        comm;
-  PetscBool       active;
-  PetscInt        dim;
-  char            type[64];
-  TensionFunction apply;
-  PetscReal       spacing, smoothing, ratio, calibration, band;
-  PetscReal       sharpening;               /* of the curvature */
-  PetscReal       threshold;                /* of |grad phi| H: the surface is near */
-  PetscReal       angle;                    /* contact angle, rad */
-  PetscBool       walls;                    /* the box has any */
-  Kernel          kernel;                   /* W^H */
-  Kernel          core;                     /* of SHEET_CORE H: sheet.c */
-  PetscReal       wall[WALL_TABLE + 1];     /* w1 over depth, 1/m */
-  PetscReal       depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
-  PetscReal       fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
-  PetscReal       plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
-  Liquid          liquid;
-  NormalFit      *fit; /* [fit_capacity], by place in the sorted liquid */
-  PetscInt        fit_capacity;
-  float          *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
-  PetscInt        weight_capacity;
-  Band            band_cells;
-  PetscBool       has_band, sheets; /* sheet.c is used */
+  MPI_Comm  comm;
+  PetscBool active; /* the scene has tension and the model is not none */
+  PetscInt  dim;
+  char      type[64];
+  /* Of the model: its options, those of the advanced group, its tables, and what TensionApply does. May be NULL. */
+  PetscErrorCode (*setfromoptions)(Tension, OptionItems);
+  PetscErrorCode (*setadvanced)(Tension, OptionItems);
+  PetscErrorCode (*setup)(Tension);
+  PetscErrorCode (*apply)(Tension, Cloud);
+
+  PetscReal spacing, smoothing, ratio; /* d0, h (m); H/h */
+  Kernel    kernel;                    /* W^H */
+  Kernel    core;                      /* of SHEET_CORE H: sheet.c */
+  Liquid    liquid;
+  Band      band_cells;
+  PetscReal wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
+
+  PetscReal calibration, band; /* cahn_hilliard */
+
+  PetscBool  sheets;                         /* curvature: sheet.c is used */
+  PetscReal  sharpening;                     /* of the curvature */
+  PetscReal  threshold, same_side, thinnest; /* see curvature.c */
+  PetscReal  angle, cosine, sine;            /* contact angle, rad */
+  PetscBool  walls;                          /* the box has any */
+  PetscReal  depth[WALL_TABLE + 1];          /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal  fraction[WALL_TABLE + 1];       /* F over w1/w1(0) */
+  PetscReal  plane, moment;                  /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  NormalFit *fit;                            /* [fit_capacity], by place in the sorted liquid */
+  PetscInt   fit_capacity;
+  float     *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
+  PetscInt   weight_capacity;
 };
 
-#define CHUNK 512 /* candidates a loop takes at once */
+#define CHUNK 512 /* collected candidates that a loop takes at once: their arrays fit into the first cache */
 
-/* s[k] = |x - c_k|^2/H^2 of m <= CHUNK collected candidates from 'begin' on. */
+/* Distances - s[k] = |x - c_k|^2/H^2 of the m <= CHUNK collected candidates c_k from 'begin' on. */
 static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], PetscReal inverse_h2,
                              float *restrict s)
 {
@@ -146,19 +170,16 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
     s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
 }
 
-/* TensionBand - brings band_cells up to date: cells within the radius (m) of a surface particle. Collective. */
-PetscErrorCode TensionBand(Tension tension, Cloud cloud, PetscReal radius);
-/* CurvatureSetUp - the tables of the depth. */
-PetscErrorCode CurvatureSetUp(Tension tension);
-
 /* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3), phi and |grad phi| (1/m) has in a
    sheet. Not collective. */
 PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient);
-/* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION; from the liquid, sorted, and
- * sigma S' in FIELD_CAPILLARY, which is zero afterwards. Collective. */
-PetscErrorCode SheetPull(Tension tension, Cloud cloud);
-PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud);
-PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud);
-PetscErrorCode TensionApply_None(Tension tension, Cloud cloud);
+/* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION. The liquid must be sorted;
+   slope ([n_total], Pa m2; that of ghosts is overwritten, that of threads becomes zero) is sigma times SheetSlope of
+   the owned particles. Collective. */
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[]);
+
+/* The constructors of the models set tension's functions. */
+PetscErrorCode TensionCreate_CahnHilliard(Tension tension);
+PetscErrorCode TensionCreate_Curvature(Tension tension);
 
 #endif
