@@ -146,6 +146,16 @@ PetscBool HelpWanted(void);
 typedef PetscErrorCode (*TypeReader)(void *object, const char type[]);
 PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object);
 
+/* OptionReal, OptionInt - a number inside a PetscOptionsBegin block, refused (UserError) outside an interval, which is
+   text: "[0, 1)", "(0, inf)". The interval is part of what -help says. Collective. */
+#define OptionReal(name, text, interval, value)                                                                        \
+  OptionReadReal(PetscOptionsObject, name, text, interval, __func__, value)
+#define OptionInt(name, text, interval, value) OptionReadInt(PetscOptionsObject, name, text, interval, __func__, value)
+PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[], const char text[],
+                              const char interval[], const char function[], PetscReal *value);
+PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],
+                             const char interval[], const char function[], PetscInt *value);
+
 /* SplitMix64 - a 64-bit hash of a number: the output function of the generator of that name (Steele, Lea and Flood
    2014). Not collective. */
 static inline unsigned long long SplitMix64(unsigned long long z)

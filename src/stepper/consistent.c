@@ -56,24 +56,11 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
   PetscCall(PetscOptionsBool("-shifting_conserved",
                              "shifting keeps momentum and angular momentum, at more loss of energy",
                              "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
-  PetscCall(PetscOptionsReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "ConsistentSetFromOptions",
-                             shifting->strength, &shifting->strength, NULL));
-  PetscCall(PetscOptionsReal("-shifting_cap", "largest shift in a step (spacings)", "ConsistentSetFromOptions",
-                             shifting->cap, &shifting->cap, NULL));
+  PetscCall(OptionReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "[0, inf)", &shifting->strength));
+  PetscCall(OptionReal("-shifting_cap", "largest shift in a step (spacings)", "[0, inf)", &shifting->cap));
   PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                              "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
   stepper->force_time = scheme->centered ? 0.5 : 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode ConsistentCheck(Stepper stepper)
-{
-  const Shifting *shifting = &((const Consistent *)stepper->scheme)->shifting;
-
-  PetscFunctionBegin;
-  PetscCheckUser(shifting->strength >= 0 && shifting->cap >= 0, stepper->cloud->comm,
-                 "-shifting_strength is %g and -shifting_cap is %g; they must not be negative",
-                 (double)shifting->strength, (double)shifting->cap);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,7 +101,6 @@ static PetscErrorCode CheckConsistent(Stepper stepper)
 
   PetscFunctionBegin;
   scheme->divergence_offset = stepper->force_time;
-  PetscCall(ConsistentCheck(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

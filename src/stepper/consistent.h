@@ -18,7 +18,6 @@ typedef struct {
 PetscErrorCode ConsistentDefaults(Stepper stepper);
 /* Entries of SchemeOps that both schemes use. */
 PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
-PetscErrorCode ConsistentCheck(Stepper stepper);
 PetscErrorCode ConsistentView(Stepper stepper, PetscViewer viewer);
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial);
 PetscErrorCode SchemeDestroyData(Stepper stepper);

@@ -86,9 +86,9 @@ static PetscErrorCode ReadScheme(void *object, const char type[])
   PetscCall(PetscSNPrintf(title, sizeof(title), "Scheme with -scheme %s", type));
   PetscOptionsBegin(s->cloud->comm, NULL, title, "Stepper");
   if (s->ops.setfromoptions) PetscCall(s->ops.setfromoptions(s, PetscOptionsObject));
-  PetscCall(PetscOptionsReal("-pressure_relaxation_ratio",
-                             "time in which the divergence source repairs density errors, over h/U of the scene (1)",
-                             "StepperSetFromOptions", s->relaxation_ratio, &s->relaxation_ratio, NULL));
+  PetscCall(OptionReal("-pressure_relaxation_ratio",
+                       "time in which the divergence source repairs density errors, over h/U of the scene (1)",
+                       "(0, inf)", &s->relaxation_ratio));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -102,14 +102,10 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
   PetscOptionsBegin(s->cloud->comm, NULL, "Scheme", "Stepper");
   PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetScheme",
                               SchemeList, type, type, sizeof(type), NULL));
-  PetscCall(PetscOptionsReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)",
-                             "StepperSetFromOptions", s->guard, &s->guard, NULL));
+  PetscCall(
+    OptionReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)", "[0, 0.5]", &s->guard));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(SchemeList, type, ReadScheme, s));
-  PetscCheckUser(s->relaxation_ratio > 0, s->cloud->comm, "-pressure_relaxation_ratio is %g; it must be positive",
-                 (double)s->relaxation_ratio);
-  PetscCheckUser(s->guard >= 0 && s->guard <= 0.5, s->cloud->comm,
-                 "-wall_guard is %g; it must lie between 0 and 0.5 spacings", (double)s->guard);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,8 +124,6 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
                               "StepperSetFromOptions", walls, 2, walls[wall], &wall, NULL));
   PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
-  PetscCheckUser(s->viscous.ratio >= 0, s->cloud->comm, "-viscosity_step_ratio is %g; it must not be negative",
-                 (double)s->viscous.ratio);
   s->viscosity_form = (ViscosityForm)form;
   if (wall) PetscCall(OperatorsNoSlip(s->cloud, s->viscosity_form));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -138,27 +132,20 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
 /* What rolls a step back or stops the run. */
 static PetscErrorCode SetTrialFromOptions(Stepper s)
 {
-  MPI_Comm comm = s->cloud->comm;
-
   PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Checks of a step", "Stepper");
-  PetscCall(PetscOptionsReal("-displacement_max", "displacement in a step that rolls it back (spacings)",
-                             "StepperSetFromOptions", s->trial.displacement, &s->trial.displacement, NULL));
-  PetscCall(PetscOptionsReal("-density_max", "summed density over rest density that rolls a step back (1)",
-                             "StepperSetFromOptions", s->trial.density, &s->trial.density, NULL));
-  PetscCall(PetscOptionsReal("-energy_max",
-                             "kinetic energy over all that the scene has at hand that stops the run (1); 0: not "
-                             "watched",
-                             "StepperSetFromOptions", s->trial.energy, &s->trial.energy, NULL));
-  PetscCall(PetscOptionsReal("-density_ratio_max",
-                             "largest ratio of the densities of two bodies; a denser drop than 4 times its film is "
-                             "unstable (1)",
-                             "StepperSetFromOptions", s->density_ratio_max, &s->density_ratio_max, NULL));
+  PetscOptionsBegin(s->cloud->comm, NULL, "Checks of a step", "Stepper");
+  PetscCall(OptionReal("-displacement_max", "displacement in a step that rolls it back (spacings)", "(0, inf)",
+                       &s->trial.displacement));
+  PetscCall(OptionReal("-density_max", "summed density over rest density that rolls a step back (1)", "(1, inf)",
+                       &s->trial.density));
+  PetscCall(OptionReal("-energy_max",
+                       "kinetic energy over all that the scene has at hand that stops the run (1); 0: not watched",
+                       "[0, inf)", &s->trial.energy));
+  PetscCall(OptionReal("-density_ratio_max",
+                       "largest ratio of the densities of two bodies; a denser drop than 4 times its film is unstable "
+                       "(1)",
+                       "[1, inf)", &s->density_ratio_max));
   PetscOptionsEnd();
-  PetscCheckUser(s->trial.displacement > 0, comm, "-displacement_max is %g; it must be positive",
-                 (double)s->trial.displacement);
-  PetscCheckUser(s->trial.density > 1, comm, "-density_max is %g; it must be larger than 1", (double)s->trial.density);
-  PetscCheckUser(s->trial.energy >= 0, comm, "-energy_max is %g; it must not be negative", (double)s->trial.energy);
   PetscCall(CheckDensities(s));
   s->trial.at_hand = StepperEnergyAtHand(s);
   PetscFunctionReturn(PETSC_SUCCESS);

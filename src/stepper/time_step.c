@@ -10,38 +10,6 @@ void TimeStepDefaults(TimeStepLimits *limits)
     .cfl = 0.2, .viscous_limit = 0.08, .capillary_limit = 0.25, .force_limit = 0.03, .growth = 1.2, .spray_share = 0.8};
 }
 
-/* The fractions of the bounds, for those who study stability. */
-static PetscErrorCode SetAdvancedFromOptions(Stepper stepper)
-{
-  MPI_Comm        comm   = stepper->cloud->comm;
-  TimeStepLimits *limits = &stepper->limits;
-
-  PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Advanced: time step", "Stepper");
-  PetscCall(PetscOptionsReal("-time_viscous_limit",
-                             "time step of explicit viscosity over h^2/nu (1); 0.125 is marginal for -viscosity_form "
-                             "morris",
-                             "StepperSetFromOptions", limits->viscous_limit, &limits->viscous_limit, NULL));
-  PetscCall(PetscOptionsReal("-time_capillary_limit",
-                             "time step over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 (1)",
-                             "StepperSetFromOptions", limits->capillary_limit, &limits->capillary_limit, NULL));
-  PetscCall(PetscOptionsReal("-time_force_limit",
-                             "time step over sqrt(h/|g|) (1); a film at rest is stable at 0.03, not at 0.045",
-                             "StepperSetFromOptions", limits->force_limit, &limits->force_limit, NULL));
-  PetscCall(PetscOptionsReal("-time_growth", "largest growth of the time step from one step to the next (1)",
-                             "StepperSetFromOptions", limits->growth, &limits->growth, NULL));
-  PetscCall(PetscOptionsReal("-time_spray_share",
-                             "share of -displacement_max that a spray particle may move in a step (1)",
-                             "StepperSetFromOptions", limits->spray_share, &limits->spray_share, NULL));
-  PetscOptionsEnd();
-  PetscCheckUser(limits->viscous_limit > 0 && limits->capillary_limit > 0 && limits->force_limit > 0, comm,
-                 "-time_viscous_limit, -time_capillary_limit and -time_force_limit must be positive");
-  PetscCheckUser(limits->growth > 1, comm, "-time_growth is %g; it must be larger than 1", (double)limits->growth);
-  PetscCheckUser(limits->spray_share > 0 && limits->spray_share <= 1, comm,
-                 "-time_spray_share is %g; it must lie in (0, 1]", (double)limits->spray_share);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
 {
   MPI_Comm        comm   = stepper->cloud->comm;
@@ -49,23 +17,29 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Time step", "Stepper");
-  PetscCall(PetscOptionsReal("-time_cfl", "largest speed times time step over h (1)", "StepperSetFromOptions",
-                             limits->cfl, &limits->cfl, NULL));
-  PetscCall(PetscOptionsReal("-time_step_min", "smallest time step chosen (s)", "StepperSetFromOptions", limits->min,
-                             &limits->min, NULL));
-  PetscCall(PetscOptionsReal("-time_step_max", "largest time step chosen (s); 0: no bound", "StepperSetFromOptions",
-                             limits->max, &limits->max, NULL));
-  PetscCall(PetscOptionsReal("-time_step", "fixed time step (s); 0: chosen from the state", "StepperSetFromOptions",
-                             limits->fixed, &limits->fixed, NULL));
+  PetscCall(OptionReal("-time_cfl", "largest speed times time step over h (1)", "(0, 2]", &limits->cfl));
+  PetscCall(OptionReal("-time_step_min", "smallest time step chosen (s)", "[0, inf)", &limits->min));
+  PetscCall(OptionReal("-time_step_max", "largest time step chosen (s); 0: no bound", "[0, inf)", &limits->max));
+  PetscCall(OptionReal("-time_step", "fixed time step (s); 0: chosen from the state", "[0, inf)", &limits->fixed));
   PetscOptionsEnd();
-  PetscCheckUser(limits->cfl > 0 && limits->cfl <= 2, comm, "-time_cfl is %g; it must lie in (0, 2]",
-                 (double)limits->cfl);
-  PetscCheckUser(limits->min >= 0 && limits->max >= 0 && limits->fixed >= 0, comm,
-                 "-time_step, -time_step_min and -time_step_max must not be negative");
   PetscCheckUser(limits->max == 0 || limits->min <= limits->max, comm,
                  "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)limits->min,
                  (double)limits->max);
-  PetscCall(SetAdvancedFromOptions(stepper));
+  PetscOptionsBegin(comm, NULL, "Advanced: time step", "Stepper");
+  PetscCall(OptionReal("-time_viscous_limit",
+                       "time step of explicit viscosity over h^2/nu (1); 0.125 is marginal for -viscosity_form morris",
+                       "(0, inf)", &limits->viscous_limit));
+  PetscCall(OptionReal("-time_capillary_limit",
+                       "time step over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 (1)", "(0, inf)",
+                       &limits->capillary_limit));
+  PetscCall(OptionReal("-time_force_limit",
+                       "time step over sqrt(h/|g|) (1); a film at rest is stable at 0.03, not at 0.045", "(0, inf)",
+                       &limits->force_limit));
+  PetscCall(OptionReal("-time_growth", "largest growth of the time step from one step to the next (1)", "(1, inf)",
+                       &limits->growth));
+  PetscCall(OptionReal("-time_spray_share", "share of -displacement_max that a spray particle may move in a step (1)",
+                       "(0, 1]", &limits->spray_share));
+  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,10 +24,9 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
                               "explicit, implicit (solver -viscous_ksp_type ...), or auto: implicit in steps that the "
                               "explicit limit would shorten",
                               "StepperSetFromOptions", solvers, 3, solvers[solver], &solver, NULL));
-  PetscCall(PetscOptionsReal("-viscosity_step_ratio",
-                             "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no "
-                             "bound",
-                             "StepperSetFromOptions", viscous->ratio, &viscous->ratio, NULL));
+  PetscCall(OptionReal("-viscosity_step_ratio",
+                       "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound",
+                       "[0, inf)", &viscous->ratio));
   viscous->solver = (ViscousSolver)solver;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

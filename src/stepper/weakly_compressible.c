@@ -30,14 +30,12 @@ static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 
   PetscFunctionBegin;
   PetscCall(ConsistentSetFromOptions(stepper, PetscOptionsObject));
-  PetscCall(PetscOptionsReal("-sound_speed", "artificial speed of sound (m/s); 0: from the scene's velocity",
-                             "SchemeWeaklyCompressible", s->speed, &s->speed, NULL));
-  PetscCall(PetscOptionsReal("-sound_mach", "the scene's velocity over the speed of sound (1)",
-                             "SchemeWeaklyCompressible", s->mach, &s->mach, NULL));
-  PetscCall(PetscOptionsReal("-sound_cfl", "(speed of sound + largest speed) times time step over h (1)",
-                             "SchemeWeaklyCompressible", s->cfl, &s->cfl, NULL));
-  PetscCall(PetscOptionsReal("-density_diffusion", "delta of the diffusion delta h c lap rho of the density (1)",
-                             "SchemeWeaklyCompressible", s->diffusion, &s->diffusion, NULL));
+  PetscCall(
+    OptionReal("-sound_speed", "artificial speed of sound (m/s); 0: from the scene's velocity", "[0, inf)", &s->speed));
+  PetscCall(OptionReal("-sound_mach", "the scene's velocity over the speed of sound (1)", "(0, 1]", &s->mach));
+  PetscCall(OptionReal("-sound_cfl", "(speed of sound + largest speed) times time step over h (1)", "(0, 2]", &s->cfl));
+  PetscCall(OptionReal("-density_diffusion", "delta of the diffusion delta h c lap rho of the density (1)", "[0, 1]",
+                       &s->diffusion));
   PetscCall(PetscOptionsBool("-sound_projected", "start from the pressure of a projection instead of from zero",
                              "SchemeWeaklyCompressible", s->projected, &s->projected, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -47,18 +45,11 @@ static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 static PetscErrorCode Check(Stepper stepper)
 {
   Compressible   *s        = (Compressible *)stepper->scheme;
-  MPI_Comm        comm     = stepper->cloud->comm;
   const PetscReal velocity = stepper->reference_velocity;
   PetscReal       diagonal;
 
   PetscFunctionBegin;
-  PetscCall(ConsistentCheck(stepper));
-  PetscCheckUser(s->speed >= 0, comm, "-sound_speed is %g m/s; it must not be negative", (double)s->speed);
-  PetscCheckUser(s->mach > 0 && s->mach <= 1, comm, "-sound_mach is %g; it must lie in (0, 1]", (double)s->mach);
-  PetscCheckUser(s->cfl > 0 && s->cfl <= 2, comm, "-sound_cfl is %g; it must lie in (0, 2]", (double)s->cfl);
-  PetscCheckUser(s->diffusion >= 0 && s->diffusion <= 1, comm, "-density_diffusion is %g; it must lie in [0, 1]",
-                 (double)s->diffusion);
-  PetscCheckUser(s->speed > 0 || velocity > 0, comm,
+  PetscCheckUser(s->speed > 0 || velocity > 0, stepper->cloud->comm,
                  "nothing in the scene moves or pushes, so no speed of sound follows from it: give -sound_speed (m/s)");
   if (s->speed == 0) s->speed = velocity / s->mach;
   PressureLattice(stepper->cloud, &diagonal, &s->lattice_sum);
