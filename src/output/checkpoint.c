@@ -69,7 +69,7 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
   head->real[HEAD_TENSION_WORK]        = state->tension_work;
   head->real[HEAD_DIVERGENCE]          = state->divergence;
   head->real[HEAD_SPACING]             = domain->spacing;
-  head->real[HEAD_LEVEL]               = output->gauge.level;
+  head->real[HEAD_LEVEL]               = GaugesLevel(output->gauges);
   head->real[HEAD_WALL_TIME]           = OutputWallTime(output);
   head->real[HEAD_SERIES_INTERVAL]     = output->series.interval;
   head->real[HEAD_SNAPSHOT_INTERVAL]   = output->snapshot.interval;
@@ -327,8 +327,7 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->rejected           = (PetscInt)head->integer[HEAD_REJECTED];
   state->lost               = (PetscInt)head->integer[HEAD_LOST];
   output->wall_before       = head->real[HEAD_WALL_TIME];
-  if (PetscIsInfOrNanReal(output->gauge.level))
-    output->gauge.level = head->real[HEAD_LEVEL]; /* unless -gauge_level is given */
+  GaugesSetLevel(output->gauges, head->real[HEAD_LEVEL]);
   ScheduleContinue(&output->series, head->real[HEAD_SERIES_INTERVAL], head->integer[HEAD_SERIES_NEXT], time);
   ScheduleContinue(&output->snapshot, head->real[HEAD_SNAPSHOT_INTERVAL], head->integer[HEAD_SNAPSHOT_NEXT], time);
   ScheduleContinue(&output->checkpoint, head->real[HEAD_CHECKPOINT_INTERVAL], head->integer[HEAD_CHECKPOINT_NEXT],
@@ -378,9 +377,9 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   HeadUse(output, &head, state);
   PetscCall(InFolder(output, file, &same));
-  PetscCall(FolderClaim(output, same));
+  if (!same) PetscCall(FolderClear(output));
+  PetscCall(DescribeRun(output, same));
   PetscCall(SeriesStart(output, same, state->step));
-  PetscCall(ProbesStart(output, same, state->step));
   if (same) PetscCall(SnapshotScan(output, state->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

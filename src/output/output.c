@@ -1,55 +1,22 @@
 /* The class: options, what is due when. */
 #include "output_impl.h"
 
-/* Rounding allowed when a time is compared with a multiple of an interval, in intervals. */
-#define SCHEDULE_ROUNDING 1e-9
-
-PetscErrorCode OutputPath(Output output, const char name[], char path[PETSC_MAX_PATH_LEN])
-{
-  size_t length, more;
-
-  PetscFunctionBegin;
-  PetscCall(PetscStrlen(output->folder, &length));
-  PetscCall(PetscStrlen(name, &more));
-  PetscCheck(length + more + 2 <= PETSC_MAX_PATH_LEN, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "Path too long: %s/%s",
-             output->folder, name);
-  PetscCall(PetscSNPrintf(path, PETSC_MAX_PATH_LEN, "%s/%s", output->folder, name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscReal OutputWallTime(Output output)
-{
-  return output->wall_before + (PetscReal)MPI_Wtime() - output->wall_start;
-}
-
-PetscInt64 ScheduleAfter(const Schedule *schedule, PetscReal time)
-{
-  if (schedule->interval <= 0) return 0;
-  return (PetscInt64)PetscFloorReal(time / schedule->interval + SCHEDULE_ROUNDING) + 1;
-}
-
-PetscBool ScheduleReached(const Schedule *schedule, PetscReal time)
-{
-  if (schedule->interval <= 0) return PETSC_FALSE;
-  return (PetscBool)(time / schedule->interval + SCHEDULE_ROUNDING >= (PetscReal)schedule->next);
-}
-
-PetscErrorCode OutputCreate(Cloud cloud, Output *output)
+PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output)
 {
   Output o;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&o));
-  o->comm  = cloud->comm;
-  o->cloud = cloud;
+  o->comm   = cloud->comm;
+  o->cloud  = cloud;
+  o->gauges = gauges;
   PetscCallMPI(MPI_Comm_rank(o->comm, &o->rank));
   PetscCallMPI(MPI_Comm_size(o->comm, &o->size));
   PetscCall(PetscStrncpy(o->folder, "output/run", sizeof(o->folder)));
   o->series.next = o->snapshot.next = o->checkpoint.next = SCHEDULE_UNSET;
   o->series_step = o->snapshot_step = -1;
   o->wall_start                     = MPI_Wtime();
-  PetscCall(GaugesDefaults(o));
-  *output = o;
+  *output                           = o;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -57,8 +24,7 @@ PetscErrorCode OutputDestroy(Output *output)
 {
   PetscFunctionBegin;
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
-  if ((*output)->series_file) fclose((*output)->series_file);
-  PetscCall(ProbesFinish(*output));
+  PetscCall(SeriesFinish(*output));
   for (PetscInt k = 0; k < (*output)->content.names; k++) PetscCall(PetscFree((*output)->content.name[k]));
   PetscCall(PetscFree((*output)->entry));
   PetscCall(PetscFree((*output)->options));
@@ -80,7 +46,7 @@ PetscErrorCode OutputSetFromOptions(Output output)
 
   PetscFunctionBegin;
   PetscCall(PetscFree(output->options));
-  PetscCall(FolderOptions(&output->options));
+  PetscCall(DescribeOptions(&output->options));
   PetscOptionsBegin(output->comm, NULL, "What a run writes", "Output");
   PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder,
                                output->folder, sizeof(output->folder), NULL));
@@ -93,14 +59,8 @@ PetscErrorCode OutputSetFromOptions(Output output)
   PetscCall(PetscOptionsReal("-checkpoint_interval", "Time between checkpoints, s; 0: only at the end",
                              "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
   PetscCall(SnapshotSetFromOptions(output, PetscOptionsObject));
-  PetscCall(GaugesSetFromOptions(output, PetscOptionsObject));
-  PetscCall(PointsSetFromOptions(output, PetscOptionsObject));
-  PetscCall(ProbesSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(SnapshotCheck(output));
-  PetscCall(GaugesCheck(output));
-  PetscCall(PointsCheck(output));
-  PetscCall(ProbesCheck(output));
   PetscCall(CheckInterval(output, "-series_interval", output->series.interval));
   PetscCall(CheckInterval(output, "-snapshot_interval", output->snapshot.interval));
   PetscCall(CheckInterval(output, "-checkpoint_interval", output->checkpoint.interval));
@@ -119,9 +79,9 @@ PetscErrorCode OutputSetUp(Output output, PetscBool restarting)
   output->ready      = PETSC_TRUE;
   output->restarting = restarting;
   if (!restarting) {
-    PetscCall(FolderClaim(output, PETSC_FALSE));
+    PetscCall(FolderClear(output));
+    PetscCall(DescribeRun(output, PETSC_FALSE));
     PetscCall(SeriesStart(output, PETSC_FALSE, 0));
-    PetscCall(ProbesStart(output, PETSC_FALSE, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -138,18 +98,13 @@ static PetscErrorCode ViewInterval(PetscViewer viewer, const char what[], PetscR
 
 PetscErrorCode OutputView(Output output, PetscViewer viewer)
 {
-  const GaugeSetup *gauge = &output->gauge;
-
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: folder %s\n", output->folder));
   PetscCall(ViewInterval(viewer, "series", output->series.interval, "every step"));
   PetscCall(ViewInterval(viewer, "snapshots", output->snapshot.interval, "of the first and the last state"));
   PetscCall(SnapshotView(output, viewer));
   PetscCall(ViewInterval(viewer, "checkpoints", output->checkpoint.interval, "at the end only"));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
-                                   (double)gauge->axis[0], (double)gauge->axis[1], (double)gauge->jet_radius,
-                                   (double)gauge->crater_radius,
-                                   BodyName(SceneBody(output->cloud->scene, gauge->pool))));
+  PetscCall(GaugesView(output->gauges, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,7 +127,7 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
   if (state->step != output->snapshot_step &&
       (last || ScheduleReached(&output->snapshot, state->time) || output->snapshot_step < 0)) {
     PetscCall(SnapshotWrite(output, state));
-    PetscCall(ProbesWrite(output, state));
+    PetscCall(SeriesWriteTables(output, state));
     output->snapshot_step = state->step;
     output->snapshot.next = ScheduleAfter(&output->snapshot, state->time);
   }
@@ -194,7 +149,7 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state)
 PetscErrorCode OutputOptions(char **text)
 {
   PetscFunctionBegin;
-  PetscCall(FolderOptions(text));
+  PetscCall(DescribeOptions(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,38 +1,20 @@
-/* Floor 7: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series, the
-   options used.
+/* Floor 7: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series and
+   the tables of the gauges, the options used.
 
    Order of calls: Create, SetFromOptions, SetUp, then Restart when the run continues, then at every state Step, and
    Checkpoint when CheckpointDue (and once at the end of the run). */
 #ifndef ISPH_OUTPUT_H
 #define ISPH_OUTPUT_H
 
-#include "../neighbors/cloud.h"
-#include "../stepper/state.h"
+#include "../gauges/gauges.h"
+#include "../stepper/stepper.h"
 
 typedef struct _p_Output *Output;
 
-/* What the gauges measure (Kuri et al., figure 2), relative to the level of the undisturbed surface, upwards (the last
-   direction of the scene); m, J, m3 (J/m, m2 in two dimensions). NAN where there is nothing to measure. Energies and
-   volume are of the simulated part times -gauge_multiplicity. */
-typedef struct {
-  PetscReal crown_height;    /* highest liquid connected with the pool outside the jet radius, above the level */
-  PetscReal crater_depth;    /* lowest surface open to the sky inside the crater radius, below the level */
-  PetscReal crater_diameter; /* twice the median radius where the crater's wall crosses the level; 0: no crater wider
-                                than six spacings */
-  PetscReal
-    jet_height; /* highest liquid within the jet radius of the axis, connected with the pool; negative in a crater */
-  PetscReal highest;                          /* highest liquid of all */
-  PetscReal kinetic_energy, potential_energy; /* sum of m v^2/2; sum of m times the potential of the body force */
-  PetscReal volume;                           /* particles of fluid times V_0 */
-  PetscReal multiplicity;                     /* -gauge_multiplicity */
-  PetscInt  particles;                        /* of fluid, in the simulated part */
-} GaugeValues;
-
-/* OutputCreate - for the particles of a cloud (borrowed). Collective. */
-PetscErrorCode OutputCreate(Cloud cloud, Output *output);
+/* OutputCreate - for the particles of a cloud, and the gauges on it (both borrowed). Collective. */
+PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output);
 /* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s),
-   -checkpoint_interval (s), -snapshot_* (what is in them), -gauge_* (-gauge_points: columns of the series). The
-   bodies of the scene must be known. Refuses negative intervals and sizes, and a pool that is no body. Collective. */
+   -checkpoint_interval (s), -snapshot_* (what is in them). Refuses (UserError) negative intervals. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
    a run already unless -output_overwrite, which removes the files of that run; writes options.opts (every option in
@@ -64,15 +46,8 @@ void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);
    series and the snapshots are cut behind the restart time. Call OutputSetUp(output, PETSC_TRUE) before and CloudResync
    afterwards. Collective. */
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state);
-/* OutputGauges - the values of the moment, from the swarm. Collective. */
-PetscErrorCode OutputGauges(Output output, GaugeValues *values);
-/* OutputPoints - pressure (Pa) and velocity (dim components, m/s) at each point of -gauge_points, values
-   [points][1 + dim], from the swarm: the Shepard mean sum V W f / sum V W over the fluid within the kernel's support,
-   also through periodic faces and mirrors. So a point on a wall reads the fluid in front of it, within the support.
-   With no fluid there the pressure is 0, that of the air, and the velocity nan.
-   Collective. */
-PetscErrorCode OutputPoints(Output output, PetscReal values[]);
-const char    *OutputFolder(Output output);
+/* OutputFolder - the run folder. Not collective. */
+const char *OutputFolder(Output output);
 /* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of one of them, bytes of
    a checkpoint. Collective. */
 PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,

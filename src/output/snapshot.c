@@ -2,13 +2,6 @@
 #include "output_impl.h"
 #include <unistd.h>
 
-#define SOLIDS_FILE "solids.h5"
-
-void SnapshotName(PetscInt index, char name[64])
-{
-  (void)snprintf(name, 64, "snapshot_%06d.h5", (int)index);
-}
-
 static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
 {
   PetscFunctionBegin;
@@ -115,6 +108,7 @@ static void WriteHead(Output output, const StepState *state, const SnapshotEntry
 {
   const Domain    domain = output->cloud->domain;
   const PetscReal h      = KernelSmoothingLength(output->cloud->kernel);
+  const PetscReal level  = GaugesLevel(output->gauges);
 
   H5FilePutText(h5, "format", "isph snapshot");
   H5FilePutText(h5, "version", ISPH_VERSION);
@@ -129,7 +123,7 @@ static void WriteHead(Output output, const StepState *state, const SnapshotEntry
   H5FilePutReal(h5, "smoothing_length", 1, &h);
   H5FilePutReal(h5, "box_lower", DIM, domain->lower);
   H5FilePutReal(h5, "box_upper", DIM, domain->upper);
-  H5FilePutReal(h5, "level", 1, &output->gauge.level);
+  H5FilePutReal(h5, "level", 1, &level);
   H5FilePutText(h5, "options", output->options);
 }
 
@@ -261,48 +255,5 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   PetscCall(EntryAdd(output, &entry));
   PetscCall(XdmfWrite(output));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode SolidsWrite(Output output)
-{
-  Cloud     cloud = output->cloud;
-  Rows      rows  = {.width = DIM};
-  H5File    h5;
-  PetscBool failed;
-  double   *place, *normal;
-  PetscInt *solid;
-  char      path[PETSC_MAX_PATH_LEN];
-
-  PetscFunctionBegin;
-  if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc3(DIM * cloud->n_owned, &place, DIM * cloud->n_owned, &normal, cloud->n_owned, &solid));
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
-    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
-    PetscReal        n[DIM];
-
-    if (cloud->integer[INT_BODY][a] > BODY_SOLID) continue;
-    SceneSolidNormal(cloud->scene, x, n);
-    for (PetscInt d = 0; d < DIM; d++) {
-      place[DIM * rows.n + d]  = (double)x[d];
-      normal[DIM * rows.n + d] = (double)n[d];
-    }
-    solid[rows.n++] = BODY_SOLID - cloud->integer[INT_BODY][a];
-  }
-  PetscCallMPI(MPI_Exscan(&rows.n, &rows.start, 1, MPIU_INT, MPI_SUM, output->comm));
-  if (!output->rank) rows.start = 0;
-  PetscCallMPI(MPI_Allreduce(&rows.n, &rows.total, 1, MPIU_INT, MPI_SUM, output->comm));
-  PetscCall(OutputPath(output, SOLIDS_FILE ".tmp", path));
-  PetscCall(H5FileCreate(output->comm, path, &h5));
-  H5FilePutText(&h5, "format", "isph solids");
-  PetscCall(H5FileWrite(&h5, "position", H5T_NATIVE_DOUBLE, &rows, place, "m", "dummy particles of solids"));
-  PetscCall(H5FileWrite(&h5, "normal", H5T_NATIVE_DOUBLE, &rows, normal, "1", "out of the solid"));
-  rows.width = 1;
-  PetscCall(H5FileWrite(&h5, "solid", H5FILE_INT, &rows, solid, "1", "index of the solid in -solids"));
-  PetscCall(H5FileClose(&h5, &failed));
-  PetscCall(PetscFree3(place, normal, solid));
-  PetscCheckUser(!failed, output->comm, "Cannot write %s/%s: is the disk full, or the folder gone?", output->folder,
-                 SOLIDS_FILE);
-  PetscCall(FolderCommit(output, SOLIDS_FILE, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

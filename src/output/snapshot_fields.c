@@ -19,6 +19,11 @@ SnapshotField SnapshotFieldAt(PetscInt f)
   return (SnapshotField){"color", "1", "colour of the body; -1 for a wall", 1, INT_COUNT};
 }
 
+void SnapshotName(PetscInt index, char name[64])
+{
+  (void)snprintf(name, 64, "snapshot_%06d.h5", (int)index);
+}
+
 /* What every snapshot has: without it a particle is not to be told from others. */
 static PetscBool Always(PetscInt f)
 {

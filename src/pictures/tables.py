@@ -7,7 +7,7 @@ import sys
 
 PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
 
-# Units of the columns of series.csv that every run has, in three dimensions; the others' names end with theirs.
+# Units, in three dimensions, of the columns of series.csv that go by their names alone; the others' end with theirs.
 UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
          "kinetic_energy": "J", "potential_energy": "J", "surface_energy": "J", "viscous_work": "J",
          "tension_work": "J", "jet_height": "m", "highest": "m", "volume": "m3", "wall_time": "s"}
@@ -37,7 +37,7 @@ def number(text):
 
 
 def plain(name):
-    """The name of a column without its unit, if it is one that every run has: time_s is time."""
+    """The name of a column without its unit, if it goes by its name alone: time_s is time."""
     base = name.rpartition("_")[0]
     return base if name not in UNITS and base in UNITS else name
 

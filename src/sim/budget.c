@@ -7,19 +7,19 @@
 #define DENSITY_FINE  1e-3 /* rms density error that needs no remedy */
 #define TENSION_SHARE 0.4  /* by which the measured work of surface tension may be wrong at R/d0 = 8 */
 
-static PetscReal Energy(const GaugeValues *gauges)
+static PetscReal Energy(const GaugeTotals *totals)
 {
-  return gauges->kinetic_energy + gauges->potential_energy;
+  return totals->kinetic_energy + totals->potential_energy;
 }
 
 PetscErrorCode BudgetStart(Sim sim)
 {
-  GaugeValues gauges;
+  GaugeTotals totals;
 
   PetscFunctionBegin;
   PetscCall(StepperMeasure(sim->stepper, &sim->state));
-  PetscCall(OutputGauges(sim->output, &gauges));
-  sim->state.start_energy  = Energy(&gauges);
+  PetscCall(GaugesTotals(sim->gauges, &totals));
+  sim->state.start_energy  = Energy(&totals);
   sim->state.start_density = sim->state.density_mean;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -40,17 +40,17 @@ static const char *Knob(const StepState *state, PetscReal residual, PetscReal do
 PetscErrorCode BudgetReport(Sim sim)
 {
   const StepState *state = &sim->state;
-  const char      *joule = sim->domain->dim == 2 ? "J/m" : "J";
-  GaugeValues      gauges;
+  const char      *joule = GaugeUnit(sim->domain, "J");
+  GaugeTotals      totals;
   PetscReal        viscous, tension, gain, residual, exchanged;
 
   PetscFunctionBegin;
-  PetscCall(OutputGauges(sim->output, &gauges));
-  viscous   = gauges.multiplicity * state->viscous_work;
-  tension   = gauges.multiplicity * state->tension_work;
-  gain      = Energy(&gauges) - state->start_energy;
+  PetscCall(GaugesTotals(sim->gauges, &totals));
+  viscous   = totals.multiplicity * state->viscous_work;
+  tension   = totals.multiplicity * state->tension_work;
+  gain      = Energy(&totals) - state->start_energy;
   residual  = gain - viscous - tension;
-  exchanged = gauges.kinetic_energy + PetscAbsReal(viscous) + PetscAbsReal(tension) + PetscAbsReal(gain);
+  exchanged = totals.kinetic_energy + PetscAbsReal(viscous) + PetscAbsReal(tension) + PetscAbsReal(gain);
   PetscCall(
     PetscPrintf(sim->comm,
                 "Error budget\n"
@@ -64,7 +64,7 @@ PetscErrorCode BudgetReport(Sim sim)
                         "%.4g, tension %.4g\n"
                         "              residual %+.3g %s, %+.2g %% of what was exchanged\n"
                         "  dominant    %s\n",
-                        (double)gauges.kinetic_energy, (double)gauges.potential_energy, (double)gain, joule,
+                        (double)totals.kinetic_energy, (double)totals.potential_energy, (double)gain, joule,
                         (double)viscous, (double)tension, (double)residual, joule,
                         exchanged > 0 ? 100 * (double)(residual / exchanged) : 0.0,
                         Knob(state, residual, ENERGY_SHARE * exchanged + TENSION_SHARE * PetscAbsReal(tension))));

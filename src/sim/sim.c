@@ -113,7 +113,9 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(StepperSetFromOptions(sim->stepper));
   PetscCall(SpectrumCreate(sim->cloud, sim->tension, sim->pressure, &sim->spectrum));
   PetscCall(SpectrumSetFromOptions(sim->spectrum));
-  PetscCall(OutputCreate(sim->cloud, &sim->output));
+  PetscCall(GaugesCreate(sim->cloud, &sim->gauges));
+  PetscCall(GaugesSetFromOptions(sim->gauges));
+  PetscCall(OutputCreate(sim->cloud, sim->gauges, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
   PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,
                  "neither -time_end (s) nor -steps_max says when the run ends");
@@ -274,6 +276,7 @@ PetscErrorCode SimDestroy(Sim *sim)
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MonitorDestroy(s));
   if (s->output) PetscCall(OutputDestroy(&s->output));
+  if (s->gauges) PetscCall(GaugesDestroy(&s->gauges));
   if (s->spectrum) PetscCall(SpectrumDestroy(&s->spectrum));
   if (s->stepper) PetscCall(StepperDestroy(&s->stepper));
   if (s->pressure) PetscCall(PressureDestroy(&s->pressure));

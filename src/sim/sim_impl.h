@@ -16,6 +16,7 @@ struct _p_Sim {
   Pressure      pressure;
   Stepper       stepper;
   Spectrum      spectrum;
+  Gauges        gauges;
   Output        output;
   StepState     state;
   PackingReport report;

@@ -105,7 +105,7 @@ runs.check(done.returncode == 1 and "hold no velocity" in done.stdout, "no_colou
 
 # every column with a unit has it in the head of its table
 BARE = {"step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "rejected",
-        "droplets", "spray", "line"}
+        "droplets", "spray", "line", "number"}
 UNITS = ("s", "m", "m3", "J", "N", "Pa", "m/s")
 GAUGES = " -gauge_points 0,0,0 -gauge_heights 0,0 -gauge_lines 0,0,0,1,0,0 -gauge_forces -gauge_droplets -box_zmin wall"
 tables = runs.run(SCENE + GAUGES, "gauges")

@@ -1,5 +1,5 @@
 /* Pressure and velocity at points, of a lattice with known fields; on any number of ranks. */
-#include "../../src/output/output.h"
+#include "../../src/gauges/gauges.h"
 #include "refuse.h"
 #include "setup.h"
 
@@ -15,7 +15,7 @@
 static PetscErrorCode Measure(const char options[], PetscReal values[])
 {
   Setup          s;
-  Output         output;
+  Gauges         gauges;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
@@ -31,10 +31,10 @@ static PetscErrorCode Measure(const char options[], PetscReal values[])
     v[1]                           = x[1];
   }
   PetscCall(ParticlesClose(s.particles, &arrays));
-  PetscCall(OutputCreate(s.cloud, &output));
-  PetscCall(OutputSetFromOptions(output));
-  PetscCall(OutputPoints(output, values));
-  PetscCall(OutputDestroy(&output));
+  PetscCall(GaugesCreate(s.cloud, &gauges));
+  PetscCall(GaugesSetFromOptions(gauges));
+  PetscCall(GaugesMeasure(gauges, values));
+  PetscCall(GaugesDestroy(&gauges));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -73,16 +73,16 @@ static PetscErrorCode TestPlane(void)
 static PetscErrorCode Refused(const char options[], const char word[], const char name[])
 {
   Setup          s;
-  Output         output;
+  Gauges         gauges;
   PetscErrorCode code;
 
   PetscFunctionBegin;
   PetscCall(SetupOpen(options, &s));
-  PetscCall(OutputCreate(s.cloud, &output));
+  PetscCall(GaugesCreate(s.cloud, &gauges));
   RefuseBegin();
-  code = OutputSetFromOptions(output);
+  code = GaugesSetFromOptions(gauges);
   RefuseEnd(code, word, name);
-  PetscCall(OutputDestroy(&output));
+  PetscCall(GaugesDestroy(&gauges));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

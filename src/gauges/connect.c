@@ -1,8 +1,8 @@
-/* Which liquid hangs together with the pool, particle by particle: chains of neighbours closer than a given distance.
-   The cells of gauge_grid.c are too coarse for the crown, whose rim sheds drops a spacing or two away. */
-#include "output_impl.h"
+/* Which liquid hangs together, particle by particle: chains of neighbours closer than -gauge_connection. The cells of
+   crater_grid.c are too coarse for the crown, whose rim sheds drops a spacing or two away. */
+#include "gauges_impl.h"
 
-/* The representative of a's set; paths are halved on the way. */
+/* The representative of a's set in the forest of parents; paths are halved on the way. */
 static PetscInt Find(PetscInt parent[], PetscInt a)
 {
   while (parent[a] != a) {
@@ -12,7 +12,7 @@ static PetscInt Find(PetscInt parent[], PetscInt a)
   return a;
 }
 
-/* Sets of particles, ghosts too, that chains of this rank's particles join. */
+/* Joins particles, ghosts too, that chains of this rank's particles connect: parent [n_total] of the sets' trees. */
 static void JoinNeighbors(Cloud cloud, PetscReal distance, PetscInt parent[])
 {
   const PetscReal *x     = cloud->field[FIELD_POSITION];
@@ -33,19 +33,17 @@ static void JoinNeighbors(Cloud cloud, PetscReal distance, PetscInt parent[])
   }
 }
 
-/* Spreads the smallest id of each set through the ghosts until every chain has one label: FIELD_WORK1 (ids are exact as
- * reals). */
-static PetscErrorCode LabelSets(Cloud cloud, PetscInt parent[], PetscReal smallest[])
+/* Spreads the smallest id of each set through the ghosts until every chain, on whatever ranks it lies, has one label
+   (ids are exact as reals). smallest [n_total] is scratch. */
+static PetscErrorCode LabelSets(Cloud cloud, PetscInt parent[], PetscReal smallest[], PetscReal label[])
 {
-  PetscReal *label   = cloud->field[FIELD_WORK1];
-  PetscBool  changed = PETSC_TRUE;
+  PetscInt changed;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) label[a] = (PetscReal)cloud->integer[INT_ID][a];
-  while (changed) {
-    PetscInt news = 0;
-
-    PetscCall(CloudUpdate(cloud, FIELD_WORK1));
+  do {
+    changed = 0;
+    PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, label));
     for (PetscInt a = 0; a < cloud->n_total; a++) smallest[a] = PETSC_MAX_REAL;
     for (PetscInt a = 0; a < cloud->n_total; a++) {
       const PetscInt p = Find(parent, a);
@@ -55,55 +53,52 @@ static PetscErrorCode LabelSets(Cloud cloud, PetscInt parent[], PetscReal smalle
     for (PetscInt a = 0; a < cloud->n_owned; a++) {
       const PetscReal least = smallest[Find(parent, a)];
 
-      news += least < label[a];
+      changed += least < label[a];
       label[a] = least;
     }
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &news, 1, MPIU_INT, MPI_SUM, cloud->comm));
-    changed = (PetscBool)(news > 0);
-  }
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  } while (changed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GaugeLabels(Output output, PetscReal distance)
+PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[])
 {
-  Cloud      cloud = output->cloud;
+  Cloud      cloud = gauges->cloud;
   PetscInt  *parent;
   PetscReal *smallest;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(PetscMalloc2(cloud->n_total, &parent, cloud->n_total, &smallest));
-  JoinNeighbors(cloud, distance, parent);
-  PetscCall(LabelSets(cloud, parent, smallest));
+  JoinNeighbors(cloud, gauges->connection * cloud->domain->spacing, parent);
+  PetscCall(LabelSets(cloud, parent, smallest, label));
   PetscCall(PetscFree2(parent, smallest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GaugeConnected(Output output, PetscReal distance, PetscBool connected[])
+PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[])
 {
-  Cloud          cloud = output->cloud;
+  Cloud          cloud = gauges->cloud;
   const PetscInt up    = cloud->domain->dim - 1;
   struct {
     double value;
     int    rank;
-  } deepest         = {.value = PETSC_MAX_REAL};
-  PetscReal   label = -1;
-  PetscMPIInt rank;
+  } deepest = {.value = PETSC_MAX_REAL, .rank = gauges->rank};
+  PetscReal *label, deepest_label = -1;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
-  PetscCall(GaugeLabels(output, distance));
-  /* the pool is what the deepest particle of its body hangs together with */
+  PetscCall(CloudGetWork(cloud, 1, &label));
+  PetscCall(ConnectedLabels(gauges, label));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal height = cloud->field[FIELD_POSITION][DIM * a + up];
 
-    if (cloud->integer[INT_BODY][a] != output->gauge.pool || height >= deepest.value) continue;
+    if (cloud->integer[INT_BODY][a] != body || height >= deepest.value) continue;
     deepest.value = (double)height;
-    label         = cloud->field[FIELD_WORK1][a];
+    deepest_label = label[a];
   }
-  deepest.rank = rank;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE_INT, MPI_MINLOC, cloud->comm));
-  PetscCallMPI(MPI_Bcast(&label, 1, MPIU_REAL, deepest.rank, cloud->comm));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) connected[a] = (PetscBool)(cloud->field[FIELD_WORK1][a] == label);
+  PetscCallMPI(MPI_Bcast(&deepest_label, 1, MPIU_REAL, deepest.rank, cloud->comm));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) connected[a] = (PetscBool)(label[a] == deepest_label);
+  PetscCall(CloudRestoreWork(cloud, &label));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,323 @@
+/* Crown, crater and jet of an impact as figure 2 of Kuri et al. (2014) plots them, measured on the particles. A
+   particle stands for a cube of one spacing, so a surface lies half a spacing beyond the outermost particles.
+
+   Depth of the crater: in each column of cells the surface is the highest liquid below the lowest air that is open to
+   the sky, so that neither voids nor overhanging crowns nor spray count. The depth is the mean over the few lowest
+   patches of two by two columns.
+
+   Diameter of the crater: in the layer of one spacing below the level, the share of each ring around the axis that
+   liquid fills. Going outwards, the crater's wall is where liquid begins again behind the first gap.
+
+   The numbers below were chosen on shapes cut out of a lattice (tests/unit/test_gauges.c): with them depth and diameter
+   of a bowl are right to half a spacing, at rest and with particles displaced by a quarter of a spacing. */
+#include "gauges_impl.h"
+
+#define LOWEST_3D  5   /* patches averaged for the depth; half as many for each mirror through the axis */
+#define LOWEST_2D  3   /* the same in two dimensions */
+#define SECTORS    8   /* around the axis, to tell which share of a ring is in the box */
+#define RING       0.5 /* width of a ring, spacings */
+#define FILLED     0.5 /* a ring with a larger share of liquid than this is liquid */
+#define GAP        6   /* so many rings without liquid make a crater: three spacings, no hole between particles */
+#define MARGIN     4   /* rings to each side of the wall within which its roughness is averaged */
+#define RINGS_MOST ((PetscInt)1 << 21) /* a bound of the memory */
+#define SKIRT      2.0 /* the undisturbed level is measured further from the axis than this many jet radii */
+
+/* Horizontal vector from the axis to the point x, m; through periodic faces by the shortest way. */
+static inline void FromAxis(Gauges gauges, const PetscReal x[], PetscReal r[2])
+{
+  const Domain domain = gauges->cloud->domain;
+
+  r[0] = r[1] = 0;
+  for (PetscInt d = 0; d < domain->dim - 1; d++) {
+    r[d] = x[d] - gauges->crater.axis[d];
+    if (domain->face[d][0] == FACE_PERIODIC) {
+      const PetscReal length = domain->upper[d] - domain->lower[d];
+
+      r[d] -= length * PetscFloorReal(r[d] / length + 0.5);
+    }
+  }
+}
+
+/* A particle of the pool: its distance from the axis and height (m), the column and the layer of its cell. */
+typedef struct {
+  PetscReal radius, height;
+  PetscInt  column, layer;
+} PoolParticle;
+
+/* The pool's liquid on this rank: n particles, in an array to be freed. */
+static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, const CraterGrid *grid, PetscInt *n,
+                               PoolParticle **pool)
+{
+  const PetscInt up = gauges->cloud->domain->dim - 1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(arrays->n, pool));
+  *n = 0;
+  for (PetscInt a = 0; a < arrays->n; a++) {
+    const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a;
+    PetscReal        r[2];
+    PetscInt         index[DIM], c;
+
+    if (arrays->integer[INT_LAYER][a]) continue;
+    c = CraterGridCell(grid, x, index);
+    if (c < 0 || !(grid->cell[c] & CELL_POOL)) continue;
+    FromAxis(gauges, x, r);
+    (*pool)[(*n)++] = (PoolParticle){.radius = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]),
+                                     .height = x[up],
+                                     .column = index[1] * grid->n[0] + index[0],
+                                     .layer  = index[2]};
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Centre x (m) of a column in the components of the position; the vertical one is untouched. */
+static void ColumnCentre(const CraterGrid *grid, PetscInt column, PetscReal x[DIM])
+{
+  const PetscInt along = column % grid->n[0], across = column / grid->n[0];
+
+  x[grid->component[0]] = grid->lower[0] + (along - 0.5) * grid->size;
+  x[grid->component[1]] = grid->lower[1] + (across - 0.5) * grid->size;
+}
+
+/* The surface of the pool that the sky sees: for each column its distance from the axis (m), whether it is inside the
+   crater radius, and the height (m) of its highest particle below the lowest open air; -PETSC_MAX_REAL where there is
+   none. */
+typedef struct {
+  PetscReal *radius, *top;
+  PetscBool *inside;
+} SkyMap;
+
+static PetscErrorCode SkyMapCreate(Gauges gauges, CraterGrid *grid, PetscInt n, const PoolParticle pool[], SkyMap *map)
+{
+  const PetscInt dim = gauges->cloud->domain->dim;
+  PetscInt      *lowest;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(grid->columns, &map->radius, grid->columns, &map->top, grid->columns, &map->inside));
+  PetscCall(PetscMalloc1(grid->columns, &lowest));
+  for (PetscInt c = 0; c < grid->columns; c++) {
+    const PetscInt i = c % grid->n[0], j = c / grid->n[0];
+    PetscReal      x[DIM] = {0, 0, 0}, r[2];
+
+    ColumnCentre(grid, c, x);
+    FromAxis(gauges, x, r);
+    map->radius[c] = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]);
+    map->top[c]    = -PETSC_MAX_REAL;
+    map->inside[c] = (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 &&
+                                 map->radius[c] <= gauges->crater.radius);
+  }
+  CraterGridSky(grid, dim, map->inside, lowest);
+  for (PetscInt a = 0; a < n; a++) {
+    const PetscInt c = pool[a].column;
+
+    if (pool[a].layer < lowest[c]) map->top[c] = PetscMax(map->top[c], pool[a].height);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, map->top, (PetscMPIInt)grid->columns, MPIU_REAL, MPIU_MAX, gauges->comm));
+  PetscCall(PetscFree(lowest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SkyMapDestroy(SkyMap *map)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(map->radius, map->top, map->inside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Height (m) of the undisturbed surface: the mean around the place of the impact; without liquid there, the top of the
+   pool's body. */
+static PetscReal MeasureLevel(Gauges gauges, const CraterGrid *grid, const SkyMap *map)
+{
+  const PetscReal half = 0.5 * gauges->cloud->domain->spacing;
+  PetscReal       sum  = 0, lower[DIM], upper[DIM];
+  PetscInt        n    = 0;
+
+  for (PetscInt c = 0; c < grid->columns; c++) {
+    if (!map->inside[c] || map->radius[c] < SKIRT * gauges->crater.jet_radius || map->top[c] == -PETSC_MAX_REAL)
+      continue;
+    sum += map->top[c] + half;
+    n++;
+  }
+  if (n) return sum / n;
+  GaugeBodyBounds(gauges, gauges->crater.pool, lower, upper);
+  return upper[gauges->cloud->domain->dim - 1];
+}
+
+/* The surface of a column, m; the bottom of the pool's body where it has run dry. False outside the pool. */
+static PetscBool ColumnSurface(Gauges gauges, const CraterGrid *grid, const SkyMap *map, PetscInt column, PetscReal *z)
+{
+  const PetscReal half   = 0.5 * gauges->cloud->domain->spacing;
+  const PetscInt  up     = gauges->cloud->domain->dim - 1;
+  PetscReal       x[DIM] = {0, 0, 0}, lower[DIM], upper[DIM];
+
+  if (!map->inside[column]) return PETSC_FALSE;
+  *z = map->top[column] + half;
+  if (map->top[column] > -PETSC_MAX_REAL) return PETSC_TRUE;
+  ColumnCentre(grid, column, x);
+  x[up] = gauges->level - half;
+  GaugeBodyBounds(gauges, gauges->crater.pool, lower, upper);
+  *z = lower[up];
+  return BodyContains(SceneBody(gauges->cloud->scene, gauges->crater.pool), x);
+}
+
+/* Mean surface (m) of the patch of two columns a side that begins with this one. False unless all are of the pool. */
+static PetscBool PatchSurface(Gauges gauges, const CraterGrid *grid, const SkyMap *map, PetscInt column,
+                              PetscReal *mean)
+{
+  const PetscInt columns = gauges->cloud->domain->dim == 2 ? 2 : 4;
+
+  *mean = 0;
+  for (PetscInt k = 0; k < columns; k++) {
+    const PetscInt c = column + k % 2 + (k / 2) * grid->n[0];
+    PetscReal      z;
+
+    if (c >= grid->columns || !ColumnSurface(gauges, grid, map, c, &z)) return PETSC_FALSE;
+    *mean += z / columns;
+  }
+  return PETSC_TRUE;
+}
+
+static PetscReal CraterDepth(Gauges gauges, const CraterGrid *grid, const SkyMap *map)
+{
+  const PetscInt most = PetscMax((gauges->cloud->domain->dim == 2 ? LOWEST_2D : LOWEST_3D) >> CraterMirrors(gauges), 1);
+  PetscReal      lowest[LOWEST_3D + 1], sum = 0; /* ascending, one more than wanted */
+  PetscInt       n = 0;
+
+  for (PetscInt c = 0; c < grid->columns; c++) {
+    PetscReal mean;
+    PetscInt  k;
+
+    if (!PatchSurface(gauges, grid, map, c, &mean) || (n == most && mean >= lowest[n - 1])) continue;
+    for (k = n; k > 0 && lowest[k - 1] > mean; k--) lowest[k] = lowest[k - 1];
+    lowest[k] = mean;
+    n         = PetscMin(n + 1, most);
+  }
+  for (PetscInt k = 0; k < n; k++) sum += lowest[k];
+  return n ? gauges->level - sum / n : NAN;
+}
+
+/* Whether a sector lies in the box: a mirror scene has only some. */
+static PetscBool SectorExists(Gauges gauges, PetscInt sector)
+{
+  const Domain    domain = gauges->cloud->domain;
+  const PetscReal angle  = (sector + 0.5) * 2 * PETSC_PI / SECTORS;
+  const PetscReal way[2] = {PetscCosReal(angle), PetscSinReal(angle)};
+
+  for (PetscInt d = 0; d < domain->dim - 1; d++) {
+    const PetscReal x = gauges->crater.axis[d] + domain->spacing * way[d];
+
+    if (domain->face[d][0] != FACE_PERIODIC && (x < domain->lower[d] || x > domain->upper[d])) return PETSC_FALSE;
+  }
+  return domain->dim == 2 ? (PetscBool)(sector == 0 || sector == SECTORS / 2) : PETSC_TRUE;
+}
+
+/* Share of a ring around the axis that lies in the box. */
+static PetscReal RingShare(Gauges gauges)
+{
+  PetscInt sectors = 0, all = gauges->cloud->domain->dim == 2 ? 2 : SECTORS;
+
+  for (PetscInt s = 0; s < SECTORS; s++) sectors += SectorExists(gauges, s);
+  return (PetscReal)sectors / all;
+}
+
+/* Area (m2; m in two dimensions) of the ring from 'inner' to 'outer' (m). */
+static PetscReal RingArea(PetscInt dim, PetscReal inner, PetscReal outer)
+{
+  return dim == 2 ? 2 * (outer - inner) : PETSC_PI * (outer * outer - inner * inner);
+}
+
+/* Radius (m) of the crater's wall, from the share of rings of width w (m) that liquid fills. The wall is at the first
+   filled ring behind a gap; its radius is interpolated from the area that is missing in the rings around that one, as
+   if all of it were missing inside one radius. 0 without a gap, negative without liquid. */
+static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const PetscReal share[])
+{
+  PetscInt  gap     = 0, wall, first, last;
+  PetscReal missing = 0;
+
+  for (wall = 0; wall < rings; wall++) {
+    if (share[wall] >= FILLED && gap >= GAP) break;
+    gap = share[wall] < FILLED ? gap + 1 : 0;
+  }
+  if (wall == rings) return gap == rings ? -1 : 0;
+  first = PetscMax(wall - MARGIN, 0);
+  last  = PetscMin(wall + MARGIN, rings - 1);
+  for (PetscInt k = first; k <= last; k++) missing += (1 - share[k]) * RingArea(dim, k * w, (k + 1) * w);
+  return dim == 2 ? first * w + missing / 2 : PetscSqrtReal(PetscSqr(first * w) + missing / PETSC_PI);
+}
+
+/* Twice the radius of the crater's wall in the layer of one spacing below the level. */
+static PetscErrorCode CraterDiameter(Gauges gauges, PetscInt n, const PoolParticle pool[], PetscReal *diameter)
+{
+  const Domain    domain = gauges->cloud->domain;
+  const PetscReal d0 = domain->spacing, w = RING * d0, reach = PetscMin(2 * gauges->crater.radius, RINGS_MOST * w);
+  const PetscInt  rings = (PetscInt)PetscCeilReal(reach / w) + 1;
+  const PetscReal full  = RingShare(gauges) * d0 / domain->volume; /* particles an area of a full ring */
+  PetscReal      *share, radius;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(rings, &share));
+  for (PetscInt a = 0; a < n; a++) {
+    const PetscInt ring = pool[a].radius < rings * w ? (PetscInt)(pool[a].radius / w) : rings;
+
+    if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0) share[ring] += 1;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, gauges->comm));
+  for (PetscInt k = 0; k < rings; k++) share[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);
+  radius = WallRadius(domain->dim, rings, w, share);
+  PetscCall(PetscFree(share));
+  *diameter = radius >= 0 ? 2 * radius : NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Heights of crown and jet: the highest particles that hang together with the pool. */
+static PetscErrorCode CrownAndJet(Gauges gauges, CraterValues *values)
+{
+  const Cloud      cloud  = gauges->cloud;
+  const PetscReal *x      = cloud->field[FIELD_POSITION];
+  PetscReal        top[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL}; /* crown, jet */
+  PetscBool       *connected;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cloud->n_fluid, &connected));
+  PetscCall(ConnectedWithBody(gauges, gauges->crater.pool, connected));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal r[2];
+    PetscInt  jet;
+
+    if (!connected[a]) continue;
+    FromAxis(gauges, x + DIM * a, r);
+    jet      = r[0] * r[0] + r[1] * r[1] <= PetscSqr(gauges->crater.jet_radius);
+    top[jet] = PetscMax(top[jet], x[DIM * a + cloud->domain->dim - 1]);
+  }
+  PetscCall(PetscFree(connected));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, 2, MPIU_REAL, MPIU_MAX, gauges->comm));
+  values->crown_height = HeightOverLevel(gauges, top[0]);
+  values->jet_height   = HeightOverLevel(gauges, top[1]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GaugesCrater(Gauges gauges, CraterValues *values)
+{
+  ParticleArrays arrays;
+  CraterGrid     grid;
+  PoolParticle  *pool;
+  PetscInt       n;
+  SkyMap         map;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
+  PetscCall(CraterGridCreate(gauges, &arrays, &grid));
+  PetscCall(ListPool(gauges, &arrays, &grid, &n, &pool));
+  PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
+  PetscCall(SkyMapCreate(gauges, &grid, n, pool, &map));
+  if (PetscIsInfOrNanReal(gauges->level)) gauges->level = MeasureLevel(gauges, &grid, &map);
+  values->crater_depth = CraterDepth(gauges, &grid, &map);
+  PetscCall(CraterDiameter(gauges, n, pool, &values->crater_diameter));
+  PetscCall(SkyMapDestroy(&map));
+  PetscCall(PetscFree(pool));
+  PetscCall(CraterGridDestroy(&grid));
+  PetscCall(CrownAndJet(gauges, values));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,191 @@
+/* Cells over the fluid: which liquid hangs together with the pool, and which surface the sky sees. */
+#include "gauges_impl.h"
+
+#define SKY_LAYERS 3         /* of empty cells on top of the fluid, where the sky starts */
+#define SKY_GAP    2         /* the sky enters gaps of so many cells a side: a hole between particles is no crater */
+#define MAX_CELLS  (1 << 25) /* if there were more, cells are made larger: a bound of the memory */
+#define COARSENING 1.25      /* by this factor at a time */
+#define NEIGHBORS  26        /* cells that touch a cell, at corners too */
+
+/* Ends of the fluid of all ranks along the grid's axes, m: minus the lower ones, then the upper ones. */
+static PetscErrorCode FluidBounds(Gauges gauges, const ParticleArrays *arrays, const PetscInt component[],
+                                  PetscReal bounds[2 * DIM])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2 * DIM; k++) bounds[k] = -PETSC_MAX_REAL;
+  for (PetscInt a = 0; a < arrays->n; a++) {
+    const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a;
+
+    if (arrays->integer[INT_LAYER][a]) continue;
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal s = x[component[d]];
+
+      if (-s > bounds[d]) bounds[d] = -s;
+      if (s > bounds[DIM + d]) bounds[DIM + d] = s;
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 2 * DIM, MPIU_REAL, MPIU_MAX, gauges->comm));
+  for (PetscInt d = 0; d < DIM; d++) /* no fluid at all: one cell */
+    if (bounds[DIM + d] < -bounds[d]) bounds[d] = bounds[DIM + d] = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Cells along an axis of the grid: over the fluid, two of the rim, and the sky's. */
+static PetscReal CellsAlong(const PetscReal bounds[2 * DIM], PetscInt d, PetscReal size)
+{
+  return PetscFloorReal((bounds[DIM + d] + bounds[d]) / size) + 3 + (d == 2 ? SKY_LAYERS : 0);
+}
+
+static PetscErrorCode SetSizes(Gauges gauges, const ParticleArrays *arrays, CraterGrid *grid)
+{
+  const Domain domain = gauges->cloud->domain;
+  PetscReal    bounds[2 * DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < DIM; d++) grid->component[d] = domain->dim == 2 ? (d == 0 ? 0 : 3 - d) : d;
+  PetscCall(FluidBounds(gauges, arrays, grid->component, bounds));
+  grid->size = gauges->crater.cell * domain->spacing;
+  while (CellsAlong(bounds, 0, grid->size) * CellsAlong(bounds, 1, grid->size) * CellsAlong(bounds, 2, grid->size) >
+         MAX_CELLS)
+    grid->size *= COARSENING;
+  for (PetscInt d = 0; d < DIM; d++) {
+    grid->lower[d] = -bounds[d];
+    grid->n[d]     = (PetscInt)CellsAlong(bounds, d, grid->size);
+  }
+  grid->columns = grid->n[0] * grid->n[1];
+  grid->count   = grid->columns * grid->n[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Visits all liquid that is connected with a cell: queue[start .. end) in the end, which is returned. body: how many of
+   these cells hold liquid of the pool's body. The rim is empty, so no step leaves the grid. */
+static PetscInt Flood(CraterGrid *grid, const PetscInt step[NEIGHBORS], PetscInt seed, PetscInt start, PetscInt *body)
+{
+  PetscInt end = start;
+
+  *body = 0;
+  grid->cell[seed] |= CELL_VISITED;
+  grid->queue[end++] = seed;
+  for (PetscInt head = start; head < end; head++) {
+    const PetscInt c = grid->queue[head];
+
+    *body += (grid->cell[c] & CELL_BODY) != 0;
+    for (PetscInt s = 0; s < NEIGHBORS; s++) {
+      const PetscInt next = c + step[s];
+
+      if ((grid->cell[next] & (CELL_LIQUID | CELL_VISITED)) != CELL_LIQUID) continue;
+      grid->cell[next] |= CELL_VISITED;
+      grid->queue[end++] = next;
+    }
+  }
+  return end;
+}
+
+/* Marks CELL_POOL: the component with the most cells of the pool's body. */
+static void MarkPool(CraterGrid *grid)
+{
+  PetscInt step[NEIGHBORS], steps = 0, end = 0, best_start = 0, best_end = 0, best = 0;
+
+  for (PetscInt c = 0; c < 27; c++) { /* a cube of three cells a side, but for its middle */
+    const PetscInt i = c % 3 - 1, j = c / 3 % 3 - 1, k = c / 9 - 1;
+
+    if (i || j || k) step[steps++] = (k * grid->n[1] + j) * grid->n[0] + i;
+  }
+  for (PetscInt seed = 0; seed < grid->count; seed++) {
+    const PetscInt start = end;
+    PetscInt       body;
+
+    if ((grid->cell[seed] & (CELL_BODY | CELL_VISITED)) != CELL_BODY) continue;
+    end = Flood(grid, step, seed, start, &body);
+    if (body > best) {
+      best       = body;
+      best_start = start;
+      best_end   = end;
+    }
+  }
+  for (PetscInt k = best_start; k < best_end; k++) grid->cell[grid->queue[k]] |= CELL_POOL;
+}
+
+PetscErrorCode CraterGridCreate(Gauges gauges, const ParticleArrays *arrays, CraterGrid *grid)
+{
+  PetscFunctionBegin;
+  PetscCall(SetSizes(gauges, arrays, grid));
+  PetscCall(PetscCalloc1(grid->count, &grid->cell));
+  PetscCall(PetscMalloc1(grid->count, &grid->queue));
+  for (PetscInt a = 0; a < arrays->n; a++) {
+    PetscInt index[DIM], c;
+
+    if (arrays->integer[INT_LAYER][a]) continue;
+    c = CraterGridCell(grid, arrays->real[FIELD_POSITION] + DIM * a, index);
+    if (c >= 0)
+      grid->cell[c] |= arrays->integer[INT_BODY][a] == gauges->crater.pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+  }
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, grid->cell, (PetscMPIInt)grid->count, MPI_UNSIGNED_CHAR, MPI_BOR, gauges->comm));
+  MarkPool(grid);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CraterGridDestroy(CraterGrid *grid)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(grid->cell));
+  PetscCall(PetscFree(grid->queue));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Blocks of SKY_GAP cells a side, named by their first cell. */
+typedef struct {
+  PetscInt cells, offset[SKY_GAP * SKY_GAP * SKY_GAP];
+} Block;
+
+static void BlockSet(const CraterGrid *grid, PetscInt dim, Block *block)
+{
+  block->cells = 0;
+  for (PetscInt k = 0; k < SKY_GAP; k++)
+    for (PetscInt j = 0; j < (dim == 2 ? 1 : SKY_GAP); j++)
+      for (PetscInt i = 0; i < SKY_GAP; i++) block->offset[block->cells++] = (k * grid->n[1] + j) * grid->n[0] + i;
+}
+
+/* Tests a block once: inside the columns, above the bottom rim, and without liquid of the pool. */
+static PetscBool BlockEnter(CraterGrid *grid, const Block *block, const PetscBool inside[], PetscInt c)
+{
+  PetscInt column;
+
+  if (c < grid->columns || grid->cell[c] & CELL_TESTED) return PETSC_FALSE;
+  grid->cell[c] |= CELL_TESTED;
+  column = c % grid->columns;
+  for (PetscInt b = 0; b < block->cells; b++) {
+    const PetscInt in_layer = block->offset[b] % grid->columns;
+
+    if (!inside[column + in_layer] || grid->cell[c + block->offset[b]] & CELL_POOL) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+void CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[])
+{
+  const PetscInt step[2 * DIM] = {-1, 1, -grid->n[0], grid->n[0], -grid->columns, grid->columns};
+  const PetscInt top = (grid->n[2] - 1 - SKY_GAP) * grid->columns, last = top + grid->columns;
+  PetscInt       end = 0;
+  Block          block;
+
+  BlockSet(grid, dim, &block);
+  for (PetscInt c = 0; c < grid->columns; c++) lowest[c] = grid->n[2];
+  for (PetscInt c = 0; c < grid->columns; c++)
+    if (inside[c] && BlockEnter(grid, &block, inside, top + c)) grid->queue[end++] = top + c;
+  for (PetscInt head = 0; head < end; head++) {
+    const PetscInt c = grid->queue[head];
+
+    for (PetscInt b = 0; b < block.cells; b++) {
+      const PetscInt cell = c + block.offset[b], column = cell % grid->columns;
+
+      lowest[column] = PetscMin(lowest[column], cell / grid->columns);
+    }
+    for (PetscInt s = 0; s < 2 * DIM; s++) {
+      const PetscInt next = c + step[s];
+
+      if (next < last && BlockEnter(grid, &block, inside, next)) grid->queue[end++] = next;
+    }
+  }
+}

@@ -1,0 +1,142 @@
+/* Where the axis, the pool and the crater of an impact are. */
+#include "gauges_impl.h"
+
+#define JET_RADIUS                                                                                                     \
+  1.1 /* default of -gauge_jet_radius, in half widths of the last body: a jet is about as wide as the drop */
+#define CELL_SIZE  1.25 /* default of -gauge_cell, in spacings: particles of resting liquid leave no cell empty */
+#define CELL_LEAST 1.0
+#define CELL_MOST  4.0
+#define NEAR       0.5 /* spacings: what is this close to a mirror lies on it */
+
+void GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Domain domain = gauges->cloud->domain;
+
+  BodyBounds(SceneBody(gauges->cloud->scene, body), lower, upper);
+  for (PetscInt d = 0; d < DIM; d++) {
+    lower[d] = PetscMax(lower[d], domain->lower[d]);
+    upper[d] = PetscMin(upper[d], domain->upper[d]);
+  }
+}
+
+/* Whether an extent from 'lower' to 'upper' (m) reaches the mirror on a side of the box. */
+static PetscBool OnMirror(Domain domain, PetscInt d, PetscInt side, PetscReal lower, PetscReal upper)
+{
+  const PetscReal near = NEAR * domain->spacing;
+
+  if (domain->face[d][side] != FACE_SYMMETRY) return PETSC_FALSE;
+  return (PetscBool)(side ? upper > domain->upper[d] - near : lower < domain->lower[d] + near);
+}
+
+PetscInt CraterMirrors(Gauges gauges)
+{
+  const Domain     domain  = gauges->cloud->domain;
+  const PetscReal *axis    = gauges->crater.axis;
+  PetscInt         mirrors = 0;
+
+  for (PetscInt d = 0; d < domain->dim - 1; d++)
+    mirrors += OnMirror(domain, d, 0, axis[d], axis[d]) || OnMirror(domain, d, 1, axis[d], axis[d]);
+  return mirrors;
+}
+
+/* The pool is the first body; axis and jet radius are those of the last one, taken with its mirror images. */
+static PetscErrorCode Defaults(Gauges gauges)
+{
+  const Domain domain = gauges->cloud->domain;
+  const Scene  scene  = gauges->cloud->scene;
+  CraterSetup *crater = &gauges->crater;
+  PetscReal    lower[DIM], upper[DIM], half = 0;
+
+  PetscFunctionBegin;
+  crater->cell = CELL_SIZE;
+  if (!SceneCount(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  GaugeBodyBounds(gauges, SceneCount(scene) - 1, lower, upper);
+  for (PetscInt d = 0; d < domain->dim - 1; d++) {
+    crater->axis[d] = 0.5 * (lower[d] + upper[d]);
+    if (OnMirror(domain, d, 0, lower[d], upper[d]))
+      crater->axis[d] = domain->lower[d];
+    else if (OnMirror(domain, d, 1, lower[d], upper[d]))
+      crater->axis[d] = domain->upper[d];
+    half = PetscMax(half, PetscMax(upper[d] - crater->axis[d], crater->axis[d] - lower[d]));
+  }
+  crater->jet_radius = JET_RADIUS * half;
+  PetscCall(PetscStrncpy(crater->pool_name, BodyName(SceneBody(scene, 0)), sizeof(crater->pool_name)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Half of the distance from the axis to the nearest face of the box that is no mirror through the axis, m. */
+static PetscReal CraterRadius(Gauges gauges)
+{
+  const Domain     domain = gauges->cloud->domain;
+  const PetscReal *axis   = gauges->crater.axis;
+  PetscReal        radius = PETSC_MAX_REAL;
+
+  for (PetscInt d = 0; d < domain->dim - 1; d++) {
+    const PetscReal distance[2] = {axis[d] - domain->lower[d], domain->upper[d] - axis[d]};
+
+    for (PetscInt side = 0; side < 2; side++)
+      if (domain->face[d][side] != FACE_SYMMETRY || distance[side] > NEAR * domain->spacing)
+        radius = PetscMin(radius, 0.5 * distance[side]);
+  }
+  return radius;
+}
+
+static PetscErrorCode SetFromOptions_Crater(Gauges gauges, OptionItems PetscOptionsObject)
+{
+  CraterSetup *crater = &gauges->crater;
+  PetscInt     n      = gauges->cloud->domain->dim; /* one more than wanted, to notice it */
+  PetscBool    set[5];
+
+  PetscFunctionBegin;
+  PetscCall(Defaults(gauges));
+  PetscCall(PetscOptionsString("-gauge_pool", "Body that is the pool; default: the first", "GaugesCrater",
+                               crater->pool_name, crater->pool_name, sizeof(crater->pool_name), &set[0]));
+  PetscCall(PetscOptionsRealArray("-gauge_axis",
+                                  "Axis of the impact, x,y (in two dimensions x), m; default: that of the last body",
+                                  "GaugesCrater", crater->axis, &n, &set[1]));
+  crater->axis_numbers = set[1] ? n : gauges->cloud->domain->dim - 1;
+  PetscCall(PetscOptionsReal("-gauge_jet_radius",
+                             "Liquid within this distance of the axis is jet, not crown, m; default: 1.1 half widths "
+                             "of the last body",
+                             "GaugesCrater", crater->jet_radius, &crater->jet_radius, &set[2]));
+  crater->radius = CraterRadius(gauges);
+  PetscCall(PetscOptionsReal("-gauge_crater_radius",
+                             "The crater is looked for within this distance of the axis, m; default: half way to the "
+                             "box",
+                             "GaugesCrater", crater->radius, &crater->radius, &set[3]));
+  PetscCall(PetscOptionsReal("-gauge_cell",
+                             "Cells that tell liquid from air for the crater's depth and diameter, 1 to 4 (spacings)",
+                             "GaugesCrater", crater->cell, &crater->cell, &set[4]));
+  crater->wanted = (PetscBool)(set[0] || set[1] || set[2] || set[3] || set[4]);
+  PetscCall(PetscOptionsBool("-gauge_crater",
+                             "The series holds heights of crown and jet, depth and diameter of the crater; default: "
+                             "whether one of -gauge_pool, _axis, _jet_radius, _crater_radius, _cell is given",
+                             "GaugesCrater", crater->wanted, &crater->wanted, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Check_Crater(Gauges gauges)
+{
+  const PetscInt numbers = gauges->cloud->domain->dim - 1;
+  const Scene    scene   = gauges->cloud->scene;
+  CraterSetup   *crater  = &gauges->crater;
+
+  PetscFunctionBegin;
+  if (!crater->wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheckUser(crater->axis_numbers == numbers, gauges->comm, "-gauge_axis has %d numbers; it needs %d.",
+                 (int)crater->axis_numbers, (int)numbers);
+  for (crater->pool = 0; crater->pool < SceneCount(scene); crater->pool++)
+    if (!strcmp(crater->pool_name, BodyName(SceneBody(scene, crater->pool)))) break;
+  PetscCheckUser(crater->pool < SceneCount(scene), gauges->comm, "-gauge_pool is %s, which is none of -bodies.",
+                 crater->pool_name);
+  PetscCheckUser(crater->jet_radius >= 0, gauges->comm, "-gauge_jet_radius is %g m; it must not be negative.",
+                 (double)crater->jet_radius);
+  PetscCheckUser(crater->radius >= 0, gauges->comm,
+                 "-gauge_crater_radius is %g m; it must not be negative, and -gauge_axis must lie in the box.",
+                 (double)crater->radius);
+  PetscCheckUser(crater->cell >= CELL_LEAST && crater->cell <= CELL_MOST, gauges->comm,
+                 "-gauge_cell is %g spacings; it must be from %g to %g.", (double)crater->cell, CELL_LEAST, CELL_MOST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const GaugeKind GaugeCrater = {.setfromoptions = SetFromOptions_Crater, .check = Check_Crater};

@@ -1,0 +1,234 @@
+/* Droplets: pieces of liquid that hang together by steps shorter than -gauge_connection, but for the largest piece.
+   Four columns of the series, and a row of droplets.csv for each droplet. */
+#include "gauges_impl.h"
+#include <stdlib.h>
+
+#define DROPLET_LEAST   2 /* default of -gauge_droplet_least: single particles are spray */
+#define DROPLET_COLUMNS 4 /* of the series */
+#define ROW_COLUMNS     9 /* of droplets.csv: particles, volume, place, velocity, number */
+
+/* A piece of liquid: particles that hang together. All members are reals, to be sent as such. */
+typedef struct {
+  PetscReal label;                     /* smallest id of its particles */
+  PetscReal particles, number;         /* number: of pieces like this in the whole that -gauge_multiplicity makes */
+  PetscReal place[DIM], velocity[DIM]; /* means, m and m/s */
+  PetscReal mirror[DIM];               /* -1, 1: it touches the mirror at the box's lower, upper end; 0: none */
+} Piece;
+
+#define PIECE_REALS ((PetscMPIInt)(sizeof(Piece) / sizeof(PetscReal)))
+
+static int CompareLabels(const void *a, const void *b)
+{
+  const PetscReal x = ((const Piece *)a)->label, y = ((const Piece *)b)->label;
+
+  return (x > y) - (x < y);
+}
+
+static int CompareSizes(const void *a, const void *b)
+{
+  const PetscReal x = ((const Piece *)a)->particles, y = ((const Piece *)b)->particles;
+
+  return x != y ? (x < y) - (x > y) : CompareLabels(a, b);
+}
+
+/* Adds up pieces of one label, in order of labels; returns how many are left. Places and velocities are sums here. */
+static PetscInt Merge(PetscInt n, Piece piece[])
+{
+  PetscInt count = 0;
+
+  if (n) qsort(piece, (size_t)n, sizeof(*piece), CompareLabels);
+  for (PetscInt k = 0; k < n; k++) {
+    Piece *to = &piece[count - 1];
+
+    if (count == 0 || to->label != piece[k].label) {
+      piece[count++] = piece[k];
+      continue;
+    }
+    to->particles += piece[k].particles;
+    for (PetscInt d = 0; d < DIM; d++) {
+      to->place[d] += piece[k].place[d];
+      to->velocity[d] += piece[k].velocity[d];
+      if (piece[k].mirror[d] != 0) to->mirror[d] = piece[k].mirror[d];
+    }
+  }
+  return count;
+}
+
+/* The pieces that one particle is. */
+static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal touch)
+{
+  const Domain domain = cloud->domain;
+  Piece        piece  = {.label = label, .particles = 1};
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal x = cloud->field[FIELD_POSITION][DIM * a + d];
+
+    piece.place[d]    = x;
+    piece.velocity[d] = cloud->field[FIELD_VELOCITY][DIM * a + d];
+    if (domain->face[d][0] == FACE_SYMMETRY && x - domain->lower[d] < touch) piece.mirror[d] = -1;
+    if (domain->face[d][1] == FACE_SYMMETRY && domain->upper[d] - x < touch) piece.mirror[d] = 1;
+  }
+  return piece;
+}
+
+/* From sums to means. A piece that touches a mirror hangs together with its image, so the whole piece has twice the
+   particles, its centre on the mirror, and half as many like it are in the whole scene: as far as -gauge_multiplicity
+   says that there is more than the simulated part. */
+static void FinishPiece(Gauges gauges, Piece *piece)
+{
+  const Domain domain = gauges->cloud->domain;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    piece->place[d] /= piece->particles;
+    piece->velocity[d] /= piece->particles;
+  }
+  piece->number = gauges->multiplicity;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (piece->mirror[d] == 0 || piece->number < 2) continue;
+    piece->number /= 2;
+    piece->particles *= 2;
+    piece->place[d]    = piece->mirror[d] < 0 ? domain->lower[d] : domain->upper[d];
+    piece->velocity[d] = 0;
+  }
+}
+
+/* All pieces, the largest first, on rank 0, to be freed with PetscFree; elsewhere none. Collective. */
+static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
+{
+  Cloud           cloud = gauges->cloud;
+  const PetscReal touch = 0.5 * gauges->connection * cloud->domain->spacing; /* so near, a particle joins its image */
+  Piece          *own;
+  PetscReal      *label;
+  PetscMPIInt     send, *number = NULL, *place = NULL, total = 0;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 1, &label));
+  PetscCall(ConnectedLabels(gauges, label));
+  PetscCall(PetscMalloc1(cloud->n_fluid, &own));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) own[a] = SingleParticle(cloud, a, label[a], touch);
+  PetscCall(CloudRestoreWork(cloud, &label));
+  send = PIECE_REALS * (PetscMPIInt)Merge(cloud->n_fluid, own);
+  PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &place));
+  PetscCallMPI(MPI_Gather(&send, 1, MPI_INT, number, 1, MPI_INT, 0, gauges->comm));
+  for (PetscMPIInt r = 0; r < gauges->size && !gauges->rank; r++) {
+    place[r] = total;
+    total += number[r];
+  }
+  PetscCall(PetscMalloc1(total / PIECE_REALS, piece));
+  PetscCallMPI(MPI_Gatherv(own, send, MPIU_REAL, *piece, number, place, MPIU_REAL, 0, gauges->comm));
+  PetscCall(PetscFree2(number, place));
+  PetscCall(PetscFree(own));
+  *count = Merge(total / PIECE_REALS, *piece);
+  for (PetscInt k = 0; k < *count; k++) FinishPiece(gauges, &(*piece)[k]);
+  if (*count) qsort(*piece, (size_t)*count, sizeof(**piece), CompareSizes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  gauges->droplet_least = DROPLET_LEAST;
+  PetscCall(PetscOptionsBool("-gauge_droplets",
+                             "The series holds number and volume of the droplets, droplets.csv lists them at each "
+                             "snapshot: pieces that hang together (-gauge_connection), but for the largest",
+                             "GaugesMeasure", gauges->droplets, &gauges->droplets, NULL));
+  PetscCall(PetscOptionsInt("-gauge_droplet_least",
+                            "Particles of the smallest droplet, 1 or more; smaller ones are spray", "GaugesMeasure",
+                            gauges->droplet_least, &gauges->droplet_least, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Check_Droplets(Gauges gauges)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(gauges->droplet_least >= 1, gauges->comm, "-gauge_droplet_least is %d; it must be 1 or more.",
+                 (int)gauges->droplet_least);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt Columns_Droplets(Gauges gauges)
+{
+  return gauges->droplets ? DROPLET_COLUMNS : 0;
+}
+
+static PetscErrorCode Name_Droplets(Gauges gauges, PetscInt column, char name[], size_t length)
+{
+  static const char *const names[DROPLET_COLUMNS] = {"droplets", "droplet_volume_%s", "largest_droplet_%s", "spray"};
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, length, names[column], GaugeUnit(gauges->cloud->domain, "m3")));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Number and volume (m3; m2 in two dimensions) of the droplets, the largest one's volume, particles of spray; on rank
+   0. */
+static PetscErrorCode Measure_Droplets(Gauges gauges, PetscReal value[])
+{
+  const PetscReal volume = gauges->cloud->domain->volume;
+  PetscInt        count;
+  Piece          *piece;
+
+  PetscFunctionBegin;
+  PetscCall(FindPieces(gauges, &count, &piece));
+  for (PetscInt c = 0; c < DROPLET_COLUMNS; c++) value[c] = 0;
+  for (PetscInt k = 1; k < count; k++) {
+    if (piece[k].particles < gauges->droplet_least) {
+      value[3] += piece[k].number * piece[k].particles;
+      continue;
+    }
+    value[0] += piece[k].number;
+    value[1] += piece[k].number * volume * piece[k].particles;
+    value[2] = PetscMax(value[2], volume * piece[k].particles);
+  }
+  PetscCall(PetscFree(piece));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Wanted_Droplets(Gauges gauges)
+{
+  return gauges->droplets;
+}
+
+static PetscErrorCode Head_Droplets(Gauges gauges, char head[], size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(head, length,
+                          "particles,volume_%s,x_m,y_m,z_m,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s,number",
+                          GaugeUnit(gauges->cloud->domain, "m3")));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Rows_Droplets(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
+{
+  PetscInt pieces, n = 0;
+  Piece   *piece;
+
+  PetscFunctionBegin;
+  PetscCall(FindPieces(gauges, &pieces, &piece));
+  while (n + 1 < pieces && piece[n + 1].particles >= gauges->droplet_least) n++;
+  PetscCall(PetscMalloc1(n * ROW_COLUMNS, values));
+  for (PetscInt k = 0; k < n; k++) {
+    const Piece *droplet = &piece[k + 1];
+    PetscReal   *row     = *values + ROW_COLUMNS * k;
+
+    row[0] = droplet->particles;
+    row[1] = gauges->cloud->domain->volume * droplet->particles;
+    PetscCall(PetscArraycpy(row + 2, droplet->place, DIM));
+    PetscCall(PetscArraycpy(row + 2 + DIM, droplet->velocity, DIM));
+    row[2 + 2 * DIM] = droplet->number;
+  }
+  PetscCall(PetscFree(piece));
+  *count = n;
+  *width = ROW_COLUMNS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const GaugeKind GaugeDroplets = {.setfromoptions = SetFromOptions_Droplets,
+                                 .check          = Check_Droplets,
+                                 .columns        = Columns_Droplets,
+                                 .name           = Name_Droplets,
+                                 .measure        = Measure_Droplets,
+                                 .file           = "droplets.csv",
+                                 .wanted         = Wanted_Droplets,
+                                 .head           = Head_Droplets,
+                                 .rows           = Rows_Droplets};

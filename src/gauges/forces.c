@@ -1,0 +1,120 @@
+/* Forces of the liquid on the walls of the box and on solids: columns of the series. */
+#include "../neighbors/pairs.h"
+#include "gauges_impl.h"
+
+static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
+
+/* The wall faces of the box in order: direction and side of number 'index'; returns their number. */
+static PetscInt WallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side)
+{
+  PetscInt count = 0;
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt s = 0; s < 2; s++) {
+      if (domain->face[d][s] != FACE_WALL) continue;
+      if (count == index) {
+        *direction = d;
+        *side      = s;
+      }
+      count++;
+    }
+  return count;
+}
+
+static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsBool("-gauge_forces",
+                             "The series holds the force of the liquid on each wall of the box and each solid (N)",
+                             "GaugesMeasure", gauges->forces, &gauges->forces, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many walls and solids there are. */
+static PetscInt ReceiverCount(Gauges gauges)
+{
+  return WallFace(gauges->cloud->domain, -1, NULL, NULL) + SceneSolidCount(gauges->cloud->scene);
+}
+
+static PetscInt Columns_Forces(Gauges gauges)
+{
+  return gauges->forces ? ReceiverCount(gauges) * gauges->cloud->domain->dim : 0;
+}
+
+static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], size_t length)
+{
+  const PetscInt dim = gauges->cloud->domain->dim, index = column / dim;
+  PetscInt       d = 0, s = 0;
+  const PetscInt faces = WallFace(gauges->cloud->domain, index, &d, &s);
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, length, "force_%s_%c_%s",
+                          index < faces ? FaceNames[d][s] : BodyName(SceneSolid(gauges->cloud->scene, index - faces)),
+                          AxisName(column % dim), GaugeUnit(gauges->cloud->domain, "N")));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which receiver a dummy particle belongs to: its solid, or the wall that it is deepest behind. */
+static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
+{
+  const Domain   domain  = gauges->cloud->domain;
+  const PetscInt faces   = WallFace(domain, -1, NULL, NULL);
+  PetscInt       best    = 0;
+  PetscReal      deepest = PETSC_MIN_REAL;
+
+  if (body <= BODY_SOLID) return faces + BODY_SOLID - body;
+  for (PetscInt f = 0; f < faces; f++) {
+    PetscInt  d = 0, s = 0;
+    PetscReal depth;
+
+    (void)WallFace(domain, f, &d, &s);
+    depth = s ? x[d] - domain->upper[d] : domain->lower[d] - x[d];
+    if (depth > deepest) {
+      deepest = depth;
+      best    = f;
+    }
+  }
+  return best;
+}
+
+/* Force [receivers][dim] of the liquid's pressure, N (N/m in two dimensions): -sum V_a V_b (p_a + p_b) grad W over
+   pairs of fluid a and dummy b, as Adami, Hu and Adams (2012) have it for the fluid. */
+static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
+{
+  Cloud            cloud = gauges->cloud;
+  const PetscInt   dim = cloud->domain->dim, count = ReceiverCount(gauges);
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  PairRow         *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&row));
+  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscCall(PetscArrayzero(force, count * dim));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
+    PetscReal sum[DIM] = {0, 0, 0};
+    PetscInt  to;
+
+    PairRowLoad(cloud, x, b, row);
+    KernelGradient(cloud->kernel, row->n, row->r2, row->F);
+    for (PetscInt k = 0; k < row->n; k++) {
+      const PetscInt  a = row->index[k];
+      const PetscReal c =
+        cloud->integer[INT_LAYER][a] ? 0 : cloud->volume[a] * cloud->volume[b] * (p[a] + p[b]) * row->F[k];
+
+      sum[0] -= c * row->dx[k];
+      sum[1] -= c * row->dy[k];
+      sum[2] -= c * row->dz[k];
+    }
+    to = Receiver(gauges, cloud->integer[INT_BODY][b], x + DIM * b);
+    for (PetscInt d = 0; d < dim; d++) force[dim * to + d] += sum[d];
+  }
+  PetscCall(PetscFree(row));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)(count * dim), MPIU_REAL, MPIU_SUM, gauges->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const GaugeKind GaugeForces = {.setfromoptions = SetFromOptions_Forces,
+                               .columns        = Columns_Forces,
+                               .name           = Name_Forces,
+                               .measure        = Measure_Forces};

@@ -1,0 +1,159 @@
+/* The class: what all gauges share, and the list of their kinds. */
+#include "gauges_impl.h"
+
+/* Default of -gauge_connection, in spacings: neighbours within a sheet or thread are closer, a drop that has left the
+   rim is not. */
+#define CONNECTION      1.25
+#define CONNECTION_MOST 2.0
+
+/* In the order of their columns in the series; those of the crater have a place of their own there. */
+static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights,
+                                         &GaugeForces, &GaugeDroplets, &GaugeLines};
+
+#define KINDS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(kinds))
+
+PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
+{
+  Gauges g;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&g));
+  g->comm         = cloud->comm;
+  g->cloud        = cloud;
+  g->level        = NAN;
+  g->multiplicity = 1;
+  g->connection   = CONNECTION;
+  PetscCallMPI(MPI_Comm_rank(g->comm, &g->rank));
+  PetscCallMPI(MPI_Comm_size(g->comm, &g->size));
+  *gauges = g;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GaugesDestroy(Gauges *gauges)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*gauges));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GaugesSetFromOptions(Gauges gauges)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(gauges->comm, NULL, "Gauges: what is measured", "Gauges");
+  PetscCall(PetscOptionsReal("-gauge_level",
+                             "Level of the undisturbed surface (m), from which heights of gauges count; nan: measured "
+                             "at the first state with -gauge_crater, else 0",
+                             "GaugesLevel", gauges->level, &gauges->level, NULL));
+  PetscCall(PetscOptionsReal("-gauge_multiplicity",
+                             "Copies of the simulated part that make the whole, 4 for a quarter of a symmetric scene: "
+                             "factor of energies, volume and droplets (1)",
+                             "GaugesTotals", gauges->multiplicity, &gauges->multiplicity, NULL));
+  PetscCall(PetscOptionsReal("-gauge_connection",
+                             "Particles closer than this hang together, for crown, jet and droplets (spacings)",
+                             "GaugesMeasure", gauges->connection, &gauges->connection, NULL));
+  for (PetscInt k = 0; k < KINDS; k++) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject));
+  PetscOptionsEnd();
+  gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
+  PetscCheckUser(gauges->connection > 0 && gauges->connection <= CONNECTION_MOST, gauges->comm,
+                 "-gauge_connection is %g spacings; it must lie in (0, %g]", (double)gauges->connection,
+                 CONNECTION_MOST);
+  PetscCheckUser(gauges->multiplicity > 0, gauges->comm, "-gauge_multiplicity is %g; it must be positive.",
+                 (double)gauges->multiplicity);
+  for (PetscInt k = 0; k < KINDS; k++)
+    if (kinds[k]->check) PetscCall(kinds[k]->check(gauges));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer)
+{
+  const CraterSetup *crater = &gauges->crater;
+
+  PetscFunctionBegin;
+  if (!crater->wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
+                                   (double)crater->axis[0], (double)crater->axis[1], (double)crater->jet_radius,
+                                   (double)crater->radius, crater->pool_name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool GaugesHasCrater(Gauges gauges)
+{
+  return gauges->crater.wanted;
+}
+
+/* --- columns of the series --- */
+
+static PetscInt Columns(Gauges gauges, PetscInt k)
+{
+  return kinds[k]->columns ? kinds[k]->columns(gauges) : 0;
+}
+
+PetscInt GaugesColumns(Gauges gauges)
+{
+  PetscInt columns = 0;
+
+  for (PetscInt k = 0; k < KINDS; k++) columns += Columns(gauges, k);
+  return columns;
+}
+
+PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], size_t length)
+{
+  PetscInt k = 0;
+
+  PetscFunctionBegin;
+  while (column >= Columns(gauges, k)) column -= Columns(gauges, k++);
+  PetscCall(kinds[k]->name(gauges, column, name, length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  for (PetscInt k = 0; k < KINDS; k++) {
+    const PetscInt columns = Columns(gauges, k);
+
+    if (columns) PetscCall(kinds[k]->measure(gauges, values));
+    values += columns;
+  }
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- tables --- */
+
+PetscInt GaugesTables(Gauges gauges)
+{
+  PetscInt tables = 0;
+
+  for (PetscInt k = 0; k < KINDS; k++) tables += kinds[k]->file && kinds[k]->wanted(gauges);
+  return tables;
+}
+
+/* The kind that fills a table. */
+static const GaugeKind *TableKind(Gauges gauges, PetscInt table)
+{
+  PetscInt k = 0;
+
+  while (!(kinds[k]->file && kinds[k]->wanted(gauges) && table-- == 0)) k++;
+  return kinds[k];
+}
+
+PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length)
+{
+  const GaugeKind *kind = TableKind(gauges, table);
+
+  PetscFunctionBegin;
+  *file = kind->file;
+  PetscCall(kind->head(gauges, head, length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscInt *count, PetscInt *width, PetscReal **values)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(TableKind(gauges, table)->rows(gauges, count, width, values));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

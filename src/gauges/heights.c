@@ -1,0 +1,136 @@
+/* Heights of the surface above places: columns of the series, by SPH interpolation along verticals. */
+#include "gauges_impl.h"
+
+#define BINS 4   /* sampling points a spacing, along a vertical */
+#define GAP  4   /* a gap in the liquid of more points than this ends what stands there: one spacing */
+#define HALF 0.5 /* share of the space that liquid fills where the surface is */
+
+static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOptionsObject)
+{
+  Places *heights = &gauges->heights;
+
+  PetscFunctionBegin;
+  heights->numbers = (PLACES_MOST + 1) * (DIM - 1); /* one more than allowed, to notice it */
+  PetscCall(
+    PetscOptionsRealArray("-gauge_heights",
+                          "Places x,y,x,y,... (in two dimensions x,x,...) where the series holds the height of the "
+                          "liquid that stands there without a gap, m",
+                          "GaugesMeasure", heights->at, &heights->numbers, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Check_Heights(Gauges gauges)
+{
+  PetscFunctionBegin;
+  PetscCall(
+    PlacesCheck(gauges, "-gauge_heights", "place", gauges->cloud->domain->dim - 1, PLACES_MOST, &gauges->heights));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt Columns_Heights(Gauges gauges)
+{
+  return gauges->heights.count;
+}
+
+static PetscErrorCode Name_Heights(Gauges gauges, PetscInt column, char name[], size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, length, "height_%d_m", (int)column + 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sums of V W at the points of a vertical: of the liquid, and of walls and solids. */
+typedef struct {
+  PetscReal liquid, solid;
+} Share;
+
+/* Adds what this rank's particles give to the points lower + k bin of the vertical through an image of a place. */
+static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal bin,
+                        PetscInt bins, Share share[])
+{
+  const Domain    domain = gauges->cloud->domain;
+  const Kernel    kernel = gauges->cloud->kernel;
+  const PetscInt  up     = domain->dim - 1;
+  const PetscReal reach2 = PetscSqr(KernelSupport(kernel)), lower = domain->lower[up];
+
+  for (PetscInt a = 0; a < arrays->n; a++) {
+    const PetscReal *x       = arrays->real[FIELD_POSITION] + DIM * a;
+    PetscReal        across2 = 0, half;
+
+    for (PetscInt d = 0; d < up; d++) across2 += PetscSqr(x[d] - image->x[d]);
+    if (across2 >= reach2) continue;
+    half = PetscSqrtReal(reach2 - across2);
+    for (PetscInt k = PetscMax(0, (PetscInt)PetscCeilReal((x[up] - half - lower) / bin));
+         k < bins && lower + k * bin < x[up] + half; k++) {
+      const PetscReal r2 = across2 + PetscSqr(lower + k * bin - x[up]);
+      PetscReal       W;
+
+      KernelEvaluate(kernel, 1, &r2, &W, NULL);
+      W *= domain->volume;
+      if (arrays->integer[INT_LAYER][a])
+        share[k].solid += W;
+      else
+        share[k].liquid += W;
+    }
+  }
+}
+
+/* Height over the lowest point, in bins; -1 without liquid. */
+static PetscReal Top(PetscInt bins, const Share share[])
+{
+  PetscReal before = 0, top = -1;
+  PetscInt  last = -1;
+
+  for (PetscInt k = 0; k < bins && (last < 0 || k - last <= GAP); k++) {
+    const PetscReal excess = share[k].liquid - HALF * (1 - share[k].solid); /* positive in the liquid */
+
+    if (excess >= 0 && share[k].liquid > 0) {
+      last = k;
+      top  = k;
+    } else if (last == k - 1 && last >= 0)
+      top = last + before / (before - excess); /* the zero between the two points */
+    before = excess;
+  }
+  return top;
+}
+
+/* Height (m) of the liquid that stands on the vertical through each place: going up, where the liquid's share of the
+   space, sum V W over it against 1 - sum V W over walls and solids, falls below a half, unless it comes back within a
+   spacing. The bottom of the box where there is no liquid. */
+static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
+{
+  const Domain    domain = gauges->cloud->domain;
+  const Places   *places = &gauges->heights;
+  const PetscInt  up     = domain->dim - 1;
+  const PetscReal bin = domain->spacing / BINS, reach = KernelSupport(gauges->cloud->kernel);
+  const PetscInt  bins = (PetscInt)((domain->upper[up] - domain->lower[up]) / bin) + 1;
+  Share          *share; /* [heights][bins] */
+  ParticleArrays  arrays;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(places->count * bins, &share));
+  PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
+  for (PetscInt h = 0; h < places->count; h++) {
+    PetscReal  at[DIM] = {0, 0, 0};
+    PointImage image[IMAGES_MOST];
+    PetscInt   images;
+
+    for (PetscInt d = 0; d < up; d++) at[d] = places->at[up * h + d];
+    at[up] = 0.5 * (domain->lower[up] + domain->upper[up]); /* no images through bottom and top */
+    images = PointImages(domain, at, PetscMin(reach, 0.5 * (domain->upper[up] - domain->lower[up])), image);
+    for (PetscInt k = 0; k < images; k++) AddVertical(gauges, &arrays, &image[k], bin, bins, share + bins * h);
+  }
+  PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)(2 * places->count * bins), MPIU_REAL, MPIU_SUM, gauges->comm));
+  for (PetscInt h = 0; h < places->count; h++)
+    height[h] = domain->lower[up] + bin * PetscMax(0, Top(bins, share + bins * h));
+  PetscCall(PetscFree(share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const GaugeKind GaugeHeights = {.setfromoptions = SetFromOptions_Heights,
+                                .check          = Check_Heights,
+                                .columns        = Columns_Heights,
+                                .name           = Name_Heights,
+                                .measure        = Measure_Heights};

@@ -1,0 +1,52 @@
+/* Pressure and velocity at fixed points: columns of the series. */
+#include "gauges_impl.h"
+
+static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOptionsObject)
+{
+  Places *points = &gauges->points;
+
+  PetscFunctionBegin;
+  points->numbers = (PLACES_MOST + 1) * DIM; /* one more than allowed, to notice it */
+  PetscCall(PetscOptionsRealArray("-gauge_points",
+                                  "Points whose pressure and velocity the series holds, x,y,z,x,y,z,... (in two "
+                                  "dimensions x,y,x,y,...), m",
+                                  "PointsSample", points->at, &points->numbers, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Check_Points(Gauges gauges)
+{
+  PetscFunctionBegin;
+  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", gauges->cloud->domain->dim, PLACES_MOST, &gauges->points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt Columns_Points(Gauges gauges)
+{
+  return gauges->points.count * (1 + gauges->cloud->domain->dim);
+}
+
+static PetscErrorCode Name_Points(Gauges gauges, PetscInt column, char name[], size_t length)
+{
+  const PetscInt width = 1 + gauges->cloud->domain->dim, point = column / width, part = column % width;
+
+  PetscFunctionBegin;
+  if (part == 0)
+    PetscCall(PetscSNPrintf(name, length, "point_%d_pressure_Pa", (int)point + 1));
+  else
+    PetscCall(PetscSNPrintf(name, length, "point_%d_velocity_%c_m/s", (int)point + 1, AxisName(part - 1)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Measure_Points(Gauges gauges, PetscReal values[])
+{
+  PetscFunctionBegin;
+  PetscCall(PointsSample(gauges, gauges->points.count, gauges->points.at, values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const GaugeKind GaugePoints = {.setfromoptions = SetFromOptions_Points,
+                               .check          = Check_Points,
+                               .columns        = Columns_Points,
+                               .name           = Name_Points,
+                               .measure        = Measure_Points};

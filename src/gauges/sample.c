@@ -1,0 +1,104 @@
+/* Values of the fluid at places, interpolated from the particles. */
+#include "gauges_impl.h"
+
+PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt width, PetscInt most,
+                           Places *places)
+{
+  const Domain domain = gauges->cloud->domain;
+
+  PetscFunctionBegin;
+  PetscCheckUser(places->numbers % width == 0, gauges->comm, "%s has %d numbers; it needs %d a %s.", option,
+                 (int)places->numbers, (int)width, what);
+  places->count = places->numbers / width;
+  PetscCheckUser(places->count <= most, gauges->comm, "%s has more than %d %ss.", option, (int)most, what);
+  for (PetscInt k = 0; k < places->numbers; k++) {
+    const PetscInt d = k % PetscMin(width, domain->dim);
+
+    PetscCheckUser(places->at[k] >= domain->lower[d] && places->at[k] <= domain->upper[d], gauges->comm,
+                   "%s: %c = %g m of %s %d is not in the box.", option, AxisName(d), (double)places->at[k], what,
+                   (int)(k / width) + 1);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST])
+{
+  PetscInt count = 1;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    image[0].x[d]    = d < domain->dim ? at[d] : 0;
+    image[0].sign[d] = 1;
+  }
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscInt  before = count;
+    const PetscReal length = domain->upper[d] - domain->lower[d];
+
+    for (PetscInt side = 0; side < 2; side++) {
+      const PetscReal face = side ? domain->upper[d] : domain->lower[d];
+      const FaceType  type = domain->face[d][side];
+
+      if ((type != FACE_PERIODIC && type != FACE_SYMMETRY) || PetscAbsReal(at[d] - face) >= reach) continue;
+      for (PetscInt k = 0; k < before; k++) {
+        PointImage *copy = &image[count++];
+
+        *copy = image[k];
+        if (type == FACE_PERIODIC)
+          copy->x[d] += side ? -length : length;
+        else {
+          copy->x[d]    = 2 * face - copy->x[d];
+          copy->sign[d] = -1;
+        }
+      }
+    }
+  }
+  return count;
+}
+
+/* Adds to sum: V W, V W p, V W v of the fluid of this rank around an image. */
+static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
+{
+  Kernel           kernel = gauges->cloud->kernel;
+  const PetscReal  reach2 = PetscSqr(KernelSupport(kernel)), volume = gauges->cloud->domain->volume;
+  const PetscReal *x = arrays->real[FIELD_POSITION], *v = arrays->real[FIELD_VELOCITY];
+
+  for (PetscInt a = 0; a < arrays->n; a++) {
+    const PetscReal r[DIM] = {x[DIM * a] - image->x[0], x[DIM * a + 1] - image->x[1], x[DIM * a + 2] - image->x[2]};
+    const PetscReal r2     = Dot(r, r);
+    PetscReal       W;
+
+    if (r2 >= reach2 || arrays->integer[INT_LAYER][a]) continue;
+    KernelEvaluate(kernel, 1, &r2, &W, NULL);
+    W *= volume;
+    sum[0] += W;
+    sum[1] += W * arrays->real[FIELD_PRESSURE][a];
+    for (PetscInt d = 0; d < DIM; d++) sum[2 + d] += W * image->sign[d] * v[DIM * a + d];
+  }
+}
+
+PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[])
+{
+  const Domain   domain = gauges->cloud->domain;
+  const PetscInt width  = 1 + domain->dim;
+  PetscReal     *sum;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(count * (2 + DIM), &sum));
+  PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
+  for (PetscInt p = 0; p < count; p++) {
+    PointImage     image[IMAGES_MOST];
+    const PetscInt images = PointImages(domain, at + domain->dim * p, KernelSupport(gauges->cloud->kernel), image);
+
+    for (PetscInt k = 0; k < images; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);
+  }
+  PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(count * (2 + DIM)), MPIU_REAL, MPIU_SUM, gauges->comm));
+  for (PetscInt p = 0; p < count; p++) {
+    const PetscReal *s = sum + (2 + DIM) * p;
+
+    values[width * p] = s[0] > 0 ? s[1] / s[0] : 0;
+    for (PetscInt d = 0; d < domain->dim; d++) values[width * p + 1 + d] = s[0] > 0 ? s[2 + d] / s[0] : NAN;
+  }
+  PetscCall(PetscFree(sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,59 @@
+/* Sums over the fluid: energies, volume and number; the highest liquid of all, and the level that heights count from.
+ */
+#include "gauges_impl.h"
+
+const char *GaugeUnit(Domain domain, const char unit[])
+{
+  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2; k++)
+    if (!strcmp(unit, flat[k][0])) return flat[k][1];
+  return unit;
+}
+
+PetscReal GaugesLevel(Gauges gauges)
+{
+  return PetscIsInfOrNanReal(gauges->level) && !gauges->crater.wanted ? 0 : gauges->level;
+}
+
+void GaugesSetLevel(Gauges gauges, PetscReal level)
+{
+  if (!gauges->level_given) gauges->level = level;
+}
+
+PetscReal HeightOverLevel(Gauges gauges, PetscReal top)
+{
+  return top > -PETSC_MAX_REAL ? top + 0.5 * gauges->cloud->domain->spacing - GaugesLevel(gauges) : NAN;
+}
+
+PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
+{
+  const Domain   domain = gauges->cloud->domain;
+  const Scene    scene  = gauges->cloud->scene;
+  PetscReal      sum[3] = {0, 0, 0}, highest = -PETSC_MAX_REAL; /* sum: kinetic, potential energy, particles */
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, *v = arrays.real[FIELD_VELOCITY] + DIM * a;
+    PetscReal        mass;
+
+    if (arrays.integer[INT_LAYER][a]) continue;
+    mass = domain->volume * BodyMaterial(SceneBody(scene, arrays.integer[INT_BODY][a]))->density;
+    sum[0] += 0.5 * mass * Dot(v, v);
+    sum[1] += mass * SceneForcePotential(scene, x);
+    sum[2] += 1;
+    highest = PetscMax(highest, x[domain->dim - 1]);
+  }
+  PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, gauges->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &highest, 1, MPIU_REAL, MPIU_MAX, gauges->comm));
+  totals->multiplicity     = gauges->multiplicity;
+  totals->kinetic_energy   = gauges->multiplicity * sum[0];
+  totals->potential_energy = gauges->multiplicity * sum[1];
+  totals->volume           = gauges->multiplicity * sum[2] * domain->volume;
+  totals->particles        = (PetscInt)sum[2];
+  totals->highest          = HeightOverLevel(gauges, highest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,231 @@
+/* Gauges on shapes cut out of a lattice: crater, crown and jet; totals; droplets in a quarter of the scene. */
+#include "lattice.h"
+
+#define FILM    10e-3
+#define FULL    "-box_lower -12e-3,-12e-3,0 -box_upper 12e-3,12e-3,30e-3 " SIDES
+#define SIDES   "-box_x periodic -box_y periodic -box_zmin wall "
+#define QUARTER "-box_lower 0,0,0 -box_upper 12e-3,12e-3,30e-3 -box_xmin symmetry -box_ymin symmetry -box_zmin wall "
+#define PLANE   "-dimension 2 -box_lower -12e-3,0,0 -box_upper 12e-3,30e-3,0 -box_ymin wall "
+#define HALF    "-dimension 2 -box_lower 0,0,0 -box_upper 12e-3,30e-3,0 -box_xmin symmetry -box_ymin wall "
+#define BODIES                                                                                                         \
+  "-spacing 0.5e-3 -bodies film,drop -film_shape box -film_density 1100 -drop_shape sphere -drop_radius 2e-3 "         \
+  "-drop_density 1000 -gauge_crater "
+#define BODIES_3D BODIES "-film_lower -1,-1,0 -film_upper 1,1,10e-3 -drop_center 0,0,14e-3 "
+#define BODIES_2D BODIES "-film_lower -1,0,-1 -film_upper 1,10e-3,1 -drop_center 0,14e-3,0 "
+
+#define CRATER (6e-3)
+
+static int Flat(PetscReal r, PetscReal z)
+{
+  return z < FILM;
+}
+
+static int Bowl(PetscReal r, PetscReal z)
+{
+  return z < FILM && r * r + (z - FILM) * (z - FILM) > CRATER * CRATER;
+}
+
+/* A crown that leans in over the crater, 5 mm high, and rises from its edge. */
+static int Crown(PetscReal r, PetscReal z)
+{
+  const PetscReal edge = CRATER + 1.0e-3 - 0.5 * (z - FILM);
+
+  return Bowl(r, z) || (z >= FILM && z < FILM + 5e-3 && PetscAbsReal(r - edge) < 1.0e-3);
+}
+
+/* With spray over the crater and beside it. */
+static int Spray(PetscReal r, PetscReal z)
+{
+  return Crown(r, z) || (PetscAbsReal(z - 25e-3) < 1e-3 && r < 4e-3) || (r < 1e-3 && PetscAbsReal(z - 12e-3) < 1e-3);
+}
+
+/* With a jet in the middle that carries the drop's liquid. */
+static int Jet(PetscReal r, PetscReal z)
+{
+  return r < 1.5e-3 && z < FILM + 8e-3 ? 2 : Bowl(r, z);
+}
+
+/* A jet with a cap that hides most of the crater from above. */
+static int Mushroom(PetscReal r, PetscReal z)
+{
+  const int jet = Jet(r, z);
+
+  return jet ? jet : r < 4e-3 && PetscAbsReal(z - FILM - 5e-3) < 1e-3;
+}
+
+/* Flat, with a void inside. */
+static int Void(PetscReal r, PetscReal z)
+{
+  return Flat(r, z) && r * r + (z - 5e-3) * (z - 5e-3) > 9e-6;
+}
+
+/* A drop just above the flat film. */
+static int Above(PetscReal r, PetscReal z)
+{
+  return r * r + (z - 13.5e-3) * (z - 13.5e-3) < 4e-6 ? 2 : Flat(r, z);
+}
+
+/* A crater down to the bottom of the pool. */
+static int Dry(PetscReal r, PetscReal z)
+{
+  return z < FILM && r > CRATER;
+}
+
+/* What a shape should give, in spacings; not a number: not checked. */
+typedef struct {
+  const char *name, *options;
+  Shape       shape;
+  PetscReal   jitter, depth, diameter, crown, jet, tolerance;
+} Case;
+
+static const Case cases[] = {
+  {"flat", FULL BODIES_3D, Flat, 0, 0, 0, 0, 0, 1e-6},
+  {"flat jittered", FULL BODIES_3D, Flat, 0.25, 0, 0, 0, 0, 0.3},
+  {"flat quarter", QUARTER BODIES_3D, Flat, 0.2, 0, 0, 0, 0, 0.3},
+  {"flat plane", PLANE BODIES_2D, Flat, 0.2, 0, 0, 0, 0, 0.3},
+  {"void", FULL BODIES_3D, Void, 0.2, 0, 0, 0, 0, 0.3},
+  {"drop above", FULL BODIES_3D, Above, 0, 0, 0, 0, 0, 1e-6},
+  {"bowl", FULL BODIES_3D "-gauge_level 10e-3 ", Bowl, 0, 12, 24, 0, -11.2, 0.6},
+  {"bowl jittered", FULL BODIES_3D "-gauge_level 10e-3 ", Bowl, 0.25, 12, 24, NAN, NAN, 0.6},
+  {"bowl quarter", QUARTER BODIES_3D "-gauge_level 10e-3 ", Bowl, 0.2, 12, 24, NAN, NAN, 0.6},
+  {"bowl plane", PLANE BODIES_2D "-gauge_level 10e-3 ", Bowl, 0, 12, 24, 0, NAN, 0.6},
+  {"crown", FULL BODIES_3D "-gauge_level 10e-3 ", Crown, 0.1, 12, 23.6, 10, NAN, 0.6},
+  {"spray", FULL BODIES_3D "-gauge_level 10e-3 ", Spray, 0.1, 12, 23.6, 10, NAN, 0.6},
+  {"jet", FULL BODIES_3D "-gauge_level 10e-3 ", Jet, 0.1, 11.2, 24, NAN, 16, 0.6},
+  {"mushroom", FULL BODIES_3D "-gauge_level 10e-3 ", Mushroom, 0.1, 11.2, 24, 12, 16, 0.6},
+  {"dry", FULL BODIES_3D "-gauge_level 10e-3 ", Dry, 0.1, 20, 24, NAN, NAN, 0.6},
+};
+
+static PetscErrorCode CheckGauges(const Case *c)
+{
+  Run          run;
+  CraterValues g;
+  GaugeTotals  totals;
+  char         name[128];
+  double       start;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(c->options, &run));
+  PetscCall(Fill(&run, c->shape, c->jitter));
+  start = MPI_Wtime();
+  PetscCall(GaugesCrater(run.gauges, &g));
+  PetscCall(GaugesTotals(run.gauges, &totals));
+  start = MPI_Wtime() - start;
+#define CHECK_LENGTH(value, expected, what)                                                                            \
+  do {                                                                                                                 \
+    (void)snprintf(name, sizeof(name), "gauges %s: %s", c->name, what);                                                \
+    if (expected == expected) CHECK_CLOSE((value) / D0, expected, c->tolerance, name);                                 \
+  } while (0)
+  CHECK_LENGTH(g.crater_depth, c->depth, "depth");
+  CHECK_LENGTH(g.crater_diameter, c->diameter, "diameter");
+  CHECK_LENGTH(g.crown_height, c->crown, "crown");
+  CHECK_LENGTH(g.jet_height, c->jet, "jet");
+#undef CHECK_LENGTH
+  if (getenv("TEST_VERBOSE"))
+    printf("%-15s D %g phi %g H %g jet %g top %g N %d KE %g, %.1f ms\n", c->name, g.crater_depth / D0,
+           g.crater_diameter / D0, g.crown_height / D0, g.jet_height / D0, totals.highest / D0, (int)totals.particles,
+           totals.kinetic_energy, 1e3 * start);
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- droplets --- */
+
+/* Over a film a droplet on the axis, one beside it and its mirror image, a piece of two particles on the axis, and a
+   single particle and its image. */
+static int Drops(PetscReal r, PetscReal z)
+{
+  if (r * r + (z - 16e-3) * (z - 16e-3) < 4e-6 || (r - 7e-3) * (r - 7e-3) + (z - 20e-3) * (z - 20e-3) < 1e-6) return 1;
+  return (r < D0 && PetscAbsReal(z - 25.25e-3) < 0.5 * D0) ||
+             (PetscAbsReal(r - 10.25e-3) < 0.5 * D0 && PetscAbsReal(z - 25.25e-3) < 0.5 * D0)
+           ? 1
+           : Flat(r, z);
+}
+
+#define DROPLETS 4 /* columns: number, volume, largest volume, spray */
+
+/* The columns of the droplets; and from the table how many droplets the rows stand for, and their volume. */
+static PetscErrorCode MeasureDroplets(const char options[], PetscReal multiplicity, PetscReal columns[DROPLETS],
+                                      PetscReal table[2])
+{
+  Run        run;
+  PetscInt   count, width;
+  PetscReal *rows;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(options, &run));
+  PetscCall(Fill(&run, Drops, 0));
+  CHECK(GaugesColumns(run.gauges) == DROPLETS && GaugesTables(run.gauges) == 1, "droplets: columns and a table");
+  PetscCall(GaugesMeasure(run.gauges, columns));
+  PetscCall(GaugesTableRows(run.gauges, 0, &count, &width, &rows));
+  table[0] = table[1] = 0;
+  for (PetscInt k = 0; k < count; k++) {
+    table[0] += rows[width * k + width - 1];
+    table[1] += rows[width * k + width - 1] * rows[width * k + 1];
+    if (rows[width * k + width - 1] < multiplicity) CHECK_CLOSE(rows[width * k + 2], 0, 1e-12, "droplets: on the axis");
+  }
+  PetscCall(PetscFree(rows));
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Half of a scene, taken twice, has the droplets of the whole. */
+static PetscErrorCode CheckDroplets(void)
+{
+  static const char *const name[] = {"droplets: number", "droplets: volume", "droplets: largest", "droplets: spray"};
+  PetscReal                whole[DROPLETS], half[DROPLETS], table[2];
+  PetscMPIInt              rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(MeasureDroplets(PLANE BODIES_2D "-gauge_droplets ", 1, whole, table));
+  PetscCall(MeasureDroplets(HALF BODIES_2D "-gauge_droplets -gauge_multiplicity 2 ", 2, half, table));
+  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
+  CHECK(whole[0] == 4 && whole[3] == 2, "droplets: four, and two particles of spray");
+  for (PetscInt c = 0; c < DROPLETS; c++) CHECK_CLOSE(half[c], whole[c], 1e-12 * whole[c], name[c]);
+  CHECK_CLOSE(table[0], whole[0], 0, "droplets: number in the table");
+  CHECK_CLOSE(table[1], whole[1], 1e-12 * whole[1], "droplets: volume in the table");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- which columns there are --- */
+
+static PetscErrorCode HasCrater(const char options[], PetscBool expected, const char name[])
+{
+  Run run;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(options, &run));
+  CHECK(GaugesHasCrater(run.gauges) == expected, name);
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define TANK                                                                                                           \
+  "-dimension 2 -box_lower 0,0,0 -box_upper 6e-3,6e-3,0 -spacing 0.5e-3 -bodies film -film_shape box -film_lower "     \
+  "0,0,-1 -film_upper 1,3e-3,1 "
+
+static PetscErrorCode CheckCraterOption(void)
+{
+  PetscFunctionBegin;
+  PetscCall(HasCrater(TANK, PETSC_FALSE, "crater: not unless asked for"));
+  PetscCall(HasCrater(TANK "-gauge_crater ", PETSC_TRUE, "crater: asked for"));
+  PetscCall(HasCrater(TANK "-gauge_jet_radius 1e-3 ", PETSC_TRUE, "crater: asked for by one of its options"));
+  PetscCall(HasCrater(TANK "-gauge_jet_radius 1e-3 -gauge_crater 0 ", PETSC_FALSE, "crater: asked not to"));
+  PetscCall(HasCrater(TANK "-gauge_level 1e-3 ", PETSC_FALSE, "crater: the level alone does not ask for it"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  world = PETSC_COMM_WORLD;
+  PetscCall(LogRegister());
+  PetscCall(UserErrorHandlerPush());
+  for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) PetscCall(CheckGauges(&cases[c]));
+  PetscCall(CheckDroplets());
+  PetscCall(CheckCraterOption());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
