@@ -1,10 +1,11 @@
 /* Bodies filled from a lattice of the particle spacing, with a jitter. */
 #include "packing_impl.h"
 
-#define LEVEL_MAX   0.5 /* spacings that the level may be from a body's surface: a point more or less a direction */
-#define SHELL_SPLIT 0.5 /* a shell of equal distance with more than this share of the points near the surface is flat  \
-                         */
-#define SUBPOINTS 6     /* a direction: the share of a lattice cell inside a body is exact to about a percent */
+#define LEVEL_MAX 0.5 /* spacings that the level may be from a body's surface: a point more or less a direction */
+#define SHELL_SPLIT                                                                                                    \
+  0.5                 /* a shell of equal distance with more than this share of the points near the surface is flat    \
+                       */
+#define SUBPOINTS 6   /* a direction: the share of a lattice cell inside a body is exact to about a percent */
 #define TIE       0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
 
 typedef struct {

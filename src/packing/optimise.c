@@ -76,12 +76,11 @@ static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* e_a into WORK1 (zero for walls, which do not move and are not asked for their density); returns f. */
-static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
+/* error[a] = e_a for the owned particles, zero for walls, which do not move and are not asked for their density; f. */
+static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
 {
   const Cloud     cloud   = o->cloud;
   const PetscReal reach   = REPULSION_MARGIN * o->distance;
-  PetscReal      *error   = cloud->field[FIELD_WORK1];
   PetscReal       sums[2] = {0, 0}, closest2 = PETSC_MAX_REAL; /* sums of e^2 and of the repulsion */
   PairRow        *row = o->row;
 
@@ -110,14 +109,13 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal *f)
 
 /* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - k/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move
    alike. */
-static PetscErrorCode Gradient(Optimiser *o, Vec gradient)
+static PetscErrorCode Gradient(Optimiser *o, const PetscReal error[], Vec gradient)
 {
-  const Cloud      cloud = o->cloud;
-  const PetscInt   dim   = cloud->domain->dim;
-  const PetscReal *error = cloud->field[FIELD_WORK1];
-  const PetscReal  reach = REPULSION_MARGIN * o->distance, volume = cloud->domain->volume;
-  PairRow         *row = o->row;
-  PetscReal       *g;
+  const Cloud     cloud = o->cloud;
+  const PetscInt  dim   = cloud->domain->dim;
+  const PetscReal reach = REPULSION_MARGIN * o->distance, volume = cloud->domain->volume;
+  PairRow        *row = o->row;
+  PetscReal      *g;
 
   PetscFunctionBegin;
   PetscCall(VecGetArrayWrite(gradient, &g));
@@ -148,6 +146,7 @@ static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void 
 {
   Optimiser *o = (Optimiser *)context;
   PetscBool  too_far;
+  PetscReal *error;
 
   PetscFunctionBegin;
   PetscCall(MoveFluid(o, y, &too_far));
@@ -156,9 +155,11 @@ static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void 
     PetscCall(VecSet(gradient, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(Errors(o, f));
-  PetscCall(CloudUpdate(o->cloud, FIELD_WORK1));
-  PetscCall(Gradient(o, gradient));
+  PetscCall(CloudGetWork(o->cloud, 1, &error));
+  PetscCall(Errors(o, error, f));
+  PetscCall(CloudUpdateArray(o->cloud, 1, PARITY_SCALAR, error));
+  PetscCall(Gradient(o, error, gradient));
+  PetscCall(CloudRestoreWork(o->cloud, &error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

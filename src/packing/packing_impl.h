@@ -31,10 +31,11 @@ typedef struct {
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
-  PetscErrorCode (*setfromoptions)(Packing     packing,
-                                   OptionItems PetscOptionsObject); /* reads, inside an options block */
-  PetscErrorCode (*check)(Packing packing);                         /* refuses bad numbers */
-  PetscErrorCode (*setup)(Packing packing, PackingReport *report);  /* before the visits; collective */
+  /* Read options inside a block: those of the type, and numbers that one need not set ("Advanced: ..."). */
+  PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
+  PetscErrorCode (*setadvanced)(Packing packing, OptionItems PetscOptionsObject);
+  PetscErrorCode (*check)(Packing packing);                        /* refuses bad numbers */
+  PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
   SampleSource visit; /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */
   PetscErrorCode (*destroy)(Packing packing);

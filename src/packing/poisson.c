@@ -22,11 +22,18 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
   PetscCall(PetscOptionsReal("-packing_tolerance",
                              "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)",
                              "PackingSetFromOptions", p->tolerance, &p->tolerance, NULL));
-  PetscCall(PetscOptionsReal("-packing_skin",
-                             "advanced: depth below a free surface at which its random samples start (spacings)",
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetAdvanced_Poisson(Packing packing, OptionItems PetscOptionsObject)
+{
+  Poisson *p = (Poisson *)packing->data;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsReal("-packing_skin", "depth below a free surface at which its random samples start (spacings)",
                              "PackingSetFromOptions", p->skin, &p->skin, NULL));
   PetscCall(PetscOptionsReal("-packing_repulsion",
-                             "advanced: strength of the repulsion that keeps -packing_distance while TAO works, over "
+                             "strength of the repulsion that keeps -packing_distance while TAO works, over "
                              "that of the density's error (1)",
                              "PackingSetFromOptions", p->repulsion, &p->repulsion, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,6 +138,7 @@ PetscErrorCode PackingCreate_Poisson(Packing packing)
   p->repulsion                = 1;    /* at the goal the density pushes with 1e-4: r falls short by as much */
   packing->data               = p;
   packing->ops.setfromoptions = SetFromOptions_Poisson;
+  packing->ops.setadvanced    = SetAdvanced_Poisson;
   packing->ops.check          = Check_Poisson;
   packing->ops.setup          = SetUp_Poisson;
   packing->ops.visit          = Visit_Poisson;

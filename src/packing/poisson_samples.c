@@ -6,8 +6,9 @@
 #include "packing_impl.h"
 
 /* Lengths in spacings. All numbers were found by trial on drops and films; TAO forgives each of them. */
-#define FIRST_RADIUS 0.95 /* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most  \
-                           */
+#define FIRST_RADIUS                                                                                                   \
+  0.95 /* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most                     \
+        */
 #define RADIUS_SHRINK   0.98 /* factor on the distance in the volume ... */
 #define PLACED_LEAST    0.03 /* ... when less than this part of the darts in the core finds a place */
 #define RADIUS_SMALLEST 0.6  /* a body that does not hold its samples at this distance is too thin for the skin ... */

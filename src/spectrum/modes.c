@@ -35,7 +35,7 @@ static PetscReal SolidHarmonic(PetscInt n, PetscInt m, const PetscReal x[DIM])
 }
 
 /* Centre of mass (m), and radius (m) from the volume; of all ranks. */
-static PetscErrorCode Measure(Cloud cloud, PetscReal centre[DIM], PetscReal *radius)
+static PetscErrorCode MeasureDrop(Cloud cloud, PetscReal centre[DIM], PetscReal *radius)
 {
   PetscReal sum[4] = {0, 0, 0, 0};
 
@@ -201,7 +201,7 @@ PetscErrorCode SpectrumModes(Spectrum s)
 
   PetscFunctionBegin;
   if (s->degrees < 1 || !IsFreeDrop(s)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Measure(s->cloud, centre, &radius));
+  PetscCall(MeasureDrop(s->cloud, centre, &radius));
   unit = m->tension / (m->density * radius * radius * radius);
   PetscCall(PetscMalloc1(count, &basis));
   PetscCall(Basis(s, centre, radius, most, basis));

@@ -5,10 +5,24 @@
 #define INNER_RTOL 1e-10 /* of the solves with the operator */
 #define WAVES      8     /* wave numbers a direction up to pi/d0 at which the lattice's symbol is taken */
 
+/* The pressure operator A and what is made of it. */
 typedef struct {
-  Mat A;
-  KSP ksp;
+  Mat       A, inverse, preconditioned; /* the last two as shells */
+  KSP       ksp;                        /* solves with A, tightly */
+  Vec       b;                          /* a right side, borrowed */
+  Vec       constant;                   /* of the null space; NULL: there is none */
+  PCType    preconditioner;             /* its name */
+  PetscReal rtol;                       /* of the run's own solves */
 } Operators;
+
+/* What was found. */
+typedef struct {
+  PetscReal largest, smallest;     /* eigenvalues of A */
+  PetscReal most, least;           /* of the preconditioned one */
+  PetscReal seen_most, seen_least; /* of the preconditioned one, by CG's Lanczos process */
+  PetscInt  iterations;            /* from zero to the run's tolerance */
+  PetscBool converged;             /* all of them */
+} Extremes;
 
 /* y = A^-1 x */
 static PetscErrorCode ApplyInverse(Mat shell, Vec x, Vec y)
@@ -39,33 +53,41 @@ static PetscErrorCode ApplyPreconditioned(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest eigenvalue of a full lattice times density, 1/m2: the maximum over the wave number k of sum_b c_b (1 -
-   cos k.r_b), c_b as in Eq. (8) of Kuri et al. with V = d0^dim; 3.53/d0^2 for the cubic spline with h = 1.3 d0. */
+/* sum_b c_b (1 - cos k.r_b) over a full lattice, 1/m2, with c_b as in Eq. (8) of Kuri et al. and V = d0^dim; wave: k in
+   units of pi/(WAVES d0). */
+static PetscReal LatticeSymbol(Cloud cloud, const PetscInt wave[DIM])
+{
+  const PetscInt reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1,
+                 top = cloud->domain->dim == DIM ? reach : 0, first[DIM] = {-reach, -reach, -top},
+                 last[DIM] = {reach, reach, top};
+  const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel), V = cloud->domain->volume;
+  PetscInt        at[DIM] = {-reach, -reach, -top};
+  PetscReal       sum     = 0;
+
+  do {
+    const PetscReal r2    = d0 * d0 * (at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+    const PetscInt  phase = wave[0] * at[0] + wave[1] * at[1] + wave[2] * at[2];
+    PetscReal       W, F;
+
+    if (!(r2 > 0)) continue;
+    KernelEvaluate(cloud->kernel, 1, &r2, &W, &F);
+    sum -= 2 * V * F * r2 / (r2 + eta2) * (1 - PetscCosReal(PETSC_PI / WAVES * phase));
+  } while (CellNext(first, last, at));
+  return sum;
+}
+
+/* The largest eigenvalue of a full lattice times density, 1/m2: the maximum of the symbol over the wave numbers;
+   3.53/d0^2 for the cubic spline with h = 1.3 d0. */
 static PetscReal LatticeLargest(Cloud cloud)
 {
-  const PetscInt dim   = cloud->domain->dim,
-                 reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1,
-                 top = dim == 3 ? reach : 0, waves = dim == 3 ? WAVES : 0;
-  const PetscReal d0 = cloud->domain->spacing, eta2 = EtaSquared(cloud->kernel), V = cloud->domain->volume;
-  PetscReal       largest = 0;
+  const PetscInt first[DIM] = {0, 0, 0}, last[DIM] = {WAVES, WAVES, cloud->domain->dim == DIM ? WAVES : 0};
+  PetscInt       wave[DIM] = {0, 0, 0};
+  PetscReal      largest   = 0;
 
-  for (PetscInt p = 0; p <= WAVES; p++)
-    for (PetscInt q = 0; q <= p; q++)
-      for (PetscInt r = 0; r <= PetscMin(q, waves); r++) {
-        PetscReal sum = 0;
-
-        for (PetscInt k = -top; k <= top; k++)
-          for (PetscInt j = -reach; j <= reach; j++)
-            for (PetscInt i = -reach; i <= reach; i++) {
-              const PetscReal r2 = d0 * d0 * (i * i + j * j + k * k);
-              PetscReal       W, F;
-
-              KernelEvaluate(cloud->kernel, 1, &r2, &W, &F);
-              if (r2 > 0)
-                sum -= 2 * V * F * r2 / (r2 + eta2) * (1 - PetscCosReal(PETSC_PI / WAVES * (p * i + q * j + r * k)));
-            }
-        largest = PetscMax(largest, sum);
-      }
+  do {
+    if (wave[0] < wave[1] || wave[1] < wave[2]) continue; /* by symmetry no other than its mirror images */
+    largest = PetscMax(largest, LatticeSymbol(cloud, wave));
+  } while (CellNext(first, last, wave));
   return largest;
 }
 
@@ -99,7 +121,7 @@ static PetscErrorCode SmallestInTheory(Cloud cloud, PetscBool free, PetscReal *v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Shell(Operators *o, PetscErrorCode (*apply)(Mat, Vec, Vec), Mat *shell)
+static PetscErrorCode CreateShell(Operators *o, PetscErrorCode (*apply)(Mat, Vec, Vec), Mat *shell)
 {
   PetscInt n, N;
 
@@ -112,7 +134,7 @@ static PetscErrorCode Shell(Operators *o, PetscErrorCode (*apply)(Mat, Vec, Vec)
 }
 
 /* CG with the preconditioner of the run, tight, watching its Lanczos process. */
-static PetscErrorCode Watched(KSP model, KSP *ksp)
+static PetscErrorCode CreateTightSolver(KSP model, KSP *ksp)
 {
   Mat A, P;
   PC  pc;
@@ -131,72 +153,106 @@ static PetscErrorCode Watched(KSP model, KSP *ksp)
 }
 
 /* The iterations from zero to the run's tolerance, and extreme singular values seen on the way to a tight one. */
-static PetscErrorCode Lanczos(KSP ksp, Vec b, PetscReal rtol, PetscInt *iterations, PetscReal *most, PetscReal *least)
+static PetscErrorCode WatchLanczos(const Operators *o, Extremes *e)
 {
-  Vec x;
+  const KSP ksp = o->ksp;
+  Vec       x;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(b, &x));
-  PetscCall(KSPSetTolerances(ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  PetscCall(KSPSolve(ksp, b, x));
-  PetscCall(KSPGetIterationNumber(ksp, iterations));
+  PetscCall(VecDuplicate(o->b, &x));
+  PetscCall(KSPSetTolerances(ksp, o->rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(KSPSolve(ksp, o->b, x));
+  PetscCall(KSPGetIterationNumber(ksp, &e->iterations));
   PetscCall(KSPSetTolerances(ksp, INNER_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   PetscCall(VecSet(x, 0));
-  PetscCall(KSPSolve(ksp, b, x));
-  PetscCall(KSPComputeExtremeSingularValues(ksp, most, least));
+  PetscCall(KSPSolve(ksp, o->b, x));
+  PetscCall(KSPComputeExtremeSingularValues(ksp, &e->seen_most, &e->seen_least));
   PetscCall(VecDestroy(&x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
+static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
 {
-  Cloud           cloud   = s->cloud;
-  const PetscReal density = BodyMaterial(SceneBody(cloud->scene, 0))->density;
-  Operators       o;
-  KSP             model;
-  Mat             inverse, preconditioned;
-  MatNullSpace    null;
-  Vec             b, constant = NULL;
-  PetscReal       largest, smallest, most, least, seen_most, seen_least, theory, rtol;
-  PetscBool       found[4];
-  PetscInt        solve, rows;
-  PCType          name;
-  PC              pc;
+  KSP          model; /* of the run */
+  PC           pc;
+  MatNullSpace null;
+
+  PetscFunctionBegin;
+  PetscCall(PressureSolver(s->pressure, &model, &o->b));
+  PetscCall(KSPGetOperators(model, &o->A, NULL));
+  PetscCall(KSPGetTolerances(model, &o->rtol, NULL, NULL, NULL));
+  PetscCall(KSPGetPC(model, &pc));
+  PetscCall(PCGetType(pc, &o->preconditioner));
+  PetscCall(MatGetNullSpace(o->A, &null));
+  o->constant = NULL;
+  if (null) {
+    PetscCall(VecDuplicate(o->b, &o->constant));
+    PetscCall(VecSet(o->constant, 1));
+    PetscCall(MatNullSpaceRemove(null, o->b));
+  }
+  PetscCall(CreateTightSolver(model, &o->ksp));
+  PetscCall(CreateShell(o, ApplyInverse, &o->inverse));
+  PetscCall(CreateShell(o, ApplyPreconditioned, &o->preconditioned));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode DestroyOperators(Operators *o)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&o->inverse));
+  PetscCall(MatDestroy(&o->preconditioned));
+  PetscCall(KSPDestroy(&o->ksp));
+  PetscCall(VecDestroy(&o->constant));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FindExtremes(const Operators *o, Extremes *e)
+{
+  PetscReal inverse;
+  PetscBool found[4];
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumExtreme(o->A, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &e->largest, &found[0]));
+  PetscCall(SpectrumExtreme(o->inverse, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &inverse, &found[1]));
+  e->smallest = 1 / inverse;
+  PetscCall(
+    SpectrumExtreme(o->preconditioned, EPS_NHEP, EPS_LARGEST_REAL, 10 * TOLERANCE, o->constant, &e->most, &found[2]));
+  PetscCall(
+    SpectrumExtreme(o->preconditioned, EPS_NHEP, EPS_SMALLEST_REAL, 10 * TOLERANCE, o->constant, &e->least, &found[3]));
+  PetscCall(WatchLanczos(o, e));
+  e->converged = (PetscBool)(found[0] && found[1] && found[2] && found[3]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operator alone, beside theory. */
+static PetscErrorCode PrintOperator(Cloud cloud, const Operators *o, const Extremes *e, PetscInt rows)
+{
+  const PetscReal density = BodyMaterial(SceneBody(cloud->scene, 0))->density, d0 = cloud->domain->spacing;
+  PetscReal       theory;
   char            words[128] = "";
 
   PetscFunctionBegin;
-  PetscCall(PressureSolver(s->pressure, &model, &b));
-  PetscCall(KSPGetOperators(model, &o.A, NULL));
-  PetscCall(KSPGetTolerances(model, &rtol, NULL, NULL, NULL));
-  PetscCall(KSPGetPC(model, &pc));
-  PetscCall(PCGetType(pc, &name));
-  PetscCall(MatGetSize(o.A, &rows, NULL));
-  PetscCall(MatGetNullSpace(o.A, &null));
-  if (null) {
-    PetscCall(VecDuplicate(b, &constant));
-    PetscCall(VecSet(constant, 1));
-    PetscCall(MatNullSpaceRemove(null, b));
-  }
-  PetscCall(Watched(model, &o.ksp));
-  PetscCall(Shell(&o, ApplyInverse, &inverse));
-  PetscCall(Shell(&o, ApplyPreconditioned, &preconditioned));
-  PetscCall(SpectrumExtreme(o.A, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, constant, &largest, &found[0]));
-  PetscCall(SpectrumExtreme(inverse, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, constant, &smallest, &found[1]));
-  smallest = 1 / smallest;
-  PetscCall(SmallestInTheory(cloud, (PetscBool)!null, &theory, words, sizeof(words)));
-  PetscCall(
-    PetscPrintf(cloud->comm,
-                "  pressure operator, %" PetscInt_FMT " rows (eigenvalues times density)\n"
-                "    largest    %.5g 1/m2 = %.4g/d0^2; a full lattice has %.4g/d0^2\n"
-                "    smallest   %.5g 1/m2",
-                rows, (double)(largest * density), (double)(largest * density * PetscSqr(cloud->domain->spacing)),
-                (double)(LatticeLargest(cloud) * PetscSqr(cloud->domain->spacing)), (double)(smallest * density)));
+  PetscCall(SmallestInTheory(cloud, (PetscBool)!o->constant, &theory, words, sizeof(words)));
+  PetscCall(PetscPrintf(cloud->comm,
+                        "  pressure operator, %" PetscInt_FMT " rows (eigenvalues times density)\n"
+                        "    largest    %.5g 1/m2 = %.4g/d0^2; a full lattice has %.4g/d0^2\n"
+                        "    smallest   %.5g 1/m2",
+                        rows, (double)(e->largest * density), (double)(e->largest * density * PetscSqr(d0)),
+                        (double)(LatticeLargest(cloud) * PetscSqr(d0)), (double)(e->smallest * density)));
   if (theory > 0) PetscCall(PetscPrintf(cloud->comm, "; theory %.5g 1/m2, %s", (double)theory, words));
-  PetscCall(PetscPrintf(cloud->comm, "\n    condition  %.5g%s\n", (double)(largest / smallest),
-                        null ? ", constants left out" : ""));
-  PetscCall(SpectrumExtreme(preconditioned, EPS_NHEP, EPS_LARGEST_REAL, 10 * TOLERANCE, constant, &most, &found[2]));
-  PetscCall(SpectrumExtreme(preconditioned, EPS_NHEP, EPS_SMALLEST_REAL, 10 * TOLERANCE, constant, &least, &found[3]));
-  PetscCall(Lanczos(o.ksp, b, rtol, &solve, &seen_most, &seen_least));
+  PetscCall(PetscPrintf(cloud->comm, "\n    condition  %.5g%s\n", (double)(e->largest / e->smallest),
+                        o->constant ? ", constants left out" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operator under the preconditioner, beside the iterations. */
+static PetscErrorCode PrintPreconditioned(Cloud cloud, const Operators *o, const Extremes *e, PetscInt iterations)
+{
+  const PetscReal condition = e->most / e->least; /* and the bound on CG's iterations that follows from it */
+  const PetscReal bound =
+    PetscCeilReal(0.5 * PetscSqrtReal(condition) * PetscLogReal(2 * PetscSqrtReal(e->largest / e->smallest) / o->rtol));
+
+  PetscFunctionBegin;
   PetscCall(PetscPrintf(cloud->comm,
                         "  with -pc_type %s\n"
                         "    largest    %.5g, smallest %.5g, condition %.5g\n"
@@ -204,16 +260,26 @@ PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
                         "    iterations %" PetscInt_FMT
                         " from zero to %.0e; at most %.0f by that condition; %" PetscInt_FMT
                         " in the last step, from the former pressure\n",
-                        name, (double)most, (double)least, (double)(most / least), (double)seen_most,
-                        (double)seen_least, (double)(seen_most / seen_least), solve, (double)rtol,
-                        PetscCeilReal(0.5 * PetscSqrtReal(most / least) *
-                                      PetscLogReal(2 * PetscSqrtReal(largest / smallest) / rtol)),
-                        iterations));
-  if (!found[0] || !found[1] || !found[2] || !found[3])
+                        o->preconditioner, (double)e->most, (double)e->least, (double)condition, (double)e->seen_most,
+                        (double)e->seen_least, (double)(e->seen_most / e->seen_least), e->iterations, (double)o->rtol,
+                        (double)bound, iterations));
+  if (!e->converged)
     PetscCall(PetscPrintf(cloud->comm, "    nan: not converged; -spectrum_eps_max_it, -spectrum_eps_ncv help\n"));
-  PetscCall(MatDestroy(&inverse));
-  PetscCall(MatDestroy(&preconditioned));
-  PetscCall(KSPDestroy(&o.ksp));
-  PetscCall(VecDestroy(&constant));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SpectrumPoisson(Spectrum s, PetscInt iterations)
+{
+  Operators o;
+  Extremes  e;
+  PetscInt  rows;
+
+  PetscFunctionBegin;
+  PetscCall(CreateOperators(s, &o));
+  PetscCall(FindExtremes(&o, &e));
+  PetscCall(MatGetSize(o.A, &rows, NULL));
+  PetscCall(PrintOperator(s->cloud, &o, &e, rows));
+  PetscCall(PrintPreconditioned(s->cloud, &o, &e, iterations));
+  PetscCall(DestroyOperators(&o));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
