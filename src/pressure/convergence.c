@@ -1,5 +1,5 @@
-/* When the solver may stop: what its residual means for the density. A row's residual over its mass is a source that
-   stays, 1/s2; times dt^2 it is the relative density error that the step leaves where the projection wanted none. */
+/* When the solver may stop. The residual of a row over its mass is a source that the projection leaves, in 1/s2; times
+   dt^2 it is the relative density error that the step leaves there. -pressure_density_tolerance bounds it. */
 #include "pressure_impl.h"
 
 typedef struct {
@@ -7,7 +7,7 @@ typedef struct {
   void    *standard; /* of KSPConvergedDefault */
 } Context;
 
-/* b - A x of the finished solve, or of the iterate within it. CG keeps it; the others compute it. */
+/* b - A x of the finished solve, or of the present iterate. CG keeps this vector; for other methods it is computed. */
 static PetscErrorCode Residual(Pressure pressure, PetscBool finished, Vec *residual)
 {
   PetscBool cg;
@@ -53,8 +53,9 @@ PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PETSc's own test decides about failure, the density about success. Its largest error is not below its mean, which the
-   norm gives for nothing: only then is the residual looked at. */
+/* The solver has failed if PETSc's own test says so, and converged if the largest density error is below the tolerance.
+   The largest error is at least the root mean square, which follows from the norm at no cost: while that is too large,
+   the residual itself is not looked at. */
 static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context)
 {
   Context    *c        = (Context *)context;
@@ -69,7 +70,7 @@ static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSP
   PetscCall(KSPGetNormType(ksp, &type));
   if (type == KSP_NORM_UNPRECONDITIONED) {
     const Cloud cloud    = pressure->cloud;
-    PetscReal   heaviest = 0; /* row scale */
+    PetscReal   heaviest = 0; /* largest mass of a row, over that of the first body's */
 
     for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
       heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);

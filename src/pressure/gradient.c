@@ -5,7 +5,7 @@
      conserved   corrected; the neighbours take up what its difference to symmetric adds to the momentum */
 #include "pressure_impl.h"
 
-/* -sum c (r_a - r_b) over the row of a; c: as its factors, padded. */
+/* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of eight, as the row's factors are. */
 static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
@@ -21,7 +21,7 @@ static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscRea
   Vec4Store(Vec8x3Sum(sum, zero), out);
 }
 
-/* Eq. (9) for one row; scale: of the kernel's F times V. */
+/* Eq. (9) for one row; scale: see RowScale. */
 static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal scale,
                          PetscReal out[DIM])
 {
@@ -48,7 +48,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
   }
 }
 
-/* V times the scale of the kernel's F: what sums over rows are multiplied by. */
+/* What sums over the factors of a row are multiplied by: V times the scale of the kernel's F. */
 static PetscReal RowScale(Cloud cloud)
 {
   PetscReal scale_w, scale_f, inverse_h2;

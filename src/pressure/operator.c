@@ -1,9 +1,11 @@
-/* Eq. (8) without a matrix: the sum over the pairs of the cloud's list, y_a = sum_b K_ab (p_a - p_b) + what the closure
-   adds, as a MATSHELL. A pair is six bytes here, its number and its weight in sixteen bits (the same for both
-   particles, so the operator is symmetric and constants have no pressure gradient to round-off); in an assembled row
-   it is twelve, and the assembly costs what six to eight products do. The weight's rounding, 8e-6 of the largest,
-   changes a row by 3e-6, a thousandth of what the sum over 80 neighbours is off the Laplacian. Deeper wall particles
-   are folded into their parent (P^T A P), pairs of wall particles left out. */
+/* Eq. (8) without a matrix, as a MATSHELL: y_a = sum_b K_ab (p_a - p_b) + C_a p_a, summed over the pairs of the cloud's
+   list; C_a is what the closure adds. Deeper wall particles are folded into their parent (P^T A P), and pairs of wall
+   particles count for nothing.
+
+   A product reads six bytes a pair, the neighbour's index and a weight of sixteen bits. An assembled row would take
+   twelve, and the assembly costs as much as six to eight products. Both particles of a pair have the same weight: the
+   operator is symmetric, and a constant pressure gives zero to round-off. Rounding the weights, by 8e-6 of the largest,
+   changes a row by 3e-6, a thousandth of the error of a sum over 80 neighbours against the Laplacian. */
 #include "pressure_impl.h"
 
 const PetscReal *PressureDensity(Pressure pressure)
@@ -11,7 +13,7 @@ const PetscReal *PressureDensity(Pressure pressure)
   return pressure->summed ? pressure->cloud->field[FIELD_DENSITY] : pressure->cloud->rest_density;
 }
 
-/* Whether every pair has the same material: then the cloud's own factors are the weights. */
+/* Whether the operators divide by one density everywhere: then the cloud's factors are the weights. */
 static PetscBool OneDensity(Pressure pressure)
 {
   Scene scene = pressure->cloud->scene;
@@ -22,8 +24,9 @@ static PetscBool OneDensity(Pressure pressure)
   return PETSC_TRUE;
 }
 
-/* Eq. (8): K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2); times m_a/m_ref it is the same for
-   both particles also between liquids. The weights are those of the first body's density but for a factor. */
+/* Eq. (8) times m_a/m_ref: K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2). The factor makes it
+   the same for both particles of a pair, also between different liquids. m_ref is the mass of a particle of the first
+   body; if there is one density, all but the cloud's factors is in weight_scale. */
 static PetscErrorCode SetWeights(Pressure pressure)
 {
   Cloud            cloud   = pressure->cloud;
@@ -38,7 +41,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
   pressure->mixed_density = (PetscBool)!OneDensity(pressure);
   if (!pressure->mixed_density) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
-    pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads whole octets */
+    pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads multiples of eight */
     PetscCall(PetscFree(pressure->pair_weight));
     PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->pair_weight));
   }
@@ -56,7 +59,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether particle a may be a neighbour of its own image, with which it has no pressure difference. */
+/* Whether particle a may be a neighbour of its own image behind a symmetry or periodic face. Such a pair has no
+   pressure difference and counts for nothing. */
 static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 {
   const Domain     domain = cloud->domain;
@@ -70,7 +74,7 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
   return PETSC_FALSE;
 }
 
-/* The sum of weights of particle a's pairs that count. */
+/* The sum of the weights of particle a's pairs, without those with its own image. */
 static PetscReal WeightSum(Pressure pressure, PetscInt a)
 {
   Cloud           cloud = pressure->cloud;
@@ -87,8 +91,8 @@ static PetscReal WeightSum(Pressure pressure, PetscInt a)
   return sum;
 }
 
-/* Whether any particle anywhere is on a free surface: if none is, no row is closed, however disordered the particles
- * are. */
+/* Whether any particle of any rank is on a free surface. If none is, no row is closed, however disordered the particles
+   are. */
 static PetscErrorCode FindFreeSurface(Pressure pressure)
 {
   Cloud    cloud = pressure->cloud;
@@ -101,7 +105,7 @@ static PetscErrorCode FindFreeSurface(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums of the rows and what the closure adds; constant_null. */
+/* The diagonal: the sum of the pairs and what the closure adds; and whether the null space holds the constant. */
 static PetscErrorCode SetDiagonal(Pressure pressure)
 {
   Cloud    cloud  = pressure->cloud;
@@ -136,8 +140,9 @@ static inline PetscReal Surplus(Pressure pressure, PetscInt r)
   return pressure->pair_diagonal[r] + pressure->closure_diagonal[r] > 0 ? pressure->closure_diagonal[r] : 1;
 }
 
-/* sum_b weight (p_a - p_b) over n pairs, their weights coded or, where those are NULL, plain. May read whole octets:
- * the next row's, or the padding's. This loop is half of the solver's time. */
+/* sum_b weight (p_a - p_b) over n pairs. Their weights are in 'coded', the cloud's factors, or if that is NULL in
+   'plain'. It may read up to the next multiple of eight, which is the next row or the padding behind the last. This
+   loop takes half of the solver's time. */
 #if defined(__AVX512F__)
 static inline Vec8 Weights(const uint16_t *coded, const float *plain, PetscInt k)
 {
@@ -159,7 +164,7 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
   for (; k < n; k += VEC8) even += Vec8First(Weights(coded, plain, k), n - k) * (all - Vec8Gather(p, index + k));
   return Vec8Sums(even + odd, zero, zero, zero)[0];
 }
-#else /* where octets are no registers, the compiler does better alone */
+#else /* without registers for eight numbers the compiler's own loop is faster */
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
@@ -176,7 +181,7 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
 }
 #endif
 
-/* The same of all pairs of particle a, whose weights are the cloud's or own ones. */
+/* The same sum over all pairs of particle a. */
 static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[])
 {
   const Cloud    cloud = pressure->cloud;

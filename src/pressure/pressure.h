@@ -1,9 +1,11 @@
-/* Floor 5: the pressure projection. Eq. (8) of Kuri et al., sum_b K_ab (p_a - p_b) = -source, assembled as a PETSc Mat
-   and solved by an unprefixed KSP: -ksp_type, -pc_type, -ksp_rtol, -mat_type act directly.
+/* Floor 5: the pressure projection. Eq. (8) of Kuri et al., sum_b K_ab (p_a - p_b) = -source, as an operator that sums
+   over the pairs or as a matrix with entries (-mat_type), solved by a KSP without a prefix: -ksp_type, -pc_type and
+   -ksp_rtol act on it.
 
-   Three small types combine: the source, the closure at the free surface, the gradient. The matrix is symmetric and
-   positive: rows are scaled with the mass, deeper wall particles are folded into their parent (P^T A P), and pairs of
-   wall particles are left out, so that a wall conducts no pressure along itself and a dry wall has identity rows. */
+   Three types that can be chosen independently make a projection: the source (source.c), the closure at the free
+   surface (closure.c) and the gradient (gradient.c). The operator is symmetric and positive: rows are multiplied with
+   the mass, deeper wall particles are folded into their parent (P^T A P), and pairs of wall particles are left out, so
+   that a wall conducts no pressure along itself and a dry wall has identity rows. */
 #ifndef ISPH_PRESSURE_H
 #define ISPH_PRESSURE_H
 

@@ -1,6 +1,6 @@
 /* Private to pressure/. */
-#ifndef ISPH_PRESSURE_TYPES_H
-#define ISPH_PRESSURE_TYPES_H
+#ifndef ISPH_PRESSURE_IMPL_H
+#define ISPH_PRESSURE_IMPL_H
 
 #include "../neighbors/pairs.h"
 #include "../operators/operators.h"
@@ -12,13 +12,14 @@
 #define KEPT_NONE     (-1) /* for Pressure.kept */
 #define KEPT_OPERATOR 2
 
-/* rhs[n_rows], to be multiplied by the row's mass later: minus the source of div(grad p/rho). */
+/* The three types. Source: rhs ([n_rows], 1/s2) becomes minus the source of div(grad p/rho). */
 typedef PetscErrorCode (*SourceFunction)(Pressure, PetscReal dt, PetscReal rhs[]);
-/* What to add to the diagonal of row a, whose pair sum is 'diagonal' (already scaled). */
+/* Closure: what to add to the diagonal of row a, the sum of whose pairs is 'diagonal'. */
 typedef PetscReal (*ClosureFunction)(Pressure, PetscInt a, PetscReal diagonal);
+/* Gradient: acceleration ([n_fluid][3], m/s2) becomes -grad p/rho. */
 typedef PetscErrorCode (*GradientFunction)(Pressure, PetscReal acceleration[]);
 
-/* One matrix with the arrays it wraps: local block i, j, a; columns of other ranks oi, oj, oa. */
+/* A matrix and the arrays that it wraps: i, j, a for columns of this rank; oi, oj, oa for those of other ranks. */
 typedef struct {
   Mat          A;
   PetscInt     rows_capacity, capacity, o_capacity;

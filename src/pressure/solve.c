@@ -1,11 +1,13 @@
+/* One projection: sets up the equation at the positions of the cloud, solves it, decides when the preconditioner is
+   made anew. */
 #include "pressure_impl.h"
 
 #define DEFAULT_RTOL      1e-3
 #define DEFAULT_MAXITS    2000
 #define DEFAULT_GAMG_DROP 0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
-#define REBUILD_SLACK     3    /* iterations a kept preconditioner may always cost more */
-#define REBUILD_CHEAP     10   /* steps a preconditioner is kept whose set-up costs a few iterations */
-#define REBUILD_DEAR      50   /* steps any other is kept */
+#define REBUILD_SLACK     3    /* iterations that a kept preconditioner may cost beyond rebuild_growth */
+#define REBUILD_CHEAP     10   /* steps that a preconditioner is kept whose set-up costs a few iterations */
+#define REBUILD_DEAR      50   /* steps that any other is kept */
 
 static PetscErrorCode DefaultOption(const char name[], const char value[])
 {
@@ -30,8 +32,8 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of this row layout: CG, the two-level preconditioner, tolerance in the true residual; then the user's
- * options. */
+/* Makes the solver for the present rows: CG with the two-level preconditioner, which stops at a tolerance of the true
+   residual, then as the user's options say. */
 static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
@@ -72,7 +74,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A has the constant as its null space if no row was closed, otherwise none. */
+/* Tells A that its null space is the constant, or that it has none. */
 static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
 {
   MatNullSpace constant = NULL;
@@ -84,7 +86,8 @@ static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The right-hand side, at the closures of OperatorSetUp. */
+/* The right-hand side b, after OperatorSetUp: the source times the mass of the row, and what the free surface
+   contributes, whose missing neighbours have the pressure of surface tension. */
 static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
 {
   Cloud        cloud = pressure->cloud;
@@ -96,17 +99,17 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   PetscCall(pressure->source(pressure, dt, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
-  for (PetscInt r = 0; r < cloud->n_fluid; r++) /* the missing neighbours have the pressure of surface tension */
+  for (PetscInt r = 0; r < cloud->n_fluid; r++)
     rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
-  for (PetscInt r = 0; r < cloud->n_rows; r++) /* nothing around that could carry a pressure */
+  for (PetscInt r = 0; r < cloud->n_rows; r++) /* isolated particles have no pressure */
     if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
   PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The system at the positions of the cloud, its matrix, if entries are wanted, in the store that the preconditioner
- * does not need; makes the solver if the layout changed. */
+/* The equation at the positions of the cloud. The operator is assembled if the solver or the caller needs its entries,
+   into the store that the preconditioner does not read. The solver is made anew if the rows have changed. */
 static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries)
 {
   PetscFunctionBegin;
@@ -137,7 +140,8 @@ PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells a preconditioner that works with places where the rows are. */
+/* Tells the two-level preconditioner where the particles of the rows are. Others would take coordinates for the rigid
+   modes of elasticity. */
 static PetscErrorCode LocateRows(Pressure pressure)
 {
   Cloud      cloud  = pressure->cloud;
@@ -149,7 +153,7 @@ static PetscErrorCode LocateRows(Pressure pressure)
   PetscFunctionBegin;
   PetscCall(KSPGetPC(pressure->ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCTWOLEVEL, &twolevel));
-  if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS); /* others would take the places for modes of elasticity */
+  if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
   PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
   if (domain->dim < DIM) {
@@ -181,8 +185,8 @@ PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives the solver this step's matrix, and the preconditioner it if 'renew' says so. A preconditioner made of entries
-   may go on reading them: it keeps its store until it is renewed. */
+/* Gives the solver the operator of this step, and if 'renew' is true the preconditioner too. A preconditioner may go on
+   reading the entries that it was made of, so these stay in their store until it is renewed. */
 static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
 {
   PetscFunctionBegin;
@@ -213,7 +217,7 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One attempt with the kept or a new preconditioner, from the pressure of the cloud. */
+/* Solves once, with the kept preconditioner or a new one, starting from the pressure of the cloud. */
 static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
 {
   Cloud        cloud = pressure->cloud;

@@ -22,8 +22,9 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 #define LAMBDA_FULL 0.95           /* above: a full neighbourhood, F = 1 */
 #define LAMBDA_THIN MOMENT_MINIMUM /* below: too few neighbours for F; only compression counts */
 
-/* e_a = F_a - rho_a/(rho_0 S), S the sum V W on a full lattice: the density defect that is neither the free surface's
-   nor the kernel's. */
+/* e_a = F_a - rho_a/(rho_0 S), the density defect that is due neither to the free surface nor to the kernel: F is the
+   part of the sum V W that a plane free surface leaves where |sum V grad W| is that of particle a, and S is the sum on
+   a full lattice. */
 static PetscReal DensityDefect(Pressure pressure, PetscInt a)
 {
   Cloud            cloud    = pressure->cloud;

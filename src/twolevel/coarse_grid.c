@@ -1,5 +1,5 @@
-/* A grid under a cloud of points: interpolation by cell and weights, never stored as a matrix, and the rediscretised
- * Laplacian. */
+/* A grid under a set of points: the interpolation, from each point's cell and place in it instead of a matrix, and the
+   Laplacian on the grid. */
 #include "coarse_grid.h"
 
 struct _p_CoarseGrid {

@@ -2,9 +2,9 @@
 
      M r = omega D^-1 r + P C P^T r,   D the diagonal of A.
 
-   The rows of Eq. (8) have some 80 entries, so what is dear is to touch them: algebraic coarsening multiplies such rows
-   with each other, and a multigrid cycle multiplies with A twice or more. But the matrix is a Laplacian on points whose
-   places are known, which makes its coarse form known beforehand.
+   Rows have some 80 entries, so each pass over them is expensive: algebraic coarsening multiplies such rows with each
+   other, and a multigrid cycle multiplies with A twice or more. But the matrix is a Laplacian on points whose places
+   are known, so its coarse form is known beforehand.
 
    P interpolates (bi/tri)linearly from a background grid, its cells 'ratio' particle spacings wide, to the points. C is
    one cycle of an inner solver (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type; by default one V-cycle of
