@@ -2,8 +2,8 @@
 #include "domain.h"
 
 #define NAME_LENGTH 64
-#define CELLS_MAX                                                                                                      \
-  200000 /* of the partition: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all */
+/* Cells of the partition at most: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all. */
+#define CELLS_MAX       200000
 #define CELL_GROWTH     1.05  /* step of the search for a cell size that keeps to CELLS_MAX */
 #define LENGTH_ROUNDING 1e-12 /* relative; a box exactly one reach wide is allowed */
 #define DUMMY_LAYERS    20    /* of wall particles on both sides of the box, at most */

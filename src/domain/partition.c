@@ -2,6 +2,9 @@
 #include "domain.h"
 #include <metis.h>
 
+#define IMBALANCE_MAX 10 /* of the parts, 1/1000 */
+#define SEED          1  /* of METIS: the same partition in every run */
+
 /* METIS numbers its parts as it likes: they are numbered by their first cell with particles, so that a partition much
    like the last leaves most particles where they are. */
 static PetscErrorCode NumberParts(PetscInt count, PetscInt constraints, const PetscInt weight[], const idx_t owner[],
@@ -34,8 +37,10 @@ static PetscErrorCode PartitionCells(Domain domain, PetscInt constraints, const 
   PetscCall(PetscMalloc5(count + 1, &first, 2 * DIM * count, &neighbor, 2 * DIM * count, &along, constraints * count,
                          &vertex, count, &owner));
   for (PetscInt c = 0; c < count; c++) {
-    const PetscInt at[DIM] = {c % n[0], (c / n[0]) % n[1], c / (n[0] * n[1])}, stride[DIM] = {1, n[0], n[0] * n[1]};
+    const PetscInt stride[DIM] = {1, n[0], n[0] * n[1]};
+    PetscInt       at[DIM];
 
+    CellCoordinates(n, c, at);
     first[c] = edges;
     for (PetscInt k = 0; k < constraints; k++) vertex[constraints * c + k] = weight[constraints * c + k];
     for (PetscInt d = 0; d < DIM; d++) {
@@ -48,8 +53,8 @@ static PetscErrorCode PartitionCells(Domain domain, PetscInt constraints, const 
   }
   first[count] = edges;
   METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_SEED]    = 1;
-  options[METIS_OPTION_UFACTOR] = 10; /* allowed imbalance, 1/1000 */
+  options[METIS_OPTION_SEED]    = SEED;
+  options[METIS_OPTION_UFACTOR] = IMBALANCE_MAX;
   status = METIS_PartGraphRecursive(&vertices, &kinds, first, neighbor, vertex, NULL, along, &parts, NULL, NULL,
                                     options, &cut, owner);
   PetscCheck(status == METIS_OK, PETSC_COMM_SELF, PETSC_ERR_LIB, "METIS failed with code %d", status);

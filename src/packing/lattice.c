@@ -261,18 +261,8 @@ static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscO
   LatticeData *lattice = (LatticeData *)packing->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-packing_jitter", "largest random displacement from the lattice, a component (spacings)",
-                             "PackingSetFromOptions", lattice->jitter, &lattice->jitter, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Check_Lattice(Packing packing)
-{
-  const PetscReal jitter = ((LatticeData *)packing->data)->jitter;
-
-  PetscFunctionBegin;
-  PetscCheckUser(jitter >= 0 && jitter < 0.5, packing->cloud->comm,
-                 "-packing_jitter is %g; it must lie in [0, 0.5) spacings", (double)jitter);
+  PetscCall(OptionReal("-packing_jitter", "largest random displacement from the lattice, a component (spacings)",
+                       "[0, 0.5)", &lattice->jitter));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -292,7 +282,6 @@ PetscErrorCode PackingCreate_Lattice(Packing packing)
   lattice->jitter             = 0.1; /* at rest in the consistent scheme; 0.25 costs kinetic energy at impact */
   packing->data               = lattice;
   packing->ops.setfromoptions = SetFromOptions_Lattice;
-  packing->ops.check          = Check_Lattice;
   packing->ops.visit          = Visit_Lattice;
   packing->ops.destroy        = Destroy_Lattice;
   PetscFunctionReturn(PETSC_SUCCESS);

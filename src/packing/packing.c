@@ -78,13 +78,11 @@ PetscErrorCode PackingSetFromOptions(Packing packing)
   PetscOptionsBegin(comm, NULL, "Packing", "Packing");
   PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList,
                               type, type, sizeof(type), NULL));
-  PetscCall(PetscOptionsInt("-packing_seed", "seed of the random numbers, 0 or more (1)", "PackingSetFromOptions",
-                            packing->seed, &packing->seed, NULL));
+  PetscCall(OptionInt("-packing_seed", "seed of the random numbers (1)", "[0, inf)", &packing->seed));
   PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none",
                                "PackingSetFromOptions", packing->cache, packing->cache, sizeof(packing->cache), NULL));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(PackingList, type, ReadPackingType, packing));
-  PetscCheckUser(packing->seed >= 0, comm, "-packing_seed is %" PetscInt_FMT "; it must be 0 or more", packing->seed);
   if (packing->ops.check) PetscCall(packing->ops.check(packing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

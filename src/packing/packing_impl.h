@@ -34,7 +34,7 @@ typedef struct {
   /* Read options inside a block: those of the type, and numbers that one need not set ("Advanced: ..."). */
   PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
   PetscErrorCode (*setadvanced)(Packing packing, OptionItems PetscOptionsObject);
-  PetscErrorCode (*check)(Packing packing);                        /* refuses bad numbers */
+  PetscErrorCode (*check)(Packing packing);                        /* refuses a scene that the type cannot fill */
   PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
   SampleSource visit; /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */

@@ -17,11 +17,11 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
   Poisson *p = (Poisson *)packing->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-packing_distance", "smallest distance of two fluid particles (spacings)",
-                             "PackingSetFromOptions", p->distance, &p->distance, NULL));
-  PetscCall(PetscOptionsReal("-packing_tolerance",
-                             "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)",
-                             "PackingSetFromOptions", p->tolerance, &p->tolerance, NULL));
+  PetscCall(
+    OptionReal("-packing_distance", "smallest distance of two fluid particles (spacings)", "(0, 1)", &p->distance));
+  PetscCall(OptionReal("-packing_tolerance",
+                       "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)", "(0, 1)",
+                       &p->tolerance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -30,31 +30,20 @@ static PetscErrorCode SetAdvanced_Poisson(Packing packing, OptionItems PetscOpti
   Poisson *p = (Poisson *)packing->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-packing_skin", "depth below a free surface at which its random samples start (spacings)",
-                             "PackingSetFromOptions", p->skin, &p->skin, NULL));
-  PetscCall(PetscOptionsReal("-packing_repulsion",
-                             "strength of the repulsion that keeps -packing_distance while TAO works, over "
-                             "that of the density's error (1)",
-                             "PackingSetFromOptions", p->repulsion, &p->repulsion, NULL));
+  PetscCall(OptionReal("-packing_skin", "depth below a free surface at which its random samples start (spacings)",
+                       "(0, 1]", &p->skin));
+  PetscCall(OptionReal(
+    "-packing_repulsion",
+    "strength of the repulsion that keeps -packing_distance while TAO works, over that of the density's error (1)",
+    "(0, 1000]", &p->repulsion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Check_Poisson(Packing packing)
 {
-  const Poisson *p    = (const Poisson *)packing->data;
-  const MPI_Comm comm = packing->cloud->comm;
-
   PetscFunctionBegin;
   PetscCheckUser(!SceneSolidCount(packing->cloud->scene) && !SceneEmits(packing->cloud->scene), packing->cloud->comm,
                  "-packing_type poisson knows neither -solids nor emitters; use -packing_type lattice");
-  PetscCheckUser(p->distance > 0 && p->distance < 1, comm,
-                 "-packing_distance is %g; it must lie between 0 and 1 spacings", (double)p->distance);
-  PetscCheckUser(p->tolerance > 0 && p->tolerance < 1, comm, "-packing_tolerance is %g; it must lie between 0 and 1",
-                 (double)p->tolerance);
-  PetscCheckUser(p->skin > 0 && p->skin <= 1, comm, "-packing_skin is %g; it must lie in (0, 1] spacings",
-                 (double)p->skin);
-  PetscCheckUser(p->repulsion > 0 && p->repulsion <= 1e3, comm, "-packing_repulsion is %g; it must lie in (0, 1000]",
-                 (double)p->repulsion);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,8 @@
 /* Types of bodies: liquid that is there from the start, and emitters that bring it in time after time. */
 #include "scene_impl.h"
 
+#define INTERVAL_ROUNDING 1e-9 /* of the interval: an emission that is due now is not missed by rounding */
+
 typedef struct {
   PetscReal start, interval;       /* s */
   PetscInt  count;                 /* of emissions; 0: no end */
@@ -55,7 +57,8 @@ static PetscErrorCode EmitterSetUp(Body body)
   PetscFunctionBegin;
   PetscCheckUser(speed > 0, comm, "-%stype emitter needs -%svelocity, not zero: the liquid must leave the shape",
                  body->prefix, body->prefix);
-  PetscCheckUser(e->interval >= LengthAlong(body, speed) / speed * (1 - 1e-9) && !PetscIsInfOrNanReal(e->interval),
+  PetscCheckUser(e->interval >= LengthAlong(body, speed) / speed * (1 - INTERVAL_ROUNDING) &&
+                   !PetscIsInfOrNanReal(e->interval),
                  comm, "-%sinterval is %g s; it must be at least %g s, in which the liquid leaves the shape",
                  body->prefix, (double)e->interval, (double)(LengthAlong(body, speed) / speed));
   PetscCheckUser(e->count >= 0, comm, "-%scount must not be negative", body->prefix);
@@ -93,7 +96,7 @@ PetscInt BodyEmissions(Body body, PetscReal time)
   PetscInt       n;
 
   if (time < e->start) return 0;
-  n = (PetscInt)PetscFloorReal(Travelled(e, time) / e->interval + 1e-9) + 1;
+  n = (PetscInt)PetscFloorReal(Travelled(e, time) / e->interval + INTERVAL_ROUNDING) + 1;
   return e->count > 0 ? PetscMin(n, e->count) : n;
 }
 

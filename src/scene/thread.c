@@ -1,10 +1,12 @@
 /* Infinite thread of liquid with waves along it, Rayleigh's varicose mode: a circular cylinder whose points are moved
- * along the mode's velocity field for a unit of time, a map that keeps volumes. */
+   along the mode's velocity field for a unit of time, a map that keeps volumes. */
 #include "scene_impl.h"
 
-#define STEPS 8  /* of the map */
-#define TERMS 24 /* of the Bessel functions' series */
-#define FAR   2  /* radii: beyond, the distance to the cylinder that holds the thread */
+#define STEPS 8  /* of Runge and Kutta's method along the map */
+#define TERMS 24 /* of the Bessel functions' series: exact to rounding for arguments up to FAR pi */
+#define FAR                                                                                                            \
+  2 /* radii from the axis: beyond, the distance is that to the cylinder of this radius, and a bound of the rest */
+#define AMPLITUDE_MAX 0.2 /* of the radius: the mode's linear field describes no larger wave */
 
 typedef struct {
   PetscReal center[DIM]; /* at a crest, m */
@@ -63,7 +65,7 @@ static PetscErrorCode ThreadSetUp(Body body)
   PetscCall(BodyCheckLength(body, "-radius", thread->radius));
   PetscCall(BodyCheckLength(body, "-wave_length", thread->wave_length));
   thread->k = 2 * PETSC_PI / thread->wave_length;
-  PetscCheckUser(PetscAbsReal(thread->amplitude) <= 0.2 * thread->radius, domain->comm,
+  PetscCheckUser(PetscAbsReal(thread->amplitude) <= AMPLITUDE_MAX * thread->radius, domain->comm,
                  "-%swave_amplitude is %g m; it must not be above a fifth of the radius", body->prefix,
                  (double)thread->amplitude);
   PetscCheckUser(thread->k * thread->radius <= PETSC_PI, domain->comm,

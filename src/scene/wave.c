@@ -1,10 +1,11 @@
 /* Box whose top is a standing wave along x at its largest displacement. */
 #include "scene_impl.h"
 
-#define STEPS      16 /* of the map */
-#define SAMPLES    64 /* of half a wave, for the nearest point */
-#define BISECTIONS 60
-#define ROUNDING   1e-6 /* of a half wave */
+#define STEPS         16   /* of Runge and Kutta's method along the map */
+#define SAMPLES       64   /* of half a wave: the best one brackets the nearest point, ... */
+#define BISECTIONS    60   /* ... which so many halvings find to the last bit */
+#define WAVE_ROUNDING 1e-6 /* of a half wave: rounding of decimal input is forgiven */
+#define STEEPNESS_MAX 0.5  /* of k a: the expansion to second order describes no steeper wave */
 
 typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m; upper[up]: the level */
@@ -52,10 +53,10 @@ static PetscErrorCode WaveSetUp(Body body)
                  0.5 * (double)(wave->upper[up] - wave->lower[up]));
   wave->k = 2 * PETSC_PI / wave->length;
   halves  = 2 * (wave->upper[0] - wave->lower[0]) / wave->length;
-  PetscCheckUser(halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < ROUNDING, domain->comm,
+  PetscCheckUser(halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < WAVE_ROUNDING, domain->comm,
                  "-%swave_length is %g m: the width of the body, %g m, must hold a whole number of half waves",
                  body->prefix, (double)wave->length, (double)(wave->upper[0] - wave->lower[0]));
-  PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < 0.5, domain->comm,
+  PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < STEEPNESS_MAX, domain->comm,
                  "-%swave_amplitude is %g m: more than 0.08 of the wave's length is no wave of this form", body->prefix,
                  (double)wave->amplitude);
   PetscFunctionReturn(PETSC_SUCCESS);
