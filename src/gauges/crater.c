@@ -8,8 +8,8 @@
    Diameter of the crater: in the layer of one spacing below the level, the share of each ring around the axis that
    liquid fills. Going outwards, the crater's wall is where liquid begins again behind the first gap.
 
-   The numbers below were chosen on shapes cut out of a lattice (tests/unit/test_gauges.c): with them depth and diameter
-   of a bowl are right to half a spacing, at rest and with particles displaced by a quarter of a spacing. */
+   tests/unit/test_gauges.c measures shapes cut out of a lattice: with the numbers below, depth and diameter of a bowl
+   are right to 0.6 spacings, also where particles are displaced by a quarter of a spacing. */
 #include "gauges_impl.h"
 
 #define LOWEST_3D  5   /* patches averaged for the depth; half as many for each mirror through the axis */

@@ -1,9 +1,9 @@
 /* Where the axis, the pool and the crater of an impact are. */
 #include "gauges_impl.h"
 
-#define JET_RADIUS                                                                                                     \
-  1.1 /* default of -gauge_jet_radius, in half widths of the last body: a jet is about as wide as the drop */
-#define CELL_SIZE  1.25 /* default of -gauge_cell, in spacings: particles of resting liquid leave no cell empty */
+#define JET_RADIUS 1.1  /* default of -gauge_jet_radius, in half widths of the last body: a little wider than the drop \
+                         */
+#define CELL_SIZE  1.25 /* default of -gauge_cell, in spacings: a lattice of particles leaves no such cell empty */
 #define CELL_LEAST 1.0
 #define CELL_MOST  4.0
 #define NEAR       0.5 /* spacings: what is this close to a mirror lies on it */

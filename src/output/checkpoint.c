@@ -147,7 +147,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 {
   ParticleArrays arrays;
   H5File         h5;
-  Rows           rows = {.n = 0, .start = 0, .total = 0, .width = 1};
+  Rows           rows;
   Head           head;
   PetscBool      failed;
   char           name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN];
@@ -157,13 +157,8 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
   output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
-  rows.n = arrays.n;
-  PetscCallMPI(MPI_Exscan(&rows.n, &rows.start, 1, MPIU_INT, MPI_SUM, output->comm));
-  if (!output->rank) rows.start = 0;
-  PetscCallMPI(MPI_Allreduce(&rows.n, &rows.total, 1, MPIU_INT, MPI_SUM, output->comm));
+  PetscCall(RowsSet(output->comm, arrays.n, 1, &rows));
   HeadFill(output, state, rows.total, &head);
-  /* Attributes must be the same on every rank; the clocks differ. */
-  PetscCallMPI(MPI_Bcast(&head.real[HEAD_WALL_TIME], 1, MPIU_REAL, 0, output->comm));
   OutputCheckpointName(state->step, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));

@@ -41,7 +41,7 @@ static PetscErrorCode IsKey(char word[], char *end, PetscBool *key)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DescribeOptions(char **text)
+PetscErrorCode OutputOptions(char **text)
 {
   char  *all, *key, *key_end;
   size_t length, used = 0;

@@ -46,7 +46,7 @@ PetscErrorCode OutputSetFromOptions(Output output)
 
   PetscFunctionBegin;
   PetscCall(PetscFree(output->options));
-  PetscCall(DescribeOptions(&output->options));
+  PetscCall(OutputOptions(&output->options));
   PetscOptionsBegin(output->comm, NULL, "What a run writes", "Output");
   PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder,
                                output->folder, sizeof(output->folder), NULL));
@@ -144,13 +144,6 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state)
   if (output->checkpoint.next == SCHEDULE_UNSET)
     output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   return ScheduleReached(&output->checkpoint, state->time);
-}
-
-PetscErrorCode OutputOptions(char **text)
-{
-  PetscFunctionBegin;
-  PetscCall(DescribeOptions(text));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 const char *OutputFolder(Output output)

@@ -101,8 +101,6 @@ PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);
 PetscErrorCode FolderDiscard(Output output, const char name[]);
 
 /* --- description.c: options.opts and version.txt --- */
-/* DescribeOptions - the options of the run as text, one a line; to be freed. Not collective. */
-PetscErrorCode DescribeOptions(char **text);
 /* DescribeRun - writes both files; same: the run in the folder is continued. Collective. */
 PetscErrorCode DescribeRun(Output output, PetscBool same);
 

@@ -81,95 +81,71 @@ PetscErrorCode XdmfWrite(Output output)
 
 #define VTK_POLY_VERTEX 2 /* vtkCellType.h: one cell of all points */
 
-static void Keep(H5File *h5, hid_t status)
-{
-  if (status < 0) h5->failed = PETSC_TRUE;
-}
-
-static void Attribute(H5File *h5, hid_t group, const char name[], hid_t type, hsize_t n, const void *values)
-{
-  const hid_t space = n > 1 ? H5Screate_simple(1, &n, NULL) : H5Screate(H5S_SCALAR);
-  const hid_t made  = H5Acreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-
-  Keep(h5, made < 0 ? made : H5Awrite(made, type, values));
-  if (made >= 0) (void)H5Aclose(made);
-  (void)H5Sclose(space);
-}
-
-/* The numbers first, first + 1, ..., compressed, for there may be as many as particles. */
-static PetscErrorCode Count(H5File *h5, hid_t group, const char name[], PetscInt n)
+/* A data set of n integers. compressed: there may be as many as particles. */
+static void Integers(H5File *h5, hid_t group, const char name[], hid_t type, PetscBool compressed, PetscInt n,
+                     const PetscInt64 values[])
 {
   const hsize_t size = (hsize_t)n, chunk = PetscMax(size, 1);
   const hid_t   space = H5Screate_simple(1, &size, NULL), create = H5Pcreate(H5P_DATASET_CREATE);
-  PetscInt64   *values;
   hid_t         set;
 
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &values));
-  for (PetscInt k = 0; k < n; k++) values[k] = k;
-  Keep(h5, H5Pset_chunk(create, 1, &chunk));
-  Keep(h5, H5Pset_shuffle(create));
-  Keep(h5, H5Pset_deflate(create, 1));
-  set = H5Dcreate2(group, name, H5T_STD_I64LE, space, H5P_DEFAULT, create, H5P_DEFAULT);
-  Keep(h5, set < 0 ? set : H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  if (compressed) {
+    H5FileNote(h5, H5Pset_chunk(create, 1, &chunk));
+    H5FileNote(h5, H5Pset_shuffle(create));
+    H5FileNote(h5, H5Pset_deflate(create, 1));
+  }
+  set = H5Dcreate2(group, name, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
+  H5FileNote(h5, set < 0 ? set : H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   if (set >= 0) (void)H5Dclose(set);
   (void)H5Pclose(create);
   (void)H5Sclose(space);
-  PetscCall(PetscFree(values));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A small data set of integers. */
-static void Numbers(H5File *h5, hid_t group, const char name[], hid_t type, hsize_t n, const PetscInt64 values[])
+/* What makes an unstructured grid of one cell that has all n points; group is the VTKHDF group. Rank 0. */
+static PetscErrorCode VtkCell(H5File *h5, hid_t group, PetscInt n)
 {
-  const hid_t space = H5Screate_simple(1, &n, NULL);
-  const hid_t set   = H5Dcreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-
-  Keep(h5, set < 0 ? set : H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
-  if (set >= 0) (void)H5Dclose(set);
-  (void)H5Sclose(space);
-}
-
-/* Rank 0. */
-static PetscErrorCode VtkGroup(H5File *h5, const SnapshotEntry *entry)
-{
-  const PetscInt64 n = entry->n, cells = n > 0, offsets[2] = {0, n}, version[2] = {1, 0}, type = VTK_POLY_VERTEX;
+  const PetscInt64 points = n, cells = n > 0, offsets[2] = {0, n}, version[2] = {1, 0}, type = VTK_POLY_VERTEX;
   const char       grid[] = "UnstructuredGrid";
-  const hid_t      group  = H5Gcreate2(h5->id, VTK_GROUP, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  const hid_t      point  = group < 0 ? group : H5Gcreate2(group, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   const hid_t      text   = H5Tcopy(H5T_C_S1);
+  PetscInt64      *index;
 
   PetscFunctionBegin;
-  Keep(h5, point);
-  if (!h5->failed) {
-    Keep(h5, H5Tset_size(text, sizeof(grid) - 1));
-    Keep(h5, H5Tset_strpad(text, H5T_STR_NULLPAD));
-    Attribute(h5, group, "Version", H5T_NATIVE_LLONG, 2, version);
-    Attribute(h5, group, "Type", text, 1, grid);
-    Numbers(h5, group, "NumberOfPoints", H5T_STD_I64LE, 1, &n);
-    Numbers(h5, group, "NumberOfCells", H5T_STD_I64LE, 1, &cells);
-    Numbers(h5, group, "NumberOfConnectivityIds", H5T_STD_I64LE, 1, &n);
-    Numbers(h5, group, "Offsets", H5T_STD_I64LE, (hsize_t)cells + 1, offsets);
-    Numbers(h5, group, "Types", H5T_STD_U8LE, (hsize_t)cells, &type);
-    PetscCall(Count(h5, group, VTK_POINTS, entry->n));
-  }
-  for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !h5->failed; f++) {
-    const char *name = SnapshotFieldAt(f).name;
-
-    if (f == FIELD_POSITION)
-      Keep(h5, H5Lcreate_hard(h5->id, name, group, "Points", H5P_DEFAULT, H5P_DEFAULT));
-    else if (entry->fields & 1U << f)
-      Keep(h5, H5Lcreate_hard(h5->id, name, point, name, H5P_DEFAULT, H5P_DEFAULT));
-  }
+  H5FileNote(h5, H5Tset_size(text, sizeof(grid) - 1));
+  H5FileNote(h5, H5Tset_strpad(text, H5T_STR_NULLPAD));
+  H5FilePutAttribute(h5, group, "Version", H5T_STD_I64LE, H5T_NATIVE_LLONG, 2, version);
+  H5FilePutAttribute(h5, group, "Type", text, text, 1, grid);
   (void)H5Tclose(text);
-  if (point >= 0) (void)H5Gclose(point);
-  if (group >= 0) (void)H5Gclose(group);
+  Integers(h5, group, "NumberOfPoints", H5T_STD_I64LE, PETSC_FALSE, 1, &points);
+  Integers(h5, group, "NumberOfCells", H5T_STD_I64LE, PETSC_FALSE, 1, &cells);
+  Integers(h5, group, "NumberOfConnectivityIds", H5T_STD_I64LE, PETSC_FALSE, 1, &points);
+  Integers(h5, group, "Offsets", H5T_STD_I64LE, PETSC_FALSE, (PetscInt)cells + 1, offsets);
+  Integers(h5, group, "Types", H5T_STD_U8LE, PETSC_FALSE, (PetscInt)cells, &type);
+  PetscCall(PetscMalloc1(n, &index));
+  for (PetscInt k = 0; k < n; k++) index[k] = k;
+  Integers(h5, group, VTK_POINTS, H5T_STD_I64LE, PETSC_TRUE, n, index);
+  PetscCall(PetscFree(index));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry)
 {
+  hid_t group, point;
+
   PetscFunctionBegin;
-  if (h5->owns_file && h5->id >= 0 && !h5->failed) PetscCall(VtkGroup(h5, entry));
+  if (!h5->owns_file || h5->id < 0 || h5->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  group = H5Gcreate2(h5->id, VTK_GROUP, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  point = group < 0 ? group : H5Gcreate2(group, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5FileNote(h5, point);
+  if (!h5->failed) PetscCall(VtkCell(h5, group, entry->n));
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !h5->failed; f++) {
+    const char *name = SnapshotFieldAt(f).name;
+
+    if (f == FIELD_POSITION)
+      H5FileNote(h5, H5Lcreate_hard(h5->id, name, group, "Points", H5P_DEFAULT, H5P_DEFAULT));
+    else if (entry->fields & 1U << f)
+      H5FileNote(h5, H5Lcreate_hard(h5->id, name, point, name, H5P_DEFAULT, H5P_DEFAULT));
+  }
+  if (point >= 0) (void)H5Gclose(point);
+  if (group >= 0) (void)H5Gclose(group);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -93,14 +93,12 @@ static PetscBool Wanted(Output output, PetscInt layer, const PetscReal x[DIM])
 /* Where the rows of the snapshot come from: particle[k] is the local index of row k. */
 static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscInt particle[], Rows *rows)
 {
+  PetscInt n = 0;
+
   PetscFunctionBegin;
-  rows->n     = 0;
-  rows->start = 0;
   for (PetscInt a = 0; a < arrays->n; a++)
-    if (Wanted(output, arrays->integer[INT_LAYER][a], arrays->real[FIELD_POSITION] + DIM * a)) particle[rows->n++] = a;
-  PetscCallMPI(MPI_Exscan(&rows->n, &rows->start, 1, MPIU_INT, MPI_SUM, output->comm));
-  if (!output->rank) rows->start = 0;
-  PetscCallMPI(MPI_Allreduce(&rows->n, &rows->total, 1, MPIU_INT, MPI_SUM, output->comm));
+    if (Wanted(output, arrays->integer[INT_LAYER][a], arrays->real[FIELD_POSITION] + DIM * a)) particle[n++] = a;
+  PetscCall(RowsSet(output->comm, n, 1, rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

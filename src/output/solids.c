@@ -6,7 +6,8 @@
 PetscErrorCode SolidsWrite(Output output)
 {
   Cloud     cloud = output->cloud;
-  Rows      rows  = {.width = DIM};
+  Rows      rows;
+  PetscInt  count = 0;
   H5File    h5;
   PetscBool failed;
   double   *place, *normal;
@@ -23,14 +24,12 @@ PetscErrorCode SolidsWrite(Output output)
     if (cloud->integer[INT_BODY][a] > BODY_SOLID) continue;
     SceneSolidNormal(cloud->scene, x, n);
     for (PetscInt d = 0; d < DIM; d++) {
-      place[DIM * rows.n + d]  = (double)x[d];
-      normal[DIM * rows.n + d] = (double)n[d];
+      place[DIM * count + d]  = (double)x[d];
+      normal[DIM * count + d] = (double)n[d];
     }
-    solid[rows.n++] = BODY_SOLID - cloud->integer[INT_BODY][a];
+    solid[count++] = BODY_SOLID - cloud->integer[INT_BODY][a];
   }
-  PetscCallMPI(MPI_Exscan(&rows.n, &rows.start, 1, MPIU_INT, MPI_SUM, output->comm));
-  if (!output->rank) rows.start = 0;
-  PetscCallMPI(MPI_Allreduce(&rows.n, &rows.total, 1, MPIU_INT, MPI_SUM, output->comm));
+  PetscCall(RowsSet(output->comm, count, DIM, &rows));
   PetscCall(OutputPath(output, SOLIDS_FILE ".tmp", path));
   PetscCall(H5FileCreate(output->comm, path, &h5));
   H5FilePutText(&h5, "format", "isph solids");

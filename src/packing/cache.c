@@ -169,10 +169,10 @@ PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[
   char        name[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 32];
   PetscMPIInt rank;
   long        process = (long)getpid();
-  Rows        rows    = {.start = 0, .total = count, .width = 1};
+  Rows        rows;
   H5File      h5;
   PetscReal  *x;
-  PetscInt   *body, *id;
+  PetscInt   *body, *id, n = 0;
   PetscBool   failed;
 
   PetscFunctionBegin;
@@ -181,10 +181,10 @@ PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[
   PetscCall(FileName(folder, hash, name));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.%ld.part", name, process)); /* nobody ever reads half a file */
   if (!rank) (void)FolderCreate(folder);
-  PetscCall(CollectFluid(particles, &rows.n, &x, &body, &id));
-  PetscCallMPI(MPI_Exscan(&rows.n, &rows.start, 1, MPIU_INT, MPI_SUM, comm));
-  if (!rank) rows.start = 0;
+  PetscCall(CollectFluid(particles, &n, &x, &body, &id));
+  PetscCall(RowsSet(comm, n, 1, &rows));
   PetscCall(H5FileCreate(comm, part, &h5));
+  h5.failed = (PetscBool)(h5.failed || rows.total != count); /* an emitter's liquid is there too: not to be kept */
   H5FilePutInt(&h5, "particles", count);
   PetscCall(H5FileWrite(&h5, "id", H5FILE_INT, &rows, id, "1", "identity, 0, 1, ..."));
   PetscCall(H5FileWrite(&h5, "body", H5FILE_INT, &rows, body, "1", "index of the body in -bodies"));
@@ -194,7 +194,7 @@ PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[
   if (!failed) PetscCall(FileSeal(comm, part, &failed));
   if (!rank && (failed || rename(part, name))) {
     (void)remove(part);
-    PetscCall(PetscInfo(NULL, "packing: cannot write into the folder %s; the packing is not kept\n", folder));
+    PetscCall(PetscInfo(NULL, "packing: not kept in the folder %s\n", folder));
   }
   PetscCall(PetscFree3(x, body, id));
   PetscFunctionReturn(PETSC_SUCCESS);

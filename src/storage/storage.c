@@ -8,6 +8,17 @@
 #define MEMORY_STEP ((size_t)1 << 24)  /* bytes by which a file made in memory grows */
 #define CHUNK_ROWS  ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors fills a third of HDF5's cache */
 
+PetscErrorCode RowsSet(MPI_Comm comm, PetscInt n, PetscInt width, Rows *rows)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Scan(&n, &rows->start, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(&n, &rows->total, 1, MPIU_INT, MPI_SUM, comm));
+  rows->start -= n;
+  rows->n     = n;
+  rows->width = width;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Whether all ranks say yes. */
 static PetscErrorCode AllAgree(H5File *h5, PetscBool ok_here, PetscBool *everywhere)
 {
@@ -104,13 +115,13 @@ static hid_t FileType(hid_t type)
   return H5Tget_size(type) == 4 ? H5T_STD_I32LE : H5T_STD_I64LE;
 }
 
-static void NoteFailure(H5File *h5, herr_t status)
+void H5FileNote(H5File *h5, hid_t status)
 {
   if (status < 0) h5->failed = PETSC_TRUE;
 }
 
-static void AttributePut(H5File *h5, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n,
-                         const void *values)
+void H5FilePutAttribute(H5File *h5, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n,
+                        const void *values)
 {
   hid_t space, attribute;
 
@@ -120,8 +131,8 @@ static void AttributePut(H5File *h5, hid_t object, const char name[], hid_t file
   if (attribute < 0)
     h5->failed = PETSC_TRUE;
   else {
-    NoteFailure(h5, H5Awrite(attribute, type, values));
-    NoteFailure(h5, H5Aclose(attribute));
+    H5FileNote(h5, H5Awrite(attribute, type, values));
+    H5FileNote(h5, H5Aclose(attribute));
   }
   (void)H5Sclose(space);
 }
@@ -133,7 +144,7 @@ static void AttributePutText(H5File *h5, hid_t object, const char name[], const 
 
   (void)H5Tset_size(type, PetscMax(length, 1));
   (void)H5Tset_strpad(type, H5T_STR_NULLPAD);
-  AttributePut(h5, object, name, type, type, 1, length ? text : "\0");
+  H5FilePutAttribute(h5, object, name, type, type, 1, length ? text : "\0");
   (void)H5Tclose(type);
 }
 
@@ -162,7 +173,7 @@ static void WriteRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, Petsc
 
   if (set < 0 || !n || h5->failed) return;
   SelectRows(rows, start, n, &file, &memory);
-  NoteFailure(h5, H5Dwrite(set, type, memory, file, H5P_DEFAULT, values));
+  H5FileNote(h5, H5Dwrite(set, type, memory, file, H5P_DEFAULT, values));
   (void)H5Sclose(memory);
   (void)H5Sclose(file);
 }
@@ -210,20 +221,20 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
     if (h5->compression && rows->total) {
       const hsize_t chunk[2] = {PetscMin((hsize_t)rows->total, CHUNK_ROWS), (hsize_t)rows->width};
 
-      NoteFailure(h5, H5Pset_chunk(create, rows->width > 1 ? 2 : 1, chunk));
-      NoteFailure(h5, H5Pset_shuffle(create));
-      NoteFailure(h5, H5Pset_deflate(create, (unsigned)h5->compression));
+      H5FileNote(h5, H5Pset_chunk(create, rows->width > 1 ? 2 : 1, chunk));
+      H5FileNote(h5, H5Pset_shuffle(create));
+      H5FileNote(h5, H5Pset_deflate(create, (unsigned)h5->compression));
     }
     set = H5Dcreate2(h5->id, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
     (void)H5Pclose(create);
     (void)H5Sclose(memory);
     (void)H5Sclose(file);
-    NoteFailure(h5, set < 0 ? -1 : 0);
+    H5FileNote(h5, set < 0 ? -1 : 0);
     AttributePutText(h5, set, "unit", unit);
     AttributePutText(h5, set, "meaning", meaning);
   }
   PetscCall(GatherRows(h5, set, type, rows, values));
-  if (set >= 0) NoteFailure(h5, H5Dclose(set));
+  if (set >= 0) H5FileNote(h5, H5Dclose(set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,7 +266,7 @@ PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows 
   if (!all) h5->failed = PETSC_TRUE;
   if (all && rows->n) {
     SelectRows(rows, rows->start, rows->n, &file, &memory);
-    NoteFailure(h5, H5Dread(set, type, memory, file, H5P_DEFAULT, values));
+    H5FileNote(h5, H5Dread(set, type, memory, file, H5P_DEFAULT, values));
     (void)H5Sclose(memory);
     (void)H5Sclose(file);
   }
@@ -265,12 +276,12 @@ PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows 
 
 void H5FilePutReal(H5File *h5, const char name[], PetscInt n, const PetscReal values[])
 {
-  AttributePut(h5, h5->id, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)n, values);
+  H5FilePutAttribute(h5, h5->id, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, (hsize_t)n, values);
 }
 
 void H5FilePutInt(H5File *h5, const char name[], PetscInt64 value)
 {
-  AttributePut(h5, h5->id, name, H5T_STD_I64LE, H5T_NATIVE_LLONG, 1, &value);
+  H5FilePutAttribute(h5, h5->id, name, H5T_STD_I64LE, H5T_NATIVE_LLONG, 1, &value);
 }
 
 void H5FilePutText(H5File *h5, const char name[], const char text[])

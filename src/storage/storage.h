@@ -26,6 +26,9 @@ typedef struct {
   PetscInt n, start, total, width;
 } Rows;
 
+/* RowsSet - n rows on this rank, behind those of lower ranks. Collective. */
+PetscErrorCode RowsSet(MPI_Comm comm, PetscInt n, PetscInt width, Rows *rows);
+
 /* HDF5's name of PetscInt in memory. */
 #define H5FILE_INT (sizeof(PetscInt) == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG)
 
@@ -41,12 +44,17 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
 /* H5FileRead - this rank's rows of a data set into values [n][width]; a data set of another shape is a failure.
    Collective. */
 PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows *rows, void *values);
+/* H5FileNote - what HDF5 said of something done to the file: negative is a failure. Not collective. */
+void H5FileNote(H5File *h5, hid_t status);
 /* H5FileHas - whether there is a data set of this name. Not collective. */
 PetscBool H5FileHas(H5File *h5, const char name[]);
 /* H5FilePut... - an attribute of the file; the values of rank 0 count. Not collective. */
 void H5FilePutReal(H5File *h5, const char name[], PetscInt n, const PetscReal values[]);
 void H5FilePutInt(H5File *h5, const char name[], PetscInt64 value);
 void H5FilePutText(H5File *h5, const char name[], const char text[]);
+/* H5FilePutAttribute - n values of a type in memory as an attribute of an object of the file. Rank 0. */
+void H5FilePutAttribute(H5File *h5, hid_t object, const char name[], hid_t file_type, hid_t type, hsize_t n,
+                        const void *values);
 /* H5FileGet... - whether there is such an attribute of this kind; if not, the value stays as it is (a text, of at most
    size - 1 bytes, becomes empty). Not collective. */
 PetscBool H5FileGetReal(H5File *h5, const char name[], PetscReal *value);

@@ -93,4 +93,8 @@ resumed = runs.run(JET + f"-time_end 2.1e-3 -restart {first}", "jet_resumed")
 again = runs.fields(runs.numbered(resumed, "snapshot")[-1])
 good = len(again["id"]) == count and np.array_equal(again["id"], last["id"])
 runs.check(good and np.array_equal(again["position"], last["position"]), "emitter_restarts_exactly", "states differ")
+relaxed = runs.run(JET + "-packing_relaxation_time 1e-4 -steps_max 2 -packing_cache " + runs.scratch("packings"),
+                   "jet_relaxed")
+count = len(runs.fields(runs.numbered(relaxed, "snapshot")[0])["id"])
+runs.check(count == 5 * 10, "an emitter's liquid relaxes too", f"{count} particles, not 50")
 runs.done()
