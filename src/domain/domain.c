@@ -270,7 +270,7 @@ PetscInt DomainCell(Domain domain, const PetscReal x[DIM])
     if (t > (PetscReal)(domain->cells[d] - 1)) t = (PetscReal)(domain->cells[d] - 1);
     at[d] = (PetscInt)t;
   }
-  return at[0] + domain->cells[0] * (at[1] + domain->cells[1] * at[2]);
+  return CellIndex(domain->cells, at[0], at[1], at[2]);
 }
 
 void DomainWrap(Domain domain, PetscReal x[DIM])

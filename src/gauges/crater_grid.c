@@ -89,7 +89,7 @@ static void MarkPool(CraterGrid *grid)
   for (PetscInt c = 0; c < 27; c++) { /* a cube of three cells a side, but for its middle */
     const PetscInt i = c % 3 - 1, j = c / 3 % 3 - 1, k = c / 9 - 1;
 
-    if (i || j || k) step[steps++] = (k * grid->n[1] + j) * grid->n[0] + i;
+    if (i || j || k) step[steps++] = CellIndex(grid->n, i, j, k);
   }
   for (PetscInt seed = 0; seed < grid->count; seed++) {
     const PetscInt start = end;
@@ -144,7 +144,7 @@ static void BlockSet(const CraterGrid *grid, PetscInt dim, Block *block)
   block->cells = 0;
   for (PetscInt k = 0; k < SKY_GAP; k++)
     for (PetscInt j = 0; j < (dim == 2 ? 1 : SKY_GAP); j++)
-      for (PetscInt i = 0; i < SKY_GAP; i++) block->offset[block->cells++] = (k * grid->n[1] + j) * grid->n[0] + i;
+      for (PetscInt i = 0; i < SKY_GAP; i++) block->offset[block->cells++] = CellIndex(grid->n, i, j, k);
 }
 
 /* Tests a block once: inside the columns, above the bottom rim, and without liquid of the pool. */

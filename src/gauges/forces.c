@@ -95,7 +95,7 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     PetscReal sum[DIM] = {0, 0, 0};
     PetscInt  to;
 
-    PairRowLoad(cloud, x, b, row);
+    PairRowLoadGeometry(cloud, x, b, row);
     KernelGradient(cloud->kernel, row->n, row->r2, row->F);
     for (PetscInt k = 0; k < row->n; k++) {
       const PetscInt  a = row->index[k];

@@ -140,7 +140,7 @@ static inline PetscInt CraterGridCell(const CraterGrid *grid, const PetscReal x[
     if (!(s > -0.5 && s < (PetscReal)(grid->n[d] - 2))) return -1; /* also for a position that is not a number */
     index[d] = PetscMax((PetscInt)PetscFloorReal(s), 0) + 1;
   }
-  return (index[2] * grid->n[1] + index[1]) * grid->n[0] + index[0];
+  return CellIndex(grid->n, index[0], index[1], index[2]);
 }
 
 #endif

@@ -94,12 +94,9 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
   PetscOptionsBegin(kernel->comm, NULL, "Kernel", "Kernel");
   PetscCall(PetscOptionsFList("-kernel_type", "smoothing kernel", "KernelSetType", KernelList, kernel->type, type,
                               sizeof(type), &set));
-  PetscCall(PetscOptionsReal("-kernel_ratio", "smoothing length h over particle spacing d0 (1)",
-                             "KernelSetSmoothingLength", ratio, &ratio, NULL));
+  PetscCall(OptionReal("-kernel_ratio", "smoothing length h over particle spacing d0 (1)", "[1, 3]", &ratio));
   PetscOptionsEnd();
   if (set) PetscCall(KernelSetType(kernel, type));
-  PetscCheckUser(ratio >= 1.0 && ratio <= 3.0, kernel->comm,
-                 "-kernel_ratio is %g; smoothing length over spacing must lie between 1 and 3", (double)ratio);
   PetscCall(KernelSetSmoothingLength(kernel, ratio * spacing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

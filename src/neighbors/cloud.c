@@ -24,7 +24,6 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->slack         = domain->spacing;
   c->rebalance     = 1.2;
   c->sort_interval = 100;
-  for (PetscInt k = 0; k <= WALL_FACTORS; k++) c->wall_factor[k] = 1;
   PetscCall(HaloCreate(domain, &c->halo));
   *cloud = c;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -36,21 +35,13 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
 
   PetscFunctionBegin;
   PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
-  PetscCall(PetscOptionsReal("-halo_slack", "how far particles may move before the ghosts are chosen again (spacings)",
-                             "CloudSetFromOptions", slack, &slack, NULL));
-  PetscCall(PetscOptionsReal("-rebalance",
-                             "largest over mean number of particles a rank that triggers a new partition (1)",
-                             "CloudSetFromOptions", cloud->rebalance, &cloud->rebalance, NULL));
-  PetscCall(PetscOptionsInt("-sort_interval", "steps between two sorts of the particles along the cells",
-                            "CloudSetFromOptions", cloud->sort_interval, &cloud->sort_interval, NULL));
+  PetscCall(OptionReal("-halo_slack", "how far particles may move before the ghosts are chosen again (spacings)",
+                       "[0.1, 20]", &slack));
+  PetscCall(OptionReal("-rebalance", "largest over mean number of particles a rank that triggers a new partition (1)",
+                       "(1, inf)", &cloud->rebalance));
+  PetscCall(OptionInt("-sort_interval", "steps between two sorts of the particles along the cells", "[1, inf)",
+                      &cloud->sort_interval));
   PetscOptionsEnd();
-  PetscCheckUser(slack >= 0.1 && slack <= 20, cloud->comm, "-halo_slack is %g; it must lie between 0.1 and 20 spacings",
-                 (double)slack);
-  PetscCheckUser(cloud->rebalance > 1, cloud->comm,
-                 "-rebalance is %g; the imbalance that triggers a new partition must be larger than 1",
-                 (double)cloud->rebalance);
-  PetscCheckUser(cloud->sort_interval > 0, cloud->comm, "-sort_interval is %" PetscInt_FMT "; it must be at least 1",
-                 cloud->sort_interval);
   cloud->slack = slack * cloud->domain->spacing;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,8 +11,6 @@
 #include "../particles/particles.h"
 #include "../scene/scene.h"
 
-#define WALL_FACTORS 64
-
 typedef struct _p_Halo *Halo;
 
 #define SEARCH_LANES 16 /* candidates that the search reads at once: a grid's order has room for so many more */
@@ -46,13 +44,10 @@ typedef struct _p_Cloud {
      a pair (see KernelGradient): slope, F = W'/r over KernelScales' scale_f; laplacian, the pair's weight in a
      Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, 0 between two wall particles, rounded to sixteen bits:
      what the solver reads in every iteration should be short, and a Laplacian with 80 such weights is right to 3e-6. */
-  float    *slope;
-  uint16_t *laplacian;
-  PetscInt *laplacian_sum; /* [n_owned], of each row */
-  PetscReal laplacian_unit;
-  /* What pairs of the fluid with walls count for in the viscous term, at distances k/WALL_FACTORS of the kernel's
-     support from the wall (1); see OperatorsNoSlip. */
-  PetscReal  wall_factor[WALL_FACTORS + 1];
+  float     *slope;
+  uint16_t  *laplacian;
+  PetscInt  *laplacian_sum; /* [n_owned], of each row */
+  PetscReal  laplacian_unit;
   CellGrid   grid;             /* of the last search, over all n_total points */
   WorkArray *work;             /* of CloudGetWork, a list */
   PetscReal  slack;            /* m, how far particles may move before the halo is built again */

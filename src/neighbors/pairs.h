@@ -97,10 +97,4 @@ static inline void PairRowLoadFactors(Cloud cloud, PetscInt a, PairRow *row)
   for (PetscInt k = n; k < n + VEC8; k++) row->f[k] = 0;
 }
 
-/* Names of before, until the last user has changed. */
-#define PairRowLoad PairRowLoadGeometry
-#define RowLoad     PairRowLoadFactors
-#define PairsAhead  PairsPrefetch
-typedef PairRow Row;
-
 #endif

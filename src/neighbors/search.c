@@ -88,7 +88,7 @@ static void SetLines(const CellGrid *grid, Lines *lines)
 
     lines->y[l]       = y;
     lines->z[l]       = l < LINES_AROUND ? z : -2 - grid->n[2]; /* outside */
-    lines->cells[l]   = (z * grid->n[1] + y) * grid->n[0];
+    lines->cells[l]   = CellIndex(grid->n, 0, y, z);
     lines->from_y[l]  = y > 0;
     lines->times_y[l] = (float)-y;
     lines->from_z[l]  = z > 0;

@@ -79,7 +79,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     PetscReal sum = volume[a] * self;
 
-    PairRowLoad(cloud, x, a, &row);
+    PairRowLoadGeometry(cloud, x, a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < row.n; k++) sum += volume[row.index[k]] * row.W[k];
@@ -175,7 +175,7 @@ static void Renormalise(Cloud cloud)
   }
 }
 
-PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous)
+PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
 {
   const Material *liquid = BodyMaterial(SceneBody(cloud->scene, 0));
   const PetscReal d2     = PetscSqr(cloud->domain->spacing);
@@ -188,8 +188,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous)
   scales.ratio     = scales.scale_w / at_spacing;
   scales.viscosity = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
                      scales.scale_f * inverse_h2;
-  PetscCall(CloudSearch(cloud, viscous ? ViscousRow : MomentsRow, &scales));
-  if (viscous) PetscCall(OperatorsWallFriction(cloud, scales.viscosity / inverse_h2));
+  PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
+  if (viscosity) PetscCall(OperatorsWallFriction(cloud, viscosity, scales.viscosity / inverse_h2));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));

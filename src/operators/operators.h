@@ -34,31 +34,36 @@ static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
   return PETSC_FALSE;
 }
 
-/* Thresholds of lambda, the smallest eigenvalue of a particle's moments M (see OperatorsMoments). It is 1 inside the
-   liquid, about 1/2 on a flat surface and 0 for a lone particle. */
-
-/* Spray is almost alone, or a sheet or thread of one particle (Marrone et al. 2010). It is on the surface without a
-   scan, meets no pressure from its surroundings, is not shifted, and no neighbour compensates for it. */
+/* lambda, the smallest eigenvalue of a particle's moments M (see OperatorsMoments), is 1 inside the liquid, about 1/2
+   on a flat surface and 0 for a lone particle. Spray has at most SPRAY_LAMBDA: it is almost alone, or a sheet or thread
+   of one particle (Marrone et al. 2010). It is on the surface without a scan, meets no pressure from its surroundings,
+   is not shifted, and no neighbour compensates for it. */
 #define SPRAY_LAMBDA 0.2
-/* Particles with lambda at least this are not on the surface (Marrone et al. 2010). */
-#define SURFACE_LAMBDA_INNER 0.75
-/* Particles with lambda at least this are not near the surface either (no reference). */
-#define SURFACE_LAMBDA_NEAR 0.95
-/* Particles with lambda at most this have too few neighbours for B = M^-1, which then is the identity (no reference).
+/* With lambda at most this a particle has too few neighbours for B = M^-1, which then is the identity (no reference).
  */
 #define MOMENT_MINIMUM 0.3
-
-/* Radius of the cone that is scanned for neighbours, over the spacing and not over h: a wide kernel does not widen it.
- */
-#define SURFACE_CONE_SCALE 1.33
-/* How far from a particle on the surface others are near it, over the spacing: the next layer. */
-#define SURFACE_NEAR_DISTANCE 1.5
 
 /* SymmetricSmallestEigenvalue - of M (xx yy zz xy xz yz), of its upper left 2 x 2 block if dim is 2. */
 PetscReal SymmetricSmallestEigenvalue(PetscInt dim, const PetscReal M[6]);
 
 /* SymmetricInverse - B = M^-1 (of the upper left block in 2-d, with B_zz = 1). */
 void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
+
+/* Forms of the viscous term. */
+typedef enum {
+  VISCOSITY_CLEARY, /* Eq. (1) of Kuri et al. (Cleary & Ha), zeta = dim + 2 (5 in 3-d as in the paper, whose 5 would be
+                       25 % too viscous in 2-d): along the line of centres, keeps angular momentum */
+  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum */
+} ViscosityForm;
+
+/* The viscous term: its form, and what pairs of the fluid with walls count for, at distances k/WALL_FACTORS of the
+   kernel's support from the wall. A copy of the whole is as good as the original. */
+#define WALL_FACTORS 64
+typedef struct {
+  ViscosityForm form;
+  PetscBool     no_slip; /* otherwise all factors are 1 */
+  PetscReal     wall_factor[WALL_FACTORS + 1];
+} Viscosity;
 
 /* OperatorsDensity - FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one
  * liquid Eq. (4) of Kuri et al. */
@@ -70,46 +75,53 @@ PetscErrorCode OperatorsDensity(Cloud cloud);
      FIELD_CROWDING    sum V (1 + 0.2 (W/W(d0))^4) grad W, 1/m: points to where particles crowd (Lind et al. 2012)
      FIELD_LAMBDA      the smallest eigenvalue of M = -sum V grad W (x) r_ab (Marrone et al. 2010)
      FIELD_CORRECTION  B = M^-1, the identity where lambda <= MOMENT_MINIMUM (Randles & Libersky 1996)
-   viscous: FIELD_ACCELERATION (m/s2) of the fluid becomes what OperatorsViscosity in the form of Cleary would add to
-   it, for half the price; only for OperatorsOneLiquid at its rest density. */
-PetscErrorCode OperatorsMoments(Cloud cloud, PetscBool viscous);
+   viscosity: NULL, or one in the form of Cleary; FIELD_ACCELERATION (m/s2) of the fluid then becomes what
+   OperatorsViscosity would add to it, for half the price; only for OperatorsOneLiquid at its rest density. */
+PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsOneLiquid - whether all bodies have one density and one viscosity, so that every pair has the same
    coefficient. */
 PetscBool OperatorsOneLiquid(Cloud cloud);
-/* OperatorsFreeSurface - INT_SURFACE of the rows a < n_rows: 1 on the surface (spray, or lambda below
-   SURFACE_LAMBDA_INNER and no neighbour in the cone along the normal), 2 near it, 0 inside. Near it are fluid particles
-   with lambda below SURFACE_LAMBDA_INNER, or below SURFACE_LAMBDA_NEAR within SURFACE_NEAR_DISTANCE of a fluid particle
-   on the surface. Marrone et al. 2010. Needs OperatorsMoments; updates INT_SURFACE of the ghosts. Collective. */
-PetscErrorCode OperatorsFreeSurface(Cloud cloud);
-/* Forms of the viscous term. */
-typedef enum {
-  VISCOSITY_CLEARY, /* Eq. (1) of Kuri et al. (Cleary & Ha), zeta = dim + 2 (5 in 3-d as in the paper, whose 5 would be
-                       25 % too viscous in 2-d): along the line of centres, keeps angular momentum */
-  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum */
-} ViscosityForm;
+/* The free-surface test of Marrone et al. 2010, with a class for particles near the surface (no reference). */
+typedef struct {
+  PetscReal inner; /* particles with lambda at least this are not on the surface, 0.75 */
+  PetscReal near;  /* nor near it with lambda at least this, 0.95 */
+  PetscReal cone;  /* radius of the cone scanned for neighbours, 1.33 spacings: a wide kernel does not widen it */
+  PetscReal next;  /* how far from a particle on the surface others are near it, 1.5 spacings */
+} SurfaceTest;
 
-/* OperatorsNoSlip - sets the cloud's wall_factor: from now on the pairs of the fluid with walls count wall_factor times
-   in the viscous term, as if the velocity went on straight behind the wall's face, at which the liquid sticks (Morris
-   et al. 1997). Dummy particles that are at rest as a whole, as the paper has them, put the plane of no slip behind the
-   face, and the first layer of particles slides. The factor depends only on the particle's distance from the wall, and
-   is that of a quarter of a spacing for nearer ones; so the term remains a symmetric sum over pairs that takes energy.
-   Before this call the factors are 1. Not collective. */
-PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form);
+/* SurfaceTestDefault - the numbers above. Not collective. */
+SurfaceTest SurfaceTestDefault(void);
+/* SurfaceTestSetFromOptions - -surface_lambda_inner, -surface_lambda_near (1), -surface_cone, -surface_near (spacings),
+   in a block of their own. Collective. */
+PetscErrorCode SurfaceTestSetFromOptions(MPI_Comm comm, SurfaceTest *test);
+/* OperatorsFreeSurface - INT_SURFACE of the rows a < n_rows: 1 on the surface (spray, or lambda below test->inner and
+   no neighbour in the cone along the normal), 2 near it, 0 inside. Near it are fluid particles with lambda below
+   test->inner, or below test->near and within test->next of a fluid particle on the surface. Needs OperatorsMoments;
+   updates INT_SURFACE of the ghosts. Collective. */
+PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test);
+/* OperatorsNoSlip - sets the wall factors of a viscosity whose form is known, so that there is no slip: as if the
+   velocity went on straight behind the wall's face, at which the liquid sticks (Morris et al. 1997). Dummy particles
+   that are at rest as a whole, as the paper has them, put the plane of no slip behind the face, and the first layer of
+   particles slides. The factor depends only on the particle's distance from the wall, and is that of a quarter of a
+   spacing for nearer ones; so the term remains a symmetric sum over pairs that takes energy. Not collective. */
+void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
    have their own velocity and the viscosity of their neighbour. Not collective. */
-PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[]);
-/* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times wall_factor - 1, which
-   OperatorsMoments leaves out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not collective. */
-PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale);
+PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[]);
+/* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times the wall factor - 1,
+   which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not
+   collective. */
+PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, PetscReal scale);
 /* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
    each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair
    v_ab. Overwrites FIELD_WORK1. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s),
    whose ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal
    ([n_fluid][3], 1/s, not positive). */
-PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[]);
-PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], PetscReal velocity[],
-                                       PetscReal out[]);
-PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const PetscReal pair[],
+PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
+                                       PetscReal pair[]);
+PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
+                                       PetscReal velocity[], PetscReal out[]);
+PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
                                           PetscReal diagonal[]);
 /* OperatorsCompensationWeights - weight[a] ([n_total]) s_a = m_a/sum_b m_b W_ab over the neighbours b in the fluid, 0
    for walls and spray; ghosts too. Collective. */

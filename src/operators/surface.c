@@ -1,8 +1,33 @@
 /* Free-surface detection of Marrone, Colagrossi, Le Touze and Graziani 2010. */
 #include "operators.h"
 
+SurfaceTest SurfaceTestDefault(void)
+{
+  return (SurfaceTest){.inner = 0.75, .near = 0.95, .cone = 1.33, .next = 1.5};
+}
+
+PetscErrorCode SurfaceTestSetFromOptions(MPI_Comm comm, SurfaceTest *test)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, "Advanced: free surface", "Operators");
+  PetscCall(OptionReal("-surface_lambda_inner",
+                       "smallest eigenvalue of the moments from which on particles are not on the surface (1)",
+                       "[0.2, 1]", &test->inner));
+  PetscCall(OptionReal("-surface_lambda_near", "the same from which on they are not near the surface (1)", "[0.2, 1]",
+                       &test->near));
+  PetscCall(OptionReal("-surface_cone", "radius of the cone that holds no neighbour of a surface particle (spacings)",
+                       "[1, 3]", &test->cone));
+  PetscCall(OptionReal("-surface_near", "how far from a particle on the surface others are near it (spacings)",
+                       "[0, 3]", &test->next));
+  PetscOptionsEnd();
+  PetscCheckUser(test->near >= test->inner, comm,
+                 "-surface_lambda_near is %g; it must be at least -surface_lambda_inner, %g", (double)test->near,
+                 (double)test->inner);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Whether no neighbour lies in the umbrella-shaped region above particle a, which belongs to the outward normal n and
-   the cone scale s (m): Eqs. of the paper's cone scan in two and three dimensions. */
+   the cone scale s (m). */
 static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], PetscReal s)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = x + DIM * a;
@@ -28,9 +53,9 @@ static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], Pe
 }
 
 /* Flags the rows that are on the surface with 1 and the others with 0. */
-static void FlagSurface(Cloud cloud, PetscInt flag[])
+static void FlagSurface(Cloud cloud, const SurfaceTest *test, PetscInt flag[])
 {
-  const PetscReal  s      = SURFACE_CONE_SCALE * cloud->domain->spacing;
+  const PetscReal  s      = test->cone * cloud->domain->spacing;
   const PetscReal *lambda = cloud->field[FIELD_LAMBDA];
 
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
@@ -38,7 +63,7 @@ static void FlagSurface(Cloud cloud, PetscInt flag[])
     PetscReal        n[DIM], length;
 
     flag[a] = 0;
-    if (a >= cloud->n_rows || lambda[a] >= SURFACE_LAMBDA_INNER) continue;
+    if (a >= cloud->n_rows || lambda[a] >= test->inner) continue;
     TensorApply(B, -g[0], -g[1], -g[2], n);
     length = Norm(n);
     if (lambda[a] <= SPRAY_LAMBDA || length <= 0)
@@ -50,11 +75,10 @@ static void FlagSurface(Cloud cloud, PetscInt flag[])
   }
 }
 
-/* Whether a flagged fluid particle is near particle a. */
-static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, const PetscInt flag[])
+/* Whether a flagged fluid particle is within a distance (m) of particle a. */
+static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, PetscReal distance, const PetscInt flag[])
 {
-  const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a,
-                  near2 = PetscSqr(SURFACE_NEAR_DISTANCE * cloud->domain->spacing);
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, near2 = PetscSqr(distance);
 
   for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscInt   b    = cloud->list[k];
@@ -66,18 +90,18 @@ static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, const PetscInt flag[])
   return PETSC_FALSE;
 }
 
-PetscErrorCode OperatorsFreeSurface(Cloud cloud)
+PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test)
 {
-  const PetscReal *lambda = cloud->field[FIELD_LAMBDA];
-  PetscInt        *flag   = cloud->integer[INT_SURFACE];
+  const PetscReal *lambda = cloud->field[FIELD_LAMBDA], distance = test->next * cloud->domain->spacing;
+  PetscInt        *flag = cloud->integer[INT_SURFACE];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
-  FlagSurface(cloud, flag);
+  FlagSurface(cloud, test, flag);
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    if (flag[a] || lambda[a] >= SURFACE_LAMBDA_NEAR) continue;
-    if (lambda[a] < SURFACE_LAMBDA_INNER || SurfaceIsNear(cloud, a, flag)) flag[a] = 2;
+    if (flag[a] || lambda[a] >= test->near) continue;
+    if (lambda[a] < test->inner || SurfaceIsNear(cloud, a, distance, flag)) flag[a] = 2;
   }
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));

@@ -27,13 +27,13 @@ static PetscReal FormFactor(Cloud cloud, ViscosityForm form)
    particle at the distance s in front of it, must carry the velocity difference times 1 + z/s if the velocity is to go
    on straight behind the face. The factor is the mean of that over the layers, each weighted with its part in the
    viscous term of a flow along the wall. */
-PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form)
+void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
 {
   const PetscReal spacing = cloud->domain->spacing, support = KernelSupport(cloud->kernel),
                   eta2 = EtaSquared(cloud->kernel);
   PetscReal r2[PLANE_POINTS], F[PLANE_POINTS];
 
-  PetscFunctionBegin;
+  viscosity->no_slip = PETSC_TRUE;
   for (PetscInt k = 0; k <= WALL_FACTORS; k++) {
     const PetscReal distance = PetscMax(support * k / WALL_FACTORS, CLOSEST * spacing);
     PetscReal       sum = 0, moment = 0;
@@ -46,25 +46,25 @@ PetscErrorCode OperatorsNoSlip(Cloud cloud, ViscosityForm form)
       for (PetscInt m = 0; m < PLANE_POINTS; m++) {
         const PetscReal rho2 = r2[m] - z * z, part = -F[m] * reach *
                                                      (cloud->domain->dim == 3 ? PetscSqrtReal(rho2) : 1) *
-                                                     (form == VISCOSITY_CLEARY ? rho2 / (r2[m] + eta2) : 1);
+                                                     (viscosity->form == VISCOSITY_CLEARY ? rho2 / (r2[m] + eta2) : 1);
 
         sum += part;
         moment += part * depth;
       }
     }
-    cloud->wall_factor[k] = sum > 0 ? 1 + moment / sum / distance : 1;
+    viscosity->wall_factor[k] = sum > 0 ? 1 + moment / sum / distance : 1;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The factor on wall friction of fluid particle a, from its distance to the nearest wall. */
-static PetscReal WallFactor(Cloud cloud, PetscInt a)
+static PetscReal WallFactor(Cloud cloud, const Viscosity *viscosity, PetscInt a)
 {
   const Domain     domain = cloud->domain;
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, support = KernelSupport(cloud->kernel);
   PetscReal        nearest = cloud->solid_normal ? SceneSolidDistance(cloud->scene, x, NULL) : support, place;
   PetscInt         k;
 
+  if (!viscosity->no_slip) return 1;
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_WALL) nearest = PetscMin(nearest, x[d] - domain->lower[d]);
     if (domain->face[d][1] == FACE_WALL) nearest = PetscMin(nearest, domain->upper[d] - x[d]);
@@ -72,7 +72,7 @@ static PetscReal WallFactor(Cloud cloud, PetscInt a)
   if (nearest >= support) return 1;
   place = PetscMax(nearest, 0) * WALL_FACTORS / support;
   k     = (PetscInt)place;
-  return cloud->wall_factor[k] + (place - k) * (cloud->wall_factor[k + 1] - cloud->wall_factor[k]);
+  return viscosity->wall_factor[k] + (place - k) * (viscosity->wall_factor[k + 1] - viscosity->wall_factor[k]);
 }
 
 PetscBool OperatorsOneLiquid(Cloud cloud)
@@ -154,7 +154,7 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, PairRow *r
   }
 }
 
-PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
+PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, PetscReal scale)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY],
                   eta2 = EtaSquared(cloud->kernel);
@@ -162,7 +162,7 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal factor = WallFactor(cloud, a);
+    const PetscReal factor = WallFactor(cloud, viscosity, a);
     PetscReal      *out    = cloud->field[FIELD_ACCELERATION] + DIM * a;
     PairRow         row;
 
@@ -185,10 +185,10 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, PetscReal scale)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscReal density[])
+PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[])
 {
   const PetscReal *v    = cloud->field[FIELD_VELOCITY];
-  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, form);
+  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, viscosity->form);
   const PetscBool  one = (PetscBool)(density == cloud->rest_density && OperatorsOneLiquid(cloud));
   PetscReal       *mu, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
   PairRow          row;
@@ -203,13 +203,13 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
 
     if (mu[a] <= 0) continue;
     PairRowLoadFactors(cloud, a, &row);
-    if (form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, eta2, &row);
+    if (viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, eta2, &row);
     MultiplyViscosity(cloud, one, a, density, mu, &row);
-    factor = WallFactor(cloud, a);
+    factor = WallFactor(cloud, viscosity, a);
     if (factor != 1)
       for (PetscInt k = 0; k < row.n; k++)
         if (cloud->integer[INT_LAYER][row.index[k]]) row.f[k] *= factor;
-    if (form == VISCOSITY_CLEARY)
+    if (viscosity->form == VISCOSITY_CLEARY)
       ViscosityCleary(cloud, a, &row, v, sum);
     else
       ViscosityMorris(a, &row, v, sum);
@@ -220,10 +220,11 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, ViscosityForm form, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const PetscReal density[], PetscReal pair[])
+PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
+                                       PetscReal pair[])
 {
   const PetscReal *volume = cloud->volume, *rest = cloud->rest_density;
-  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, form);
+  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, viscosity->form);
   PetscReal       *mu;
   PairRow          row;
 
@@ -232,7 +233,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
   CollectViscosity(cloud, mu);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal      *c      = pair + cloud->first[a];
-    const PetscReal factor = WallFactor(cloud, a);
+    const PetscReal factor = WallFactor(cloud, viscosity, a);
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     KernelGradient(cloud->kernel, row.n, row.r2, row.F);
@@ -243,7 +244,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
       c[k] = sum > 0 ? volume[b] * rest[b] * zeta * (1 / PetscSqr(density[a]) + 1 / PetscSqr(density[b])) * 2 * mu[a] *
                          mu_b / sum * row.F[k]
                      : 0;
-      if (form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
+      if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
     }
   }
@@ -251,8 +252,8 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, ViscosityForm form, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const PetscReal pair[], PetscReal velocity[],
-                                       PetscReal out[])
+PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
+                                       PetscReal velocity[], PetscReal out[])
 {
   const PetscReal *v = velocity;
   PairRow          row;
@@ -265,7 +266,7 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const Pe
     PetscReal       ax = 0, ay = 0, az = 0;
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-    if (form == VISCOSITY_CLEARY) {
+    if (viscosity->form == VISCOSITY_CLEARY) {
       SIMD_LOOP(reduction(+ : ax, ay, az))
       for (PetscInt k = 0; k < row.n; k++) {
         const PetscInt  b = row.index[k];
@@ -293,7 +294,8 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, ViscosityForm form, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const PetscReal pair[], PetscReal diagonal[])
+PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
+                                          PetscReal diagonal[])
 {
   PairRow row;
 
@@ -305,9 +307,9 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, ViscosityForm form, const
     d[0] = d[1] = d[2] = 0;
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
-      d[0] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k]) : 1);
-      d[1] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
-      d[2] += c[k] * (form == VISCOSITY_CLEARY ? PetscSqr(row.dz[k]) : 1);
+      d[0] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k]) : 1);
+      d[1] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
+      d[2] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dz[k]) : 1);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -35,9 +35,10 @@ static void HashBody(unsigned long long *hash, Domain domain, Body body)
     HashReal(hash, upper[d]);
   }
   for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
-    const PetscInt at[DIM] = {c % n[0], (c / n[0]) % n[1], c / (n[0] * n[1])};
-    PetscReal      x[DIM]  = {0, 0, 0};
+    PetscReal x[DIM] = {0, 0, 0};
+    PetscInt  at[DIM];
 
+    CellCoordinates(n, c, at);
     for (PetscInt d = 0; d < domain->dim; d++) x[d] = lower[d] + (at[d] + 0.5) * (upper[d] - lower[d]) / n[d];
     HashReal(hash, BodyDistance(body, x));
   }

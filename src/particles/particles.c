@@ -226,12 +226,16 @@ static PetscErrorCode MarkSurfaceCells(Particles particles, const ParticleArrays
       surface[DomainCell(domain, arrays->real[FIELD_POSITION] + DIM * a)] = 1;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, surface, (PetscMPIInt)count, MPIU_INT, MPI_MAX, particles->comm));
   for (PetscInt c = 0; c < count; c++) {
-    const PetscInt x = c % n[0], y = (c / n[0]) % n[1], z = c / (n[0] * n[1]);
+    PetscInt at[DIM], first[DIM], last[DIM], cell[DIM];
 
     if (!surface[c]) continue;
-    for (PetscInt k = PetscMax(0, z - 1); k <= PetscMin(n[2] - 1, z + 1); k++)
-      for (PetscInt j = PetscMax(0, y - 1); j <= PetscMin(n[1] - 1, y + 1); j++)
-        for (PetscInt i = PetscMax(0, x - 1); i <= PetscMin(n[0] - 1, x + 1); i++) near[(k * n[1] + j) * n[0] + i] = 1;
+    CellCoordinates(n, c, at);
+    for (PetscInt d = 0; d < DIM; d++) {
+      first[d] = cell[d] = PetscMax(0, at[d] - 1);
+      last[d]            = PetscMin(n[d] - 1, at[d] + 1);
+    }
+    do near[CellIndex(n, cell[0], cell[1], cell[2])] = 1;
+    while (CellNext(first, last, cell));
   }
   PetscCall(PetscFree(surface));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -303,7 +307,7 @@ PetscErrorCode ParticlesSort(Particles particles, PetscReal cell_size)
       cell[d] = PetscMax(0, PetscMin(n[d] - 1, (PetscInt)PetscMin(x * n[d], (PetscReal)n[d])));
     }
     keys[a].kind  = PetscMin(layer, 2);
-    keys[a].cell  = (cell[2] * n[1] + cell[1]) * n[0] + cell[0];
+    keys[a].cell  = CellIndex(n, cell[0], cell[1], cell[2]);
     keys[a].id    = arrays.integer[INT_ID][a];
     keys[a].place = a;
   }

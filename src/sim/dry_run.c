@@ -39,8 +39,9 @@ static PetscReal ShapeVolume(Sim sim, Body body)
     cell /= n[d];
   }
   for (PetscInt k = 0; k < n[0] * n[1] * n[2]; k++) {
-    const PetscInt index[DIM] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
+    PetscInt index[DIM];
 
+    CellCoordinates(n, k, index);
     for (PetscInt d = 0; d < dim; d++) x[d] = lower[d] + (index[d] + 0.5) * (upper[d] - lower[d]) / n[d];
     inside += BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0;
   }

@@ -260,7 +260,7 @@ PetscErrorCode SimRun(Sim sim)
                           interrupted ? "" : " a later -time_end and", OutputFolder(sim->output), checkpoint));
   PetscCall(PetscLogStagePop());
   if (SpectrumWanted(sim->spectrum)) {
-    SpectrumStep step = {.iterations = sim->state.iterations, .form = StepperViscosityForm(sim->stepper)};
+    SpectrumStep step = {.iterations = sim->state.iterations, .viscosity = StepperViscosity(sim->stepper)};
 
     PetscCall(StepperPredict(sim->stepper, &sim->state, &step.dt));
     PetscCall(SpectrumRun(sim->spectrum, &step));

@@ -21,7 +21,7 @@ static PetscErrorCode ApplyViscosity(Mat shell, Vec x, Vec y)
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->field[FIELD_VELOCITY][k] = PetscRealPart(u[k]);
   PetscCall(VecRestoreArrayRead(x, &u));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-  PetscCall(OperatorsViscosity(cloud, s->form, cloud->rest_density));
+  PetscCall(OperatorsViscosity(cloud, s->viscosity, cloud->rest_density));
   PetscCall(VecGetArrayWrite(y, &a));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) a[k] = -cloud->field[FIELD_ACCELERATION][k];
   PetscCall(VecRestoreArrayWrite(y, &a));

@@ -41,7 +41,7 @@ PetscErrorCode SpectrumRun(Spectrum s, const SpectrumStep *step)
   Cloud cloud = s->cloud;
 
   PetscFunctionBegin;
-  s->form = step->form;
+  s->viscosity = step->viscosity;
   PetscCall(SlepcInitialize(NULL, NULL, NULL, NULL));
   PetscCall(PetscMalloc1(DIM * cloud->n_owned, &s->place));
   PetscCall(PetscArraycpy(s->place, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));

@@ -12,9 +12,9 @@ typedef struct _p_Spectrum *Spectrum;
 
 /* The step that the operators are of. */
 typedef struct {
-  PetscReal     dt;         /* s */
-  PetscInt      iterations; /* of its pressure solver */
-  ViscosityForm form;
+  PetscReal        dt;         /* s */
+  PetscInt         iterations; /* of its pressure solver */
+  const Viscosity *viscosity;
 } SpectrumStep;
 
 /* SpectrumCreate - borrows all three. Collective. */

@@ -6,13 +6,13 @@
 #include <slepceps.h>
 
 struct _p_Spectrum {
-  Cloud         cloud;    /* borrowed */
-  Tension       tension;  /* borrowed */
-  Pressure      pressure; /* borrowed */
-  PetscBool     wanted;
-  PetscInt      degrees; /* of the modes of a drop; 0: none */
-  ViscosityForm form;
-  PetscReal    *place; /* [n_owned][3] positions of the state, m */
+  Cloud            cloud;    /* borrowed */
+  Tension          tension;  /* borrowed */
+  Pressure         pressure; /* borrowed */
+  PetscBool        wanted;
+  PetscInt         degrees; /* of the modes of a drop; 0: none */
+  const Viscosity *viscosity;
+  PetscReal       *place; /* [n_owned][3] positions of the state, m */
 };
 
 /* SpectrumExtreme - the eigenvalue of a matrix that 'which' names; deflated: NULL, or a vector whose direction is left

@@ -35,7 +35,7 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 
 PetscBool StepViscosityFused(Stepper stepper)
 {
-  return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity_form == VISCOSITY_CLEARY &&
+  return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity.form == VISCOSITY_CLEARY &&
                      OperatorsOneLiquid(stepper->cloud));
 }
 
@@ -75,7 +75,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
   if (!fused) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (ViscosityIsExplicit(stepper)) {
-    if (!fused) PetscCall(OperatorsViscosity(cloud, stepper->viscosity_form, density));
+    if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
   }
   if (stepper->damping == 1) AddBodyForce(cloud, acceleration);

@@ -36,6 +36,7 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->guard             = 0.25;
   s->density_ratio_max = 2;
   s->damping           = 1;
+  s->surface_test      = SurfaceTestDefault();
   TimeStepDefaults(&s->limits);
   PetscCall(StepperSetScheme(s, SCHEME_CONSISTENT));
   *stepper = s;
@@ -112,7 +113,7 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
 static PetscErrorCode SetViscosityFromOptions(Stepper s)
 {
   const char *const forms[] = {"cleary", "morris"}, *const walls[] = {"rest", "linear"};
-  PetscInt form = s->viscosity_form, wall = s->no_slip;
+  PetscInt form = s->viscosity.form, wall = s->no_slip;
 
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Viscosity", "Stepper");
@@ -124,8 +125,8 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
                               "StepperSetFromOptions", walls, 2, walls[wall], &wall, NULL));
   PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
-  s->viscosity_form = (ViscosityForm)form;
-  if (wall) PetscCall(OperatorsNoSlip(s->cloud, s->viscosity_form));
+  s->viscosity.form = (ViscosityForm)form;
+  if (wall) OperatorsNoSlip(s->cloud, &s->viscosity);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -158,6 +159,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscFunctionBegin;
   PetscCall(SetSchemeFromOptions(s));
   PetscCall(SetViscosityFromOptions(s));
+  PetscCall(SurfaceTestSetFromOptions(s->cloud->comm, &s->surface_test));
   PetscCall(TimeStepSetFromOptions(s));
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
@@ -205,9 +207,9 @@ PetscErrorCode StepperDestroy(Stepper *stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-ViscosityForm StepperViscosityForm(Stepper stepper)
+const Viscosity *StepperViscosity(Stepper stepper)
 {
-  return stepper->viscosity_form;
+  return &stepper->viscosity;
 }
 
 /* What a trial has measured, into the state; the divergence without the time step. */

@@ -54,8 +54,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 /* StepperPredict - stage one of a step from the swarm's state, so that PressureAssemble gives the system of that step;
  *dt: its size (s). Collective. */
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
-/* StepperViscosityForm - of -viscosity_form. Not collective. */
-ViscosityForm StepperViscosityForm(Stepper stepper);
+/* StepperViscosity - of -viscosity_form and -viscosity_wall; borrowed. Not collective. */
+const Viscosity *StepperViscosity(Stepper stepper);
 /* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
  */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);

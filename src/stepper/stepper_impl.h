@@ -94,7 +94,8 @@ struct _p_Stepper {
   TimeStepLimits limits;
   TrialLimits    trial;
   StepBounds     bounds; /* of the last step size chosen */
-  ViscosityForm  viscosity_form;
+  Viscosity      viscosity;
+  SurfaceTest    surface_test;
   Viscous        viscous;
   PetscReal      guard;              /* spacings that particles keep from walls */
   PetscReal      density_ratio_max;  /* of the densities of two bodies */

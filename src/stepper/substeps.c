@@ -26,9 +26,9 @@ PetscErrorCode StepSearch(Stepper stepper, PetscBool viscous)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SEARCH), 0, 0, 0, 0));
-  PetscCall(OperatorsMoments(cloud, viscous)); /* Eq. (4) */
+  PetscCall(OperatorsMoments(cloud, viscous ? &stepper->viscosity : NULL)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(OperatorsFreeSurface(cloud));
+  PetscCall(OperatorsFreeSurface(cloud, &stepper->surface_test));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SEARCH), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -59,7 +59,7 @@ static PetscErrorCode ApplyViscosity(Stepper stepper, Vec x, PetscBool walls, Pe
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &u));
   PetscCall(Load(cloud, x, walls, u));
-  PetscCall(OperatorsViscosityApply(cloud, stepper->viscosity_form, stepper->viscous.pair, u, out));
+  PetscCall(OperatorsViscosityApply(cloud, &stepper->viscosity, stepper->viscous.pair, u, out));
   PetscCall(CloudRestoreWork(cloud, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,7 +101,7 @@ static PetscErrorCode Diagonal(Mat A, Vec diagonal)
   PetscCall(MatShellGetContext(A, &stepper));
   cloud = stepper->cloud;
   PetscCall(VecGetArrayWrite(diagonal, &d));
-  PetscCall(OperatorsViscosityDiagonal(cloud, stepper->viscosity_form, stepper->viscous.pair, d));
+  PetscCall(OperatorsViscosityDiagonal(cloud, &stepper->viscosity, stepper->viscous.pair, d));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) d[k] = Mass(cloud, a) * (1 - stepper->viscous.dt * d[k]);
   PetscCall(VecRestoreArrayWrite(diagonal, &d));
@@ -200,7 +200,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
     PetscCall(PetscMalloc1(viscous->capacity, &viscous->pair));
   }
   viscous->dt = dt;
-  PetscCall(OperatorsViscosityPairs(cloud, stepper->viscosity_form, density, viscous->pair));
+  PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
   PetscCall(RightHandSide(stepper));
   PetscCall(MatAssemblyBegin(viscous->A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
   PetscCall(MatAssemblyEnd(viscous->A, MAT_FINAL_ASSEMBLY));

@@ -150,17 +150,25 @@ static PetscErrorCode AddForce(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
+PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
   const PetscReal support = KernelSupport(tension->kernel);
-  PetscReal      *stress;
 
   PetscFunctionBegin;
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
   PetscCall(BandMark(&tension->band_cells, cloud, tension->band * support + tension->spacing, support));
-  PetscCall(CloudGetWork(cloud, 6, &stress));
   PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
   PetscCall(FindStress(tension, cloud, stress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
+{
+  PetscReal *stress;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 6, &stress));
+  PetscCall(CahnHilliardStress(tension, cloud, stress));
   PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, stress));
   LiquidLoad(&tension->liquid, DIM, 6, stress);
   PetscCall(CloudRestoreWork(cloud, &stress));
@@ -182,12 +190,11 @@ static PetscErrorCode TabulateWall(Tension tension)
 static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-tension_calibration",
-                             "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h",
-                             "TensionSetFromOptions", tension->calibration, &tension->calibration, NULL));
-  PetscCall(PetscOptionsReal("-tension_band",
-                             "distance from the surface within which tension is evaluated, over 2H (1)",
-                             "TensionSetFromOptions", tension->band, &tension->band, NULL));
+  PetscCall(OptionReal("-tension_calibration",
+                       "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h", "(0, inf)",
+                       &tension->calibration));
+  PetscCall(OptionReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)",
+                       "(0, 2]", &tension->band));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

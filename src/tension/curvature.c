@@ -18,11 +18,16 @@
    below a flat surface for 0.2); -tension_same_side, n_a . n_b above which two normals belong to the same side of the
    liquid, so that a sheet's other side is left out; -tension_thinnest, what 1 + s k is at least. No references. */
 
-#define FEWEST_NORMALS  (DIM + 2) /* that a fit needs: one more than it has coefficients */
-#define PARALLEL        0.5 /* times sin of the contact angle: a surface with less of n along the wall does not end there */
-#define REGULARITY      1e-6 /* added to the fit's matrix, relative to its trace: normals along a line give no NaN */
+/* A fit needs so many normals, one more than it has coefficients. */
+#define FEWEST_NORMALS (DIM + 2)
+/* A surface ends at a wall if the part of its normal along the wall is at least this, times sin of the contact angle.
+ */
+#define PARALLEL 0.5
+/* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
+#define REGULARITY 1e-6
+/* No particle counts as further outside the liquid than this, in spacings. */
+#define LARGEST_OUTSIDE 0.5
 #define BELOW_ONE       (1 - 1e-9)
-#define LARGEST_OUTSIDE 0.5 /* spacings: no particle counts as further outside the liquid */
 
 /* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
 static PetscErrorCode CurvatureSetUp(Tension tension)
@@ -586,24 +591,24 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-tension_sheets", "energy of sheets and threads too thin for a normal",
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
-  PetscCall(PetscOptionsReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)",
-                             "TensionSetFromOptions", tension->sharpening, &tension->sharpening, NULL));
-  PetscCall(PetscOptionsReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
-                             "TensionSetFromOptions", tension->angle, &tension->angle, NULL));
+  PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
+                       &tension->sharpening));
+  PetscCall(OptionReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
+                       "(0, 180)", &tension->angle));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SetAdvancedFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-tension_threshold", "|grad phi| H above which a particle is near the surface (1)",
-                             "TensionSetFromOptions", tension->threshold, &tension->threshold, NULL));
-  PetscCall(PetscOptionsReal("-tension_same_side",
-                             "cosine between two normals above which they belong to one side of the liquid (1)",
-                             "TensionSetFromOptions", tension->same_side, &tension->same_side, NULL));
-  PetscCall(PetscOptionsReal("-tension_thinnest",
-                             "least 1 + s k when a curvature k is carried over the depth s to the surface (1)",
-                             "TensionSetFromOptions", tension->thinnest, &tension->thinnest, NULL));
+  PetscCall(OptionReal("-tension_threshold", "|grad phi| H above which a particle is near the surface (1)", "(0, 1)",
+                       &tension->threshold));
+  PetscCall(OptionReal("-tension_same_side",
+                       "cosine between two normals above which they belong to one side of the liquid (1)", "(-1, 1)",
+                       &tension->same_side));
+  PetscCall(OptionReal("-tension_thinnest",
+                       "least 1 + s k when a curvature k is carried over the depth s to the surface (1)", "(0, 1]",
+                       &tension->thinnest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

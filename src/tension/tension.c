@@ -93,27 +93,10 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
   PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
                               tension->type, tension->type, sizeof(tension->type), NULL));
-  PetscCall(PetscOptionsReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5",
-                             "TensionSetFromOptions", tension->ratio, &tension->ratio, NULL));
+  PetscCall(OptionReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5", "[1, 4]",
+                       &tension->ratio));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(TensionList, tension->type, ReadModel, tension));
-  PetscCheckUser(tension->sharpening >= 0 && tension->sharpening <= 4, tension->comm,
-                 "-tension_sharpening is %g; it must lie between 0 and 4", (double)tension->sharpening);
-  PetscCheckUser(tension->ratio >= 1 && tension->ratio <= 4, tension->comm,
-                 "-tension_ratio is %g; H/h must lie between 1 and 4", (double)tension->ratio);
-  PetscCheckUser(tension->calibration > 0, tension->comm, "-tension_calibration is %g; it must be positive",
-                 (double)tension->calibration);
-  PetscCheckUser(tension->band > 0 && tension->band <= 2, tension->comm, "-tension_band is %g; it must lie in (0, 2]",
-                 (double)tension->band);
-  PetscCheckUser(tension->angle > 0 && tension->angle < 180, tension->comm,
-                 "-wall_contact_angle is %g; it must lie between 0 and 180 degrees", (double)tension->angle);
-  PetscCheckUser(tension->threshold > 0 && tension->threshold < 1, tension->comm,
-                 "-tension_threshold is %g; it must lie between 0 and 1", (double)tension->threshold);
-  PetscCheckUser(tension->same_side > -1 && tension->same_side < 1, tension->comm,
-                 "-tension_same_side is %g; the cosine of an angle must lie between -1 and 1",
-                 (double)tension->same_side);
-  PetscCheckUser(tension->thinnest > 0 && tension->thinnest <= 1, tension->comm,
-                 "-tension_thinnest is %g; it must lie in (0, 1]", (double)tension->thinnest);
   tension->angle *= PETSC_PI / 180;
   tension->cosine = PetscCosReal(tension->angle);
   tension->sine   = PetscSinReal(tension->angle);

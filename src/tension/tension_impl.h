@@ -178,6 +178,9 @@ PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal
    the owned particles. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[]);
 
+/* CahnHilliardStress - S ([n_owned][6], N/m2) of Eq. (7), zero beyond the band; leaves the liquid sorted. Collective.
+ */
+PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[]);
 /* The constructors of the models set tension's functions. */
 PetscErrorCode TensionCreate_CahnHilliard(Tension tension);
 PetscErrorCode TensionCreate_Curvature(Tension tension);

@@ -79,10 +79,12 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
 /* SetupMoments - density, moments, surface flags, and the ghosts' densities. */
 static inline PetscErrorCode SetupMoments(Setup *s)
 {
+  const SurfaceTest test = SurfaceTestDefault();
+
   PetscFunctionBegin;
-  PetscCall(OperatorsMoments(s->cloud, PETSC_FALSE));
+  PetscCall(OperatorsMoments(s->cloud, NULL));
   PetscCall(CloudUpdate(s->cloud, FIELD_DENSITY));
-  PetscCall(OperatorsFreeSurface(s->cloud));
+  PetscCall(OperatorsFreeSurface(s->cloud, &test));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

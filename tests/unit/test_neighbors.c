@@ -216,27 +216,33 @@ static PetscReal Mark(PetscInt id, PetscInt component)
   return 1 + RandomUnit(7, (unsigned long long)(16 * id + component));
 }
 
-/* Ghosts whose scalar, vector, tensor or point differs from its owner's under the image the ghost's position tells. */
+/* Ghosts whose scalar, vector, axial vector, tensor or point differs from its owner's under the image the ghost's
+ * position tells. */
 static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 {
-  const PetscInt *id     = cloud->integer[INT_ID];
-  const PetscReal tiny   = SAME_PLACE * cloud->domain->spacing;
-  PetscReal      *scalar = cloud->field[FIELD_WORK1], *vector = cloud->field[FIELD_WORK3];
-  PetscReal      *tensor = cloud->field[FIELD_STRESS], *point = cloud->field[FIELD_POSITION_NEW];
+  const PetscInt *id   = cloud->integer[INT_ID];
+  const PetscReal tiny = SAME_PLACE * cloud->domain->spacing;
+  PetscReal      *scalar, *vector, *axial, *tensor, *point = cloud->field[FIELD_POSITION_NEW];
   Image           image[64];
   const PetscInt  images = AllImages(cloud->domain, image);
   World           world;
 
   PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 1, &scalar));
+  PetscCall(CloudGetWork(cloud, DIM, &vector));
+  PetscCall(CloudGetWork(cloud, DIM, &axial));
+  PetscCall(CloudGetWork(cloud, 6, &tensor));
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     scalar[a] = a < cloud->n_owned ? Mark(id[a], 0) : NAN;
     for (PetscInt d = 0; d < DIM; d++) vector[DIM * a + d] = a < cloud->n_owned ? Mark(id[a], 1 + d) : NAN;
     for (PetscInt d = 0; d < DIM; d++) point[DIM * a + d] = a < cloud->n_owned ? Mark(id[a], 4 + d) : NAN;
+    for (PetscInt d = 0; d < DIM; d++) axial[DIM * a + d] = a < cloud->n_owned ? Mark(id[a], 13 + d) : NAN;
     for (PetscInt c = 0; c < 6; c++) tensor[6 * a + c] = a < cloud->n_owned ? Mark(id[a], 7 + c) : NAN;
   }
-  PetscCall(CloudUpdate(cloud, FIELD_WORK1));
-  PetscCall(CloudUpdate(cloud, FIELD_WORK3));
-  PetscCall(CloudUpdate(cloud, FIELD_STRESS));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, vector));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_AXIAL, axial));
+  PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, tensor));
   PetscCall(CloudUpdate(cloud, FIELD_POSITION_NEW));
   PetscCall(WorldGather(cloud, &world));
   *wrong = 0;
@@ -261,6 +267,7 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 
       for (PetscInt d = 0; d < DIM; d++) {
         miss += PetscAbsReal(vector[DIM * g + d] - s[d] * Mark(id[g], 1 + d));
+        miss += PetscAbsReal(axial[DIM * g + d] - s[0] * s[1] * s[2] * s[d] * Mark(id[g], 13 + d));
         miss += PetscAbsReal(point[DIM * g + d] - s[d] * Mark(id[g], 4 + d) - found->offset[d]);
         miss += PetscAbsReal(tensor[6 * g + d] - Mark(id[g], 7 + d));
       }
@@ -271,6 +278,10 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
     }
   }
   PetscCall(PetscFree2(world.id, world.x));
+  PetscCall(CloudRestoreWork(cloud, &tensor));
+  PetscCall(CloudRestoreWork(cloud, &axial));
+  PetscCall(CloudRestoreWork(cloud, &vector));
+  PetscCall(CloudRestoreWork(cloud, &scalar));
   *wrong = (PetscInt)SetupSum((PetscReal)*wrong);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
