@@ -135,7 +135,7 @@ PetscReal KernelSelf(Kernel kernel)
   return w;
 }
 
-#define KERNEL_CHUNK 256
+#define KERNEL_CHUNK 256 /* pairs at once: their arrays stay in the first cache */
 
 void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal *restrict r2, PetscReal *restrict W,
                     PetscReal *restrict F)
@@ -186,9 +186,12 @@ void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscRe
   *inverse_h2 = kernel->inverse_h2;
 }
 
+/* Points of the integrals over a plane and over the depth of a half-space, and halvings of the search for a depth. */
 #define HALF_SPACE_POINTS 400
+#define DEPTH_POINTS      200
+#define BISECTIONS        50
 
-/* w1(s), by the midpoint rule over the chord (2-d) or by r dr (3-d), where the weight of the integrand is smooth. */
+/* w1(s) of KernelHalfSpace by the midpoint rule, over the chord in two dimensions and over discs (r dr) in three. */
 static PetscReal PlaneIntegral(Kernel kernel, PetscReal s)
 {
   const PetscReal support = KernelSupport(kernel), s2 = s * s;
@@ -209,10 +212,10 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
 
   if (plane) *plane = PlaneIntegral(kernel, s);
   if (fraction) {
-    const PetscInt points = 200;
-    PetscReal      sum    = 0;
+    PetscReal sum = 0;
 
-    for (PetscInt k = 0; k < points; k++) sum += PlaneIntegral(kernel, (k + 0.5) * end / points) * end / points;
+    for (PetscInt k = 0; k < DEPTH_POINTS; k++)
+      sum += PlaneIntegral(kernel, (k + 0.5) * end / DEPTH_POINTS) * end / DEPTH_POINTS;
     *fraction = s >= 0 ? PetscMin(0.5 + sum, 1.0) : PetscMax(0.5 - sum, 0.0);
   }
 }
@@ -225,10 +228,10 @@ void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[])
   KernelHalfSpace(kernel, 0, &zero, NULL);
   fraction[0] = 1;
   fraction[n] = 0.5;
-  for (PetscInt k = n - 1; k > 0; k--) { /* w1 falls with depth: the depth of each value, by bisection above the last */
+  for (PetscInt k = n - 1; k > 0; k--) { /* w1 falls with depth: each value is found by bisection beyond the last one */
     PetscReal low = depth, high = support, plane;
 
-    for (PetscInt bisection = 0; bisection < 50; bisection++) {
+    for (PetscInt bisection = 0; bisection < BISECTIONS; bisection++) {
       const PetscReal middle = 0.5 * (low + high);
 
       KernelHalfSpace(kernel, middle, &plane, NULL);

@@ -4,8 +4,9 @@
 
 #include "kernel.h"
 
-/* 1/sqrt(s) for 0 <= s < 1e30 to 1e-7, in a tenth of the time of a root and a division: a guess from the exponent and
-   one step of third and one of second order (Lomont 2003; Householder). Large, not infinite, for s = 0. */
+/* 1/sqrt(s) for 0 <= s < 1e30 to 1e-7, in a tenth of the time of a root and a division: a guess from the exponent
+   (Lomont 2003) and one Householder step each of third and second order. For s = 0 the result is large, not infinite.
+ */
 static inline float InverseRoot(float s)
 {
   uint32_t bits;
@@ -27,9 +28,9 @@ static inline float InverseRoot(float s)
   const float i = InverseRoot(s), q = s * i;                                                                           \
   (void)i;
 
-/* The loops of a kernel in precision T, over n rounded up to a multiple of LANES: W(T, q) and F(T, q, i) = W'(q)/q are
-   macros of q = r/h and i = 1/q, without their norm. Where F is a quotient it must not be evaluated as one near q = 0:
-   coincident particles get the limit. */
+/* The loops of a kernel in precision T, over n rounded up to a multiple of LANES. W(T, q) and F(T, q, i) = W'(q)/q are
+   macros of q = r/h and i = 1/q, without their norm. Where F is a quotient it must be written otherwise near q = 0, so
+   that coincident particles get the limit. */
 #define KERNEL_LOOPS(Name, T, LANES, ROOT, W, F)                                                                       \
   static void Name(PetscInt n, const T *restrict s, T *restrict w, T *restrict f)                                      \
   {                                                                                                                    \

@@ -3,10 +3,10 @@
 
 /* Cell of the canonical order of ParticlesSort, in kernel supports. */
 #define SORT_CELL 1.0
-/* Particles may stray outside their rank's cells by this share of the slack before they migrate. */
-#define STRAY_SHARE 0.6
-/* How far a stray particle is followed, in slacks: it moves less than one after the last look at it. */
-#define STRAY_LIMIT 2
+/* Particles may be outside their rank's cells by this share of the slack before they migrate. */
+#define OUTSIDE_SHARE 0.6
+/* How far outside a particle is followed, in slacks: since the last look at it, it has moved by less than one. */
+#define OUTSIDE_LIMIT 2
 
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud)
@@ -70,7 +70,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Room for n particles in every array; what they hold is kept. */
+/* Makes room for n particles in every array; what the arrays hold is kept. */
 static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
 {
   PetscFunctionBegin;
@@ -142,9 +142,9 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
-  /* every particle wherever it is gets all within reach + slack, also one that has not been sent home or wrapped yet */
-  cloud->distance_outside =
-    HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION], STRAY_LIMIT * cloud->slack);
+  /* Every particle gets all ghosts within reach + slack, also one that has not been migrated or wrapped yet. */
+  cloud->distance_outside = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
+                                                OUTSIDE_LIMIT * cloud->slack);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION],
                       cloud->reach + cloud->slack + cloud->distance_outside, &ghosts));
@@ -186,7 +186,7 @@ static PetscErrorCode WrapSwarm(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sends the particles home (after a new partition if the load demands it), sorts them and loads them. */
+/* Sends the particles to their ranks, after a new partition if asked to, sorts them and loads them. */
 static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
 {
   PetscFunctionBegin;
@@ -231,7 +231,7 @@ static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sends particles home if one strayed too far or a sort is due, then chooses the ghosts. */
+/* Sends the particles to their ranks if one is too far outside or a sort is due, then chooses the ghosts. */
 static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
 {
   PetscMPIInt rank, size;
@@ -241,10 +241,10 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
   if (size > 1) {
     cloud->distance_outside = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
-                                                  STRAY_LIMIT * cloud->slack);
+                                                  OUTSIDE_LIMIT * cloud->slack);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   }
-  if (sort || cloud->distance_outside > STRAY_SHARE * cloud->slack) {
+  if (sort || cloud->distance_outside > OUTSIDE_SHARE * cloud->slack) {
     PetscReal imbalance;
 
     PetscCall(ParticlesImbalance(cloud->particles, &imbalance));

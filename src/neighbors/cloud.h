@@ -37,20 +37,21 @@ typedef struct _p_Cloud {
   PetscReal *volume;             /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
   PetscReal *rest_density;       /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
-    *solid_normal; /* [n_total][3] out of the solid, of its dummy particles (zero elsewhere); NULL without solids */
-  /* Neighbours of a < n_owned: list[first[a] .. first[a+1]), local indices, the particle itself excluded. */
+    *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
+  /* The neighbours of particle a < n_owned are list[first[a] .. first[a+1]), local indices, without the particle
+     itself. pairs.h shows how to write loops over them. */
   PetscInt *first, *list, list_capacity;
-  /* Factors of the pairs, in the order of the list, at the positions of the last search, the same for both particles of
-     a pair (see KernelGradient): slope, F = W'/r over KernelScales' scale_f; laplacian, the pair's weight in a
-     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, 0 between two wall particles, rounded to sixteen bits:
-     what the solver reads in every iteration should be short, and a Laplacian with 80 such weights is right to 3e-6. */
+  /* Factors of the pairs, in the order of the list, at the positions of the last search; the same for both particles of
+     a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f. laplacian: the pair's weight in a
+     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, and 0 between two wall particles. It is rounded to
+     sixteen bits because the solver reads it in every iteration; a Laplacian with 80 such weights is right to 3e-6. */
   float     *slope;
   uint16_t  *laplacian;
-  PetscInt  *laplacian_sum; /* [n_owned], of each row */
-  PetscReal  laplacian_unit;
+  PetscInt  *laplacian_sum;    /* [n_owned], of each row */
+  PetscReal  laplacian_unit;   /* slope at r = 0 over the largest number of sixteen bits */
   CellGrid   grid;             /* of the last search, over all n_total points */
   WorkArray *work;             /* of CloudGetWork, a list */
-  PetscReal  slack;            /* m, how far particles may move before the halo is built again */
+  PetscReal  slack;            /* m, twice the distance that particles may move before the halo is built again */
   PetscReal  reach;            /* m, largest kernel support in use */
   PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
   PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
@@ -63,7 +64,7 @@ typedef struct _p_Cloud {
 /* CloudCreate - borrows the four; reach = largest kernel support any operator will use (m). Collective. */
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud);
-/* CloudSetFromOptions - -halo_slack (in spacings), -rebalance. Collective. */
+/* CloudSetFromOptions - -halo_slack (in spacings), -rebalance, -sort_interval. Collective. */
 PetscErrorCode CloudSetFromOptions(Cloud cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
 
@@ -87,17 +88,15 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);
 /* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image; refuses fields that
    have none. Collective. */
 PetscErrorCode CloudUpdate(Cloud cloud, FieldId field);
-/* CloudUpdateArray - the same for an array of [n_total][width] numbers that change like that under a mirror.
- * Collective.
- */
+/* CloudUpdateArray - the same for an array of [n_total][width] numbers of this parity. Collective. */
 PetscErrorCode CloudUpdateArray(Cloud cloud, PetscInt width, Parity parity, PetscReal array[]);
 /* CloudUpdateInt - the same for an integer field. Collective. */
 PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
 /* CloudUpdateIntArray - the same for an array of [n_total] integers. Collective. */
 PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[]);
-/* CloudCommit - the step is accepted: stored fields go back to the swarm (periodic positions are wrapped with the next
-   migration). Particles that left through
-   an open face are removed; their number is added to *lost (global). Collective. */
+/* CloudCommit - the step is accepted: stored fields go back to the swarm. Positions beyond periodic faces are wrapped
+   with the next migration. Particles that left through an open face are removed; their number on all ranks is added to
+   *lost. Collective. */
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
 
 /* CloudGetWork - an array with room for [n_total][width] numbers and a vector behind them, contents undefined, for the

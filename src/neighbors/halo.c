@@ -1,3 +1,4 @@
+/* The ghosts of a rank: who sends which particle under which image to whom, and the exchange of their values. */
 #include "halo.h"
 #include <petscsf.h>
 

@@ -9,14 +9,14 @@
 /* HaloCreate - no ghosts yet; domain is borrowed. Collective. */
 PetscErrorCode HaloCreate(Domain domain, Halo *halo);
 PetscErrorCode HaloDestroy(Halo *halo);
-/* HaloBuild - finds the ghosts of all points within 'radius' (m) of any cell of another rank or image, from the n owned
- *positions x ([n][3], m); ghosts = their number on this rank. Ghosts come in the order of their owner's rank, then its
- *local order. Collective. */
+/* HaloBuild - chooses as ghosts all points within 'radius' (m) of a cell of another rank or image, from the n owned
+   positions x ([n][3], m); *ghosts is their number on this rank. They come in the order of their owner's rank, then in
+   that of its local indices. Collective. */
 PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, PetscInt *ghosts);
-/* HaloUpdate - values of owned particles, array[0..n)[width], to the ghosts' places behind them, changed as the image
- * demands. Collective. */
+/* HaloUpdate - copies the values of owned particles, array[0..n)[width], to the ghosts' places behind them and changes
+   them as the image demands. Collective. */
 PetscErrorCode HaloUpdate(Halo halo, PetscInt width, Parity parity, PetscReal array[]);
-/* HaloUpdateInt - the same for integers, unchanged. Collective. */
+/* HaloUpdateInt - the same for integers, which no image changes. Collective. */
 PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[]);
 /* HaloDistanceOutside - how far (m) the n owned points x are outside the cells of this rank or, through periodic and
    symmetry faces, outside the box; at most 'limit'. Not collective. */
