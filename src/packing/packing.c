@@ -172,7 +172,7 @@ PetscErrorCode PackingFindRelaxed(Packing packing, const char how[], PetscBool *
   PetscFunctionBegin;
   PetscCall(RelaxedHash(packing, how, &hash));
   if (packing->cache[0]) PetscCall(CacheRead(cloud->comm, packing->cache, hash, &n, &x, &body));
-  *found = (PetscBool)(n == packing->count);
+  *found = (PetscBool)(n > 0 && n == packing->count);
   if (*found) {
     PetscCall(ParticlesOpen(cloud->particles, &arrays));
     for (PetscInt a = 0; a < arrays.n; a++)
