@@ -13,10 +13,8 @@
 #define REPULSION_MARGIN  1.02 /* c over the distance wanted */
 #define SLACK             3.0  /* of the halo while packing, spacings: particles move further than in a step */
 #define SEARCH_AFTER      0.02 /* spacings that a particle may move before neighbours are searched again */
-#define TRIAL_LIMIT                                                                                                    \
-  10 /* spacings that a particle may move in a trial of the line search, which goes astray once rounding rules the     \
-        gradient */
-#define TRAVEL_LIMIT 1.5 /* spacings that a particle may move before all are sent home */
+#define TRIAL_LIMIT       10   /* spacings that a particle may move in a trial of the line search */
+#define TRAVEL_LIMIT      1.5  /* spacings that a particle may move before all are sent home */
 
 typedef struct {
   Cloud      cloud;
@@ -150,8 +148,8 @@ static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void 
 
   PetscFunctionBegin;
   PetscCall(MoveFluid(o, y, &too_far));
-  if (too_far) { /* an infinite value makes the line search take a shorter step */
-    *f = PETSC_INFINITY;
+  if (too_far) { /* Next to the goal rounding rules the gradient, and a trial may throw particles far out of the box. */
+    *f = PETSC_INFINITY; /* so that the line search takes a shorter step */
     PetscCall(VecSet(gradient, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -2,10 +2,10 @@
    the number of triangles a ray meets. */
 #include "stl.h"
 
-#define CELL      0.5  /* of the table, spacings */
-#define BAND      4    /* spacings from the surface within which the distance is exact; beyond it is BAND spacings */
-#define TILT      1e-4 /* cells by which rays miss the nodes, and so edges and corners that lie on them */
-#define MAX_NODES 2e8  /* of the table, a bound of the memory */
+#define CELL      0.5  /* distance of the table's nodes, spacings */
+#define BAND      4    /* the distance is exact so many spacings from the surface, and has that size beyond */
+#define TILT      1e-4 /* rays pass the nodes by so many cells, and so miss edges and corners that lie on nodes */
+#define MAX_NODES 2e8  /* of the table: 0.8 GB */
 
 /* The table: nodes lower + (i, j, k) cell, x fastest, 0 <= i < n[0] and so on; the band's width around the surface. */
 typedef struct {

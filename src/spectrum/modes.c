@@ -9,7 +9,7 @@
 
 #define EXTRA   2    /* degrees beyond those reported */
 #define STEP    1e-4 /* R, of the difference that gives the gradient of a harmonic */
-#define DEGREES 8
+#define DEGREES 8    /* at most, with the extra ones; see -spectrum_modes */
 
 /* r^n P_nm(cos theta) cos(m phi), sin(m phi) for m < 0, at x over R. */
 static PetscReal SolidHarmonic(PetscInt n, PetscInt m, const PetscReal x[DIM])
@@ -62,8 +62,8 @@ static PetscBool IsFreeDrop(Spectrum s)
 }
 
 /* The displacements, basis[k] ([n_fluid][3]), of degrees 1 to 'most'. */
-static PetscErrorCode Basis(Spectrum s, const PetscReal centre[DIM], PetscReal radius, PetscInt most,
-                            PetscReal *basis[])
+static PetscErrorCode HarmonicDisplacements(Spectrum s, const PetscReal centre[DIM], PetscReal radius, PetscInt most,
+                                            PetscReal *basis[])
 {
   Cloud    cloud = s->cloud;
   PetscInt k     = 0;
@@ -89,7 +89,8 @@ static PetscErrorCode Basis(Spectrum s, const PetscReal centre[DIM], PetscReal r
 }
 
 /* Products of all with one of the basis: row[j] = basis_j . v over the ranks. */
-static PetscErrorCode Products(Cloud cloud, PetscInt count, PetscReal *basis[], const PetscReal v[], PetscReal row[])
+static PetscErrorCode BasisProducts(Cloud cloud, PetscInt count, PetscReal *basis[], const PetscReal v[],
+                                    PetscReal row[])
 {
   PetscFunctionBegin;
   for (PetscInt j = 0; j < count; j++) {
@@ -101,7 +102,7 @@ static PetscErrorCode Products(Cloud cloud, PetscInt count, PetscReal *basis[], 
 }
 
 /* The two small matrices, K and M of K x = omega^2 M x, the same on every rank. */
-static PetscErrorCode Project(Spectrum s, PetscInt count, PetscReal *basis[], Mat *K, Mat *M)
+static PetscErrorCode ProjectOperator(Spectrum s, PetscInt count, PetscReal *basis[], Mat *K, Mat *M)
 {
   Cloud        cloud = s->cloud;
   PetscReal   *response, *row;
@@ -115,9 +116,9 @@ static PetscErrorCode Project(Spectrum s, PetscInt count, PetscReal *basis[], Ma
   PetscCall(MatDenseGetArray(*M, &m));
   for (PetscInt i = 0; i < count; i++) {
     PetscCall(CapillaryResponse(s, basis[i], response));
-    PetscCall(Products(cloud, count, basis, response, row));
+    PetscCall(BasisProducts(cloud, count, basis, response, row));
     for (PetscInt j = 0; j < count; j++) k[i * count + j] = -row[j];
-    PetscCall(Products(cloud, count, basis, basis[i], row));
+    PetscCall(BasisProducts(cloud, count, basis, basis[i], row));
     for (PetscInt j = 0; j < count; j++) m[i * count + j] = row[j];
   }
   PetscCall(MatDenseRestoreArray(*M, &m));
@@ -150,8 +151,8 @@ static PetscInt DegreeOf(PetscInt most, const PetscScalar x[], Mat M)
 }
 
 /* Solves the small problem: of each degree the number of eigenvalues, their sum, smallest and largest. */
-static PetscErrorCode Modes(Mat K, Mat M, PetscInt most, PetscInt number[], PetscReal sum[], PetscReal low[],
-                            PetscReal high[])
+static PetscErrorCode SolveModes(Mat K, Mat M, PetscInt most, PetscInt number[], PetscReal sum[], PetscReal low[],
+                                 PetscReal high[])
 {
   EPS      eps;
   Vec      x;
@@ -204,9 +205,9 @@ PetscErrorCode SpectrumModes(Spectrum s)
   PetscCall(MeasureDrop(s->cloud, centre, &radius));
   unit = m->tension / (m->density * radius * radius * radius);
   PetscCall(PetscMalloc1(count, &basis));
-  PetscCall(Basis(s, centre, radius, most, basis));
-  PetscCall(Project(s, count, basis, &K, &M));
-  PetscCall(Modes(K, M, most, number, sum, low, high));
+  PetscCall(HarmonicDisplacements(s, centre, radius, most, basis));
+  PetscCall(ProjectOperator(s, count, basis, &K, &M));
+  PetscCall(SolveModes(K, M, most, number, sum, low, high));
   PetscCall(PetscPrintf(s->cloud->comm,
                         "  modes of the drop, R = %.4g m = %.3g d0: omega^2 over sigma/(rho R^3) = %.5g 1/s2\n",
                         (double)radius, (double)(radius / s->cloud->domain->spacing), (double)unit));

@@ -21,13 +21,10 @@ PetscErrorCode SpectrumSetFromOptions(Spectrum s)
                              "stability limits of the explicit terms",
                              "SpectrumSetFromOptions", s->wanted, &s->wanted, NULL));
   PetscCall(
-    PetscOptionsInt("-spectrum_modes",
-                    "highest degree of the modes of oscillation that -spectrum gives of a single free drop (1); "
-                    "0: none",
-                    "SpectrumSetFromOptions", s->degrees, &s->degrees, NULL));
+    OptionInt("-spectrum_modes",
+              "highest degree of the modes of oscillation that -spectrum gives of a single free drop (1); 0: none",
+              "[0, 6]", &s->degrees));
   PetscOptionsEnd();
-  PetscCheckUser(s->degrees >= 0 && s->degrees <= 6, s->cloud->comm,
-                 "-spectrum_modes is %" PetscInt_FMT "; it must lie between 0 and 6", s->degrees);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
