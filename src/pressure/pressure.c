@@ -1,96 +1,7 @@
 /* The pressure projection as an object: its types, options, view. */
 #include "pressure_impl.h"
 
-typedef enum { POSITIVE, NOT_NEGATIVE, AT_LEAST_ONE } Range;
-
-static const char *const RangeSentences[] = {"it must be positive", "it must not be negative", "it must be at least 1"};
-
-/* An option that is a number: where it is kept, its default and the values allowed. */
-typedef struct {
-  const char *name, *help, *unit;
-  size_t      offset; /* in struct _p_Pressure */
-  PetscReal   value;
-  Range       range;
-} Number;
-
 #define DEFAULT_RELAXATION_TIME 1e-3 /* s, where neither the user nor the stepper chooses */
-
-#define PLACE(member) offsetof(struct _p_Pressure, member)
-
-static const Number Numbers[] = {
-  {"-pressure_closure_factor",
-   "factor of what full_diagonal adds to the diagonal (1): 1 is Nair and Tomar's, 2 puts p = 0 on the surface", "",
-   PLACE(closure_factor), 2, POSITIVE},
-  {"-pressure_regularization",
-   "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)", "",
-   PLACE(regularization), 2, NOT_NEGATIVE},
-  {"-pressure_relaxation_time",
-   "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h", " s",
-   PLACE(relaxation_option), 0, NOT_NEGATIVE},
-  {"-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)", "",
-   PLACE(rebuild_growth), 1.5, AT_LEAST_ONE},
-  {"-pressure_density_tolerance",
-   "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, -ksp_rtol and the others",
-   "", PLACE(density_tolerance), 0, NOT_NEGATIVE},
-};
-
-/* What these do and where their defaults come from is said where they are used: source.c, closure.c, gradient.c. */
-static const Number Advanced[] = {
-  {"-pressure_relaxation_steps", "least number of steps in which the divergence source repairs density errors (1)", "",
-   PLACE(relaxation_steps), 5, POSITIVE},
-  {"-pressure_closure_lambda", "lambda of fluid below which full_diagonal fills up the diagonal (1)", "",
-   PLACE(closure_lambda), 0.9, NOT_NEGATIVE},
-  {"-pressure_closure_least",
-   "least that full_diagonal adds on the surface, over n.B n V/rho, n the sum of V grad W (1); less than 1 diverges",
-   "", PLACE(closure_least), 2.5, NOT_NEGATIVE},
-  {"-pressure_pairing_moving", "part of the term against pairing in the background pressure, liquid in motion (1)", "",
-   PLACE(pairing_moving), 0.1, NOT_NEGATIVE},
-  {"-pressure_pairing_loaded", "the same where a body force makes the pressure (1)", "", PLACE(pairing_loaded), 0.5,
-   NOT_NEGATIVE},
-};
-
-#define COUNT(table) ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(table))
-
-/* Where a pressure keeps a number. */
-static PetscReal *NumberOf(Pressure pressure, const Number *number)
-{
-  return (PetscReal *)((char *)pressure + number->offset);
-}
-
-static void SetDefaults(Pressure pressure, PetscInt n, const Number numbers[])
-{
-  for (PetscInt k = 0; k < n; k++) *NumberOf(pressure, numbers + k) = numbers[k].value;
-}
-
-/* To be called between PetscOptionsBegin and PetscOptionsEnd. */
-static PetscErrorCode ReadNumbers(Pressure pressure, OptionItems PetscOptionsObject, PetscInt n, const Number numbers[])
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal *value = NumberOf(pressure, numbers + k);
-
-    PetscCall(PetscOptionsReal(numbers[k].name, numbers[k].help, "PressureSetFromOptions", *value, value, NULL));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool InRange(PetscReal value, Range range)
-{
-  if (range == POSITIVE) return (PetscBool)(value > 0);
-  return (PetscBool)(value >= (range == AT_LEAST_ONE ? 1 : 0));
-}
-
-static PetscErrorCode CheckNumbers(Pressure pressure, PetscInt n, const Number numbers[])
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal value = *NumberOf(pressure, numbers + k);
-
-    PetscCheckUser(InRange(value, numbers[k].range), pressure->cloud->comm, "%s is %g%s; %s", numbers[k].name,
-                   (double)value, numbers[k].unit, RangeSentences[numbers[k].range]);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
 
@@ -129,8 +40,15 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->cloud           = cloud;
   p->kept            = KEPT_NONE;
   p->relaxation_time = DEFAULT_RELAXATION_TIME;
-  SetDefaults(p, COUNT(Numbers), Numbers);
-  SetDefaults(p, COUNT(Advanced), Advanced);
+  p->closure_factor  = 2;
+  p->regularization  = 2;
+  p->rebuild_growth  = 1.5;
+  /* what these do and where they come from is said where they are used: source.c, closure.c, gradient.c */
+  p->relaxation_steps = 5;
+  p->closure_lambda   = 0.9;
+  p->closure_least    = 2.5;
+  p->pairing_moving   = 0.1;
+  p->pairing_loaded   = 0.5;
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -201,6 +119,54 @@ static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObjec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionReal(
+    "-pressure_closure_factor",
+    "factor of what full_diagonal adds to the diagonal (1): 1 is Nair and Tomar's, 2 puts p = 0 on the surface",
+    "(0, inf)", &p->closure_factor));
+  PetscCall(OptionReal("-pressure_regularization",
+                       "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)",
+                       "[0, inf)", &p->regularization));
+  PetscCall(
+    OptionReal("-pressure_relaxation_time",
+               "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h",
+               "[0, inf)", &p->relaxation_option));
+  PetscCall(OptionReal("-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)",
+                       "[1, inf)", &p->rebuild_growth));
+  PetscCall(OptionInt("-pressure_rebuild_interval",
+                      "steps after which the preconditioner is made anew; 0: 10 for twolevel, jacobi and none, 50 for "
+                      "all others",
+                      "[0, inf)", &p->rebuild_interval));
+  PetscCall(OptionReal("-pressure_density_tolerance",
+                       "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, "
+                       "-ksp_rtol and the others",
+                       "[0, inf)", &p->density_tolerance));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAdvancedNumbers(Pressure p, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-pressure_relaxation_steps",
+                       "least number of steps in which the divergence source repairs density errors (1)", "(0, inf)",
+                       &p->relaxation_steps));
+  PetscCall(OptionReal("-pressure_closure_lambda",
+                       "lambda of fluid below which full_diagonal fills up the diagonal (1)", "[0, inf)",
+                       &p->closure_lambda));
+  PetscCall(OptionReal(
+    "-pressure_closure_least",
+    "least that full_diagonal adds on the surface, over n.B n V/rho, n the sum of V grad W (1); less than 1 diverges",
+    "[0, inf)", &p->closure_least));
+  PetscCall(OptionReal("-pressure_pairing_moving",
+                       "part of the term against pairing in the background pressure, liquid in motion (1)", "[0, inf)",
+                       &p->pairing_moving));
+  PetscCall(OptionReal("-pressure_pairing_loaded", "the same where a body force makes the pressure (1)", "[0, inf)",
+                       &p->pairing_loaded));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSetFromOptions(Pressure pressure)
 {
   Cloud cloud = pressure->cloud;
@@ -208,11 +174,7 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscFunctionBegin;
   PetscOptionsBegin(cloud->comm, NULL, "Pressure projection", "Pressure");
   PetscCall(ReadTypes(pressure, PetscOptionsObject));
-  PetscCall(ReadNumbers(pressure, PetscOptionsObject, COUNT(Numbers), Numbers));
-  PetscCall(PetscOptionsInt("-pressure_rebuild_interval",
-                            "steps after which the preconditioner is made anew; 0: 10 for twolevel, jacobi and none, "
-                            "50 for all others",
-                            "PressureSetFromOptions", pressure->rebuild_interval, &pressure->rebuild_interval, NULL));
+  PetscCall(ReadNumbers(pressure, PetscOptionsObject));
   PetscCall(PetscOptionsFList("-mat_type",
                               "PETSc type of the pressure matrix; none given: shell, the sum of pairs without a "
                               "matrix, if the preconditioner does without entries, else aij",
@@ -220,14 +182,9 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
                               NULL));
   PetscOptionsEnd();
   PetscOptionsBegin(cloud->comm, NULL, "Advanced: pressure projection", "Pressure");
-  PetscCall(ReadNumbers(pressure, PetscOptionsObject, COUNT(Advanced), Advanced));
+  PetscCall(ReadAdvancedNumbers(pressure, PetscOptionsObject));
   PetscOptionsEnd();
   if (HelpWanted()) PetscCall(PreconditionerHelp(cloud->comm));
-  PetscCall(CheckNumbers(pressure, COUNT(Numbers), Numbers));
-  PetscCall(CheckNumbers(pressure, COUNT(Advanced), Advanced));
-  PetscCheckUser(pressure->rebuild_interval >= 0, cloud->comm,
-                 "-pressure_rebuild_interval is %" PetscInt_FMT "; it must not be negative",
-                 pressure->rebuild_interval);
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);

@@ -22,38 +22,30 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                              &sim->state.time, NULL));
   PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s)", "SimSetFromOptions", sim->time_end,
                              &sim->time_end, &sim->has_end));
-  PetscCall(PetscOptionsInt("-steps_max", "number of steps after which the run ends; 0: no bound", "SimSetFromOptions",
-                            sim->steps_max, &sim->steps_max, NULL));
+  PetscCall(
+    OptionInt("-steps_max", "number of steps after which the run ends; 0: no bound", "[0, inf)", &sim->steps_max));
   PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart,
                                sim->restart, sizeof(sim->restart), NULL));
   PetscCall(PetscOptionsBool("-dry_run",
                              "set up, print particles, memory, time-step bounds, estimated time and output, draw the "
                              "scene, stop",
                              "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
-  PetscCall(PetscOptionsReal("-progress_interval", "wall-clock time between progress lines (s); 0: none",
-                             "SimSetFromOptions", sim->progress_interval, &sim->progress_interval, NULL));
-  PetscCall(PetscOptionsReal("-wall_clock_limit",
-                             "wall-clock time after which the run writes a checkpoint and ends (s); 0: none",
-                             "SimSetFromOptions", sim->wall_clock_limit, &sim->wall_clock_limit, NULL));
-  PetscCall(PetscOptionsReal("-packing_relaxation_time",
-                             "relax the packing at rest, without body force, for this long before the run (s); 0: not",
-                             "SimSetFromOptions", sim->relaxation_time, &sim->relaxation_time, NULL));
+  PetscCall(OptionReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "[0, inf)",
+                       &sim->progress_interval));
+  PetscCall(OptionReal("-wall_clock_limit",
+                       "wall-clock time after which the run writes a checkpoint and ends (s); 0: none", "[0, inf)",
+                       &sim->wall_clock_limit));
+  PetscCall(OptionReal("-packing_relaxation_time",
+                       "relax the packing at rest, without body force, for this long before the run (s); 0: not",
+                       "[0, inf)", &sim->relaxation_time));
   PetscCall(PetscOptionsReal("-packing_relaxation_damping",
                              "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5,
                              &sim->relaxation_damping, &sim->has_damping));
   PetscOptionsEnd();
   PetscCall(MonitorSetFromOptions(sim));
   if (!sim->has_damping) sim->relaxation_damping = 0.5;
-  PetscCheckUser(sim->relaxation_time >= 0, sim->comm, "-packing_relaxation_time is %g s; it must not be negative",
-                 (double)sim->relaxation_time);
   PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm,
                  "-packing_relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
-  PetscCheckUser(sim->steps_max >= 0, sim->comm, "-steps_max is %" PetscInt_FMT "; it must not be negative",
-                 sim->steps_max);
-  PetscCheckUser(sim->wall_clock_limit >= 0, sim->comm, "-wall_clock_limit is %g s; it must not be negative",
-                 (double)sim->wall_clock_limit);
-  PetscCheckUser(sim->progress_interval >= 0, sim->comm, "-progress_interval is %g s; it must not be negative",
-                 (double)sim->progress_interval);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -299,18 +299,14 @@ static PetscErrorCode PCSetFromOptions_TwoLevel(PC pc, PetscOptionItems *PetscOp
 static PetscErrorCode PCSetFromOptions_TwoLevel(PC pc, PetscOptionItems PetscOptionsObject)
 #endif
 {
-  TwoLevel *two  = (TwoLevel *)pc->data;
-  MPI_Comm  comm = PetscObjectComm((PetscObject)pc);
+  TwoLevel *two = (TwoLevel *)pc->data;
 
   PetscFunctionBegin;
   PetscOptionsHeadBegin(PetscOptionsObject, "Two-level preconditioner of particles");
-  PetscCall(PetscOptionsReal("-pc_twolevel_omega", "factor of the Jacobi part against the grid's (1)",
-                             "PCTwoLevelRegister", two->omega, &two->omega, NULL));
-  PetscCall(PetscOptionsReal("-pc_twolevel_ratio", "width of the grid's cells (spacings)", "PCTwoLevelRegister",
-                             two->ratio, &two->ratio, NULL));
+  PetscCall(
+    OptionReal("-pc_twolevel_omega", "factor of the Jacobi part against the grid's (1)", "(0, inf)", &two->omega));
+  PetscCall(OptionReal("-pc_twolevel_ratio", "width of the grid's cells (spacings)", "[1, inf)", &two->ratio));
   PetscOptionsHeadEnd();
-  PetscCheckUser(two->omega > 0, comm, "-pc_twolevel_omega is %g; it must be positive", (double)two->omega);
-  PetscCheckUser(two->ratio >= 1, comm, "-pc_twolevel_ratio is %g; it must be at least 1", (double)two->ratio);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
