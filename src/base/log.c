@@ -13,9 +13,10 @@ static const char *const EventNames[EVENT_COUNT] = {
   [EVENT_SURFACE] = "SphSurface",     [EVENT_VISCOSITY] = "SphViscosity",
   [EVENT_TENSION] = "SphTension",     [EVENT_SOURCE] = "SphSource",
   [EVENT_ASSEMBLE] = "SphAssemble",   [EVENT_SOLVE] = "SphSolve",
-  [EVENT_GRADIENT] = "SphGradient",   [EVENT_SHIFT] = "SphShift",
-  [EVENT_GUARD] = "SphGuard",         [EVENT_PACKING] = "SphPacking",
-  [EVENT_OUTPUT] = "SphOutput",       [EVENT_GAUGES] = "SphGauges",
+  [EVENT_RESIDUAL] = "SphResidual",   [EVENT_GRADIENT] = "SphGradient",
+  [EVENT_SHIFT] = "SphShift",         [EVENT_GUARD] = "SphGuard",
+  [EVENT_PACKING] = "SphPacking",     [EVENT_OUTPUT] = "SphOutput",
+  [EVENT_GAUGES] = "SphGauges",
 };
 
 static const char *const StageNames[STAGE_COUNT] = {

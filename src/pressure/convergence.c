@@ -1,107 +1,177 @@
-/* When the solver may stop. The residual of a row over its mass is a source that the projection leaves, in 1/s2; times
-   dt^2 it is the relative density error that the step leaves there. -pressure_density_tolerance bounds it. */
+/* What a residual of the pressure equation means, when the solver may stop, and whether it did what it says. The
+   residual of a row over its mass is a source that the projection leaves, in 1/s2; times dt^2 it is the relative
+   density error that the step leaves there, which -pressure_density_tolerance bounds. */
 #include "pressure_impl.h"
 
+/* A residual r of the right-hand side b: |r|, |b|, and |diagonal x|, of whose rounding r cannot be free; as density
+   errors (1) the largest, their root mean square, and the largest that rounding makes. */
 typedef struct {
-  Pressure pressure;
-  void    *standard; /* of KSPConvergedDefault */
-} Context;
+  PetscReal norm, rhs, rounding, largest, rms, largest_rounding;
+} ResidualSize;
 
-/* b - A x of the finished solve, or of the present iterate. CG keeps this vector; for other methods it is computed. */
-static PetscErrorCode Residual(Pressure pressure, PetscBool finished, Vec *residual)
+/* Of r, the residual of x. */
+static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *size)
 {
-  PetscBool cg;
-  Mat       A;
+  const Cloud        cloud = pressure->cloud;
+  const PetscReal    dt2   = PetscSqr(pressure->dt);
+  const PetscScalar *residual, *rhs, *value;
+  PetscReal          most[2] = {0, 0}, sum[4] = {0, 0, 0, 0};
 
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(r, &residual));
+  PetscCall(VecGetArrayRead(x, &value));
+  PetscCall(VecGetArrayRead(pressure->b, &rhs));
+  for (PetscInt a = 0; a < cloud->n_rows; a++) {
+    const PetscReal density  = dt2 / (cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale),
+                    rounding = (pressure->pair_diagonal[a] + pressure->closure_diagonal[a]) * PetscAbsScalar(value[a]),
+                    error    = density * PetscAbsScalar(residual[a]);
+
+    most[0] = PetscMax(most[0], error);
+    most[1] = PetscMax(most[1], density * rounding);
+    sum[0] += PetscSqr(error);
+    sum[1] += PetscSqr(PetscRealPart(residual[a]));
+    sum[2] += PetscSqr(PetscRealPart(rhs[a]));
+    sum[3] += PetscSqr(rounding);
+  }
+  PetscCall(VecRestoreArrayRead(pressure->b, &rhs));
+  PetscCall(VecRestoreArrayRead(x, &value));
+  PetscCall(VecRestoreArrayRead(r, &residual));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPIU_REAL, MPIU_SUM, cloud->comm));
+  *size = (ResidualSize){.norm     = PetscSqrtReal(sum[1]),
+                         .rhs      = PetscSqrtReal(sum[2]),
+                         .rounding = PetscSqrtReal(sum[3]),
+                         .largest  = sum[1] == sum[1] ? most[0] : NAN, /* the largest of numbers passes nan over */
+                         .rms      = PetscSqrtReal(sum[0] / PetscMax(1, pressure->rows_global)),
+                         .largest_rounding = most[1]};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ResidualVectors(Pressure pressure)
+{
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 2; k++)
     if (!pressure->scratch[k]) PetscCall(VecDuplicate(pressure->b, &pressure->scratch[k]));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pressure->ksp, KSPCG, &cg));
-  if (cg || !finished)
-    PetscCall(KSPBuildResidual(pressure->ksp, pressure->scratch[0], pressure->scratch[1], residual));
-  else {
-    PetscCall(KSPGetOperators(pressure->ksp, &A, NULL));
-    PetscCall(MatMult(A, pressure->x, pressure->scratch[1]));
-    PetscCall(VecAYPX(pressure->scratch[1], -1, pressure->b));
-    *residual = pressure->scratch[1];
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal *largest, PetscReal *rms)
+/* The 2-norm of the residual that -ksp_rtol and -ksp_atol ask for. */
+static PetscErrorCode Asked(KSP ksp, PetscReal rhs, PetscReal *asked)
 {
-  Cloud              cloud = pressure->cloud;
-  const PetscReal    dt2   = PetscSqr(pressure->dt);
-  const PetscScalar *r;
-  PetscReal          most = 0, sum = 0;
-  Vec                residual;
+  PetscReal rtol, atol;
 
   PetscFunctionBegin;
-  PetscCall(Residual(pressure, finished, &residual));
-  PetscCall(VecGetArrayRead(residual, &r));
-  for (PetscInt a = 0; a < cloud->n_rows; a++) {
-    const PetscReal error =
-      dt2 * PetscAbsScalar(r[a]) / (cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale);
-
-    most = PetscMax(most, error);
-    sum += PetscSqr(error);
-  }
-  PetscCall(VecRestoreArrayRead(residual, &r));
-  PetscCallMPI(MPI_Allreduce(&most, largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
-  *rms = PetscSqrtReal(sum / PetscMax(1, pressure->rows_global));
+  PetscCall(KSPGetTolerances(ksp, &rtol, &atol, NULL, NULL));
+  *asked = PetscMax(rtol * rhs, atol);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver has failed if PETSc's own test says so, and converged if the largest density error is below the tolerance.
-   The largest error is at least the root mean square, which follows from the norm at no cost: while that is too large,
-   the residual itself is not looked at. */
+PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result)
+{
+  SolverReport *report = &result->solver;
+  ResidualSize  size;
+  Vec           r;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
+  PetscCall(ResidualVectors(pressure));
+  r = pressure->scratch[0];
+  PetscCall(MatMult(pressure->operator, pressure->x, r)); /* whatever matrix the solver had, and did to it */
+  PetscCall(VecAYPX(r, -1, pressure->b));
+  PetscCall(Measure(pressure, r, pressure->x, &size));
+  if (pressure->density_tolerance > 0) {
+    report->asked    = pressure->density_tolerance;
+    report->claimed  = pressure->density_claimed;
+    report->residual = size.largest;
+    SolverJudge(report, size.largest_rounding);
+  } else {
+    PetscCall(Asked(pressure->ksp, size.rhs, &report->asked));
+    PetscCall(KSPGetResidualNorm(pressure->ksp, &report->claimed));
+    report->residual = size.norm;
+    SolverJudge(report, size.rounding);
+  }
+  PetscCall(PetscInfo(pressure->ksp, "residual %.17g, claimed %.17g, asked %g, rounding %g\n", (double)report->residual,
+                      (double)report->claimed, (double)report->asked, (double)(PETSC_MACHINE_EPSILON * size.rounding)));
+  result->density = size.rms;
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- within the solver --- */
+
+/* The solver's own test, which ours asks first. */
+typedef struct {
+  Pressure pressure;
+  PetscErrorCode (*test)(KSP, PetscInt, PetscReal, KSPConvergedReason *, void *);
+  void *context;
+  PetscErrorCode (*destroy)(void *);
+} OwnTest;
+
+/* Whether the density error can be small enough, from the 2-norm alone: the largest error is not below the mean. */
+static PetscBool DensityNear(Pressure pressure, PetscReal norm)
+{
+  const Cloud cloud    = pressure->cloud;
+  PetscReal   heaviest = 0; /* largest mass of a row, over that of the first body's */
+
+  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
+    heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);
+  heaviest *= cloud->domain->volume * pressure->row_scale;
+  return (PetscBool) !(norm * PetscSqr(pressure->dt) >
+                       pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)pressure->rows_global));
+}
+
+/* The solver's own test decides about failure. Success is a small density error, if one was asked for, else a small
+   residual in the 2-norm, whatever norm the solver goes by: where its own is another, the residual is computed once
+   that is small enough. */
 static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context)
 {
-  Context    *c        = (Context *)context;
-  Pressure    pressure = c->pressure;
-  KSPNormType type;
-  PetscReal   largest, rms;
+  OwnTest     *own      = (OwnTest *)context;
+  Pressure     pressure = own->pressure;
+  KSPNormType  type;
+  ResidualSize size;
+  PetscReal    asked = 0;
+  Vec          r;
 
   PetscFunctionBegin;
-  PetscCall(KSPConvergedDefault(ksp, iteration, norm, reason, c->standard));
+  PetscCall(own->test(ksp, iteration, norm, reason, own->context));
   if (*reason < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  *reason = KSP_CONVERGED_ITERATING;
   PetscCall(KSPGetNormType(ksp, &type));
-  if (type == KSP_NORM_UNPRECONDITIONED) {
-    const Cloud cloud    = pressure->cloud;
-    PetscReal   heaviest = 0; /* largest mass of a row, over that of the first body's */
-
-    for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
-      heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);
-    heaviest *= cloud->domain->volume * pressure->row_scale;
-    if (norm * PetscSqr(pressure->dt) >
-        pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)pressure->rows_global))
-      PetscFunctionReturn(PETSC_SUCCESS);
+  if (pressure->density_tolerance > 0) {
+    *reason = KSP_CONVERGED_ITERATING;
+    if (type == KSP_NORM_UNPRECONDITIONED && !DensityNear(pressure, norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  } else if (*reason == KSP_CONVERGED_ITERATING || type == KSP_NORM_UNPRECONDITIONED || type == KSP_NORM_NONE)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ResidualVectors(pressure));
+  PetscCall(KSPBuildResidual(ksp, pressure->scratch[0], pressure->scratch[1], &r));
+  PetscCall(Measure(pressure, r, pressure->x, &size));
+  if (pressure->density_tolerance > 0) {
+    pressure->density_claimed = size.largest;
+    if (size.largest <= pressure->density_tolerance) *reason = KSP_CONVERGED_ATOL;
+  } else {
+    PetscCall(Asked(ksp, size.rhs, &asked));
+    if (!(size.norm <= asked)) *reason = KSP_CONVERGED_ITERATING;
   }
-  PetscCall(ResidualDensity(pressure, PETSC_FALSE, &largest, &rms));
-  if (largest <= pressure->density_tolerance) *reason = KSP_CONVERGED_ATOL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ContextDestroy(void *context)
+static PetscErrorCode OwnTestDestroy(void *context)
 {
-  Context *c = (Context *)context;
+  OwnTest *own = (OwnTest *)context;
 
   PetscFunctionBegin;
-  PetscCall(KSPConvergedDefaultDestroy(c->standard));
-  PetscCall(PetscFree(c));
+  if (own->destroy) PetscCall(own->destroy(own->context));
+  PetscCall(PetscFree(own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SetDensityConvergence(Pressure pressure)
+PetscErrorCode SetConvergence(Pressure pressure)
 {
-  Context *c;
+  OwnTest *own;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&c));
-  c->pressure = pressure;
-  PetscCall(KSPConvergedDefaultCreate(&c->standard));
-  PetscCall(KSPSetConvergenceTest(pressure->ksp, Converged, c, ContextDestroy));
+  PetscCall(PetscNew(&own));
+  own->pressure = pressure;
+  PetscCall(KSPGetAndClearConvergenceTest(pressure->ksp, &own->test, &own->context, &own->destroy));
+  PetscCall(KSPSetConvergenceTest(pressure->ksp, Converged, own, OwnTestDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

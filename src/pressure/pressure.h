@@ -9,6 +9,7 @@
 #ifndef ISPH_PRESSURE_H
 #define ISPH_PRESSURE_H
 
+#include "../solver/solver.h"
 #include "../neighbors/cloud.h"
 
 typedef struct _p_Pressure *Pressure;
@@ -24,11 +25,9 @@ typedef struct _p_Pressure *Pressure;
 #define GRADIENT_CONSERVED "conserved" /* corrected, the neighbours paying for what that does to momentum */
 
 typedef struct {
-  PetscInt           iterations;
-  KSPConvergedReason reason;
-  PetscReal          residual; /* norm of the last residual, in the norm of the KSP */
-  PetscReal          density;  /* rms relative density error that this residual leaves after the step, 1 */
-  PetscBool          rebuilt;  /* the preconditioner was made anew */
+  SolverReport solver;  /* residuals: 2-norms over the rows, or with -pressure_density_tolerance density errors (1) */
+  PetscReal    density; /* rms relative density error that the true residual leaves after the step, 1 */
+  PetscBool    rebuilt; /* the preconditioner was made anew */
 } PressureResult;
 
 /* PressureCreate - for a cloud (borrowed). Collective. */
@@ -53,8 +52,9 @@ PetscErrorCode PressureDestroy(Pressure *pressure);
 /* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
    ghosts; the former pressure is the start value. Reads FIELD_DENSITY (owned and ghosts), FIELD_DIVERGENCE (if
    PressureTakesDivergence), FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the
-   free surface), INT_SURFACE of owned particles. A solver that does not converge is no error: see result->reason; the
-   pressure is then unchanged. dt in s. Collective. */
+   free surface), INT_SURFACE of owned particles. A solver that does not converge, or claims to and has not, is tried
+   again from zero with a new preconditioner; that it fails again is no error: see SolverFailed; the pressure is then
+   unchanged. dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
 /* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
  * call. Collective. */

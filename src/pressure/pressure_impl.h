@@ -87,6 +87,8 @@ struct _p_Pressure {
   Vec       b, x, scratch[2];
   PetscInt  solver_layout;                /* the cloud's layout that it was made for */
   PetscReal density_tolerance;            /* 1; 0: PETSc's own test */
+  PetscReal density_claimed;              /* 1, that the solver stopped at */
+  PetscBool from_zero;                    /* it cannot be trusted with a start value */
   PetscInt  rebuild_interval, kept_steps; /* the user's choice, 0: none; steps that the preconditioner is kept */
   PetscReal rebuild_growth;               /* of the iterations, 1 */
   PetscInt  age, first_iterations;        /* of the preconditioner: steps, and iterations in the first of them */
@@ -115,11 +117,12 @@ PetscErrorCode ColumnsReset(Columns *columns);
    the operator if there is none. Collective. */
 PetscErrorCode OperatorSetUp(Pressure pressure);
 
-/* SetDensityConvergence - the solver stops at density_tolerance. Collective. */
-PetscErrorCode SetDensityConvergence(Pressure pressure);
-/* ResidualDensity - relative density error (1) that the residual leaves after the step, of a finished solve or of the
-   iterate within one: largest and root mean square over the rows. Collective. */
-PetscErrorCode ResidualDensity(Pressure pressure, PetscBool finished, PetscReal *largest, PetscReal *rms);
+/* SetConvergence - after the solver's options have been read: it stops at density_tolerance, or else at -ksp_rtol and
+   -ksp_atol in the 2-norm of the residual. Collective. */
+PetscErrorCode SetConvergence(Pressure pressure);
+/* ResidualCheck - the true residual of the solution x, by a product of its own, into the result, and whether the solver
+   did what it says, whose reason must be there. Collective. */
+PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);

@@ -27,8 +27,9 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscCall(VecDestroy(&pressure->x));
   for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
   PetscCall(MatDestroy(&pressure->operator));
-  pressure->kept    = KEPT_NONE;
-  pressure->rebuild = PETSC_TRUE;
+  pressure->kept      = KEPT_NONE;
+  pressure->rebuild   = PETSC_TRUE;
+  pressure->from_zero = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -38,7 +39,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
   PC        pc;
-  PetscBool gamg, cheap, shell;
+  PetscBool gamg, cheap, shell, direct;
 
   PetscFunctionBegin;
   PetscCall(PressureReset(pressure));
@@ -55,7 +56,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPGetPC(pressure->ksp, &pc));
   PetscCall(PCSetType(pc, PCTWOLEVEL));
   PetscCall(KSPSetFromOptions(pressure->ksp));
-  if (pressure->density_tolerance > 0) PetscCall(SetDensityConvergence(pressure));
+  PetscCall(SetConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
   PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
@@ -64,6 +65,11 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   pressure->assembled  = (PetscBool) !(shell || (cheap && !pressure->mat_type[0]));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->ksp, &direct, KSPPREONLY, KSPNONE, ""));
+  if (direct) { /* the preconditioner is all there is: it must be that of this step, and has no use for a start value */
+    pressure->kept_steps = 1;
+    PetscCall(KSPSetInitialGuessNonzero(pressure->ksp, PETSC_FALSE));
+  }
   if (gamg) {
     PetscReal threshold = DEFAULT_GAMG_DROP;
 
@@ -217,31 +223,64 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solves once, with the kept preconditioner or a new one, starting from the pressure of the cloud. */
-static PetscErrorCode Attempt(Pressure pressure, PressureResult *result)
+/* One attempt with the kept or a new preconditioner, from the pressure of the cloud or from zero; its iterations are
+   added to those of the result. */
+static PetscErrorCode Attempt(Pressure pressure, PetscBool from_zero, PressureResult *result)
 {
-  Cloud        cloud = pressure->cloud;
-  Mat          A     = pressure->A;
+  const Cloud  cloud = pressure->cloud;
   PetscScalar *x;
+  PetscInt     iterations;
 
   PetscFunctionBegin;
   PetscCall(SetOperators(pressure, (PetscBool)(pressure->rebuild || pressure->kept == KEPT_NONE ||
                                                pressure->age >= pressure->kept_steps)));
   result->rebuilt = (PetscBool)(pressure->age == 0);
   PetscCall(VecGetArrayWrite(pressure->x, &x));
-  PetscCall(PetscArraycpy(x, cloud->field[FIELD_PRESSURE], cloud->n_rows));
+  if (from_zero)
+    PetscCall(PetscArrayzero(x, cloud->n_rows));
+  else
+    PetscCall(PetscArraycpy(x, cloud->field[FIELD_PRESSURE], cloud->n_rows));
   PetscCall(VecRestoreArrayWrite(pressure->x, &x));
   if (pressure->constant_null) {
     MatNullSpace constant;
 
-    PetscCall(MatGetNullSpace(A, &constant));
+    PetscCall(MatGetNullSpace(pressure->A, &constant));
     PetscCall(MatNullSpaceRemove(constant, pressure->b));
     PetscCall(MatNullSpaceRemove(constant, pressure->x));
   }
+  pressure->density_claimed = 0;
   PetscCall(KSPSolve(pressure->ksp, pressure->b, pressure->x));
-  PetscCall(KSPGetConvergedReason(pressure->ksp, &result->reason));
-  PetscCall(KSPGetIterationNumber(pressure->ksp, &result->iterations));
-  PetscCall(KSPGetResidualNorm(pressure->ksp, &result->residual));
+  PetscCall(KSPGetConvergedReason(pressure->ksp, &result->solver.reason));
+  PetscCall(KSPGetIterationNumber(pressure->ksp, &iterations));
+  result->solver.iterations += iterations;
+  PetscCall(ResidualCheck(pressure, result));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Solves the system that is set up. A solver that fails may have been misled by a preconditioner made of an older
+   matrix, or by the start value: it tries again without either. One that was right only without a start value does
+   not get one any more: those of PETSc 3.18 that take the preconditioner on the right, but for the family of gmres and
+   bcgs, apply it to the start value too. */
+static PetscErrorCode SolveChecked(Pressure pressure, PressureResult *result)
+{
+  PetscBool lied;
+
+  PetscFunctionBegin;
+  result->solver.iterations = 0;
+  PetscCall(Attempt(pressure, pressure->from_zero, result));
+  lied = result->solver.lied;
+  if (SolverFailed(&result->solver)) {
+    PetscCall(PetscInfo(pressure->ksp, "solved again from zero: %s, residual %g, asked for %g\n",
+                        KSPConvergedReasons[result->solver.reason], (double)result->solver.residual,
+                        (double)result->solver.asked));
+    pressure->rebuild = PETSC_TRUE;
+    PetscCall(Attempt(pressure, PETSC_TRUE, result));
+    pressure->from_zero = (PetscBool)(pressure->from_zero || (lied && !SolverFailed(&result->solver)));
+  }
+  if (result->rebuilt) pressure->first_iterations = result->solver.iterations;
+  if (result->solver.iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
+    pressure->rebuild = PETSC_TRUE;
+  pressure->age++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -261,29 +300,14 @@ PetscErrorCode PressureToCloud(Pressure pressure, Vec x)
 
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result)
 {
-  PetscReal largest;
-
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
-  PetscCall(Attempt(pressure, result));
-  if (result->reason < 0 && !result->rebuilt) { /* a stale preconditioner may be the reason */
-    const PetscInt tried = result->iterations;
-
-    pressure->rebuild = PETSC_TRUE;
-    PetscCall(Attempt(pressure, result));
-    result->iterations += tried;
-  }
-  if (result->rebuilt) pressure->first_iterations = result->iterations;
-  if (result->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
-    pressure->rebuild = PETSC_TRUE;
-  pressure->age++;
-  PetscCall(ResidualDensity(pressure, PETSC_TRUE, &largest, &result->density));
+  PetscCall(SolveChecked(pressure, result));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
-  if (result->reason < 0) {
+  if (SolverFailed(&result->solver))
     pressure->rebuild = PETSC_TRUE;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PressureToCloud(pressure, pressure->x));
+  else
+    PetscCall(PressureToCloud(pressure, pressure->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -257,7 +257,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscCall(stepper->ops.step(stepper, dt, &trial));
     PetscCall(TrialReduce(stepper, &trial));
     PetscCall(TrialCheck(stepper, dt, &trial, why, length));
-    iterations += trial.pressure.iterations;
+    iterations += trial.pressure.solver.iterations;
     state->solver_error = trial.pressure.density;
     *failed             = (PetscBool)(why[0] != 0);
     if (!*failed) break;

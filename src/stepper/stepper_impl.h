@@ -32,16 +32,16 @@ typedef enum {
 /* What a trial of a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet
    committed. */
 typedef struct {
-  PetscBool          diagnose; /* given: the divergence of the velocity is to be measured too */
-  PressureResult     pressure;
-  KSPConvergedReason viscous; /* of the implicit viscosity; 0: not used */
-  PetscReal          sum[SUM_COUNT], largest[LARGEST_COUNT];
+  PetscBool      diagnose; /* given: the divergence of the velocity is to be measured too */
+  PressureResult pressure;
+  SolverReport   viscous; /* of the implicit viscosity, if the step has one */
+  PetscReal      sum[SUM_COUNT], largest[LARGEST_COUNT];
 } StepTrial;
 
-/* TrialFailed - whether a solver did not converge, so that the rest of the step makes no sense. */
+/* TrialFailed - whether a solver did not do what was asked, so that the rest of the step makes no sense. */
 static inline PetscBool TrialFailed(const StepTrial *trial)
 {
-  return (PetscBool)(trial->viscous < 0 || trial->pressure.reason < 0);
+  return (PetscBool)(SolverFailed(&trial->viscous) || SolverFailed(&trial->pressure.solver));
 }
 
 /* What a scheme provides: one file, and one line in stepper.c. Entries other than step may be NULL. */
@@ -172,7 +172,7 @@ PetscBool ViscosityIsExplicit(Stepper stepper);
    ghosts included, walls with their own velocity. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
-PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], KSPConvergedReason *reason);
+PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report);
 PetscErrorCode ViscousDestroy(Stepper stepper);
 
 /* --- time_step.c --- */

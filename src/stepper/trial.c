@@ -51,20 +51,23 @@ PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a solver that did not converge says. */
-static PetscErrorCode ExplainSolver(PetscReal dt, const StepTrial *trial, char why[], size_t length)
+/* What a solver that failed says. */
+static PetscErrorCode ExplainSolver(Stepper stepper, PetscReal dt, const StepTrial *trial, char why[], size_t length)
 {
+  KSP    ksp;
+  Vec    b;
+  size_t used;
+
   PetscFunctionBegin;
-  if (trial->viscous < 0)
-    PetscCall(PetscSNPrintf(why, length,
-                            "the viscous solver stopped with %s (step %g s): try a smaller -viscosity_step_ratio, a "
-                            "larger -viscous_ksp_max_it or -viscous_ksp_rtol",
-                            KSPConvergedReasons[trial->viscous], (double)dt));
-  else
-    PetscCall(PetscSNPrintf(why, length,
-                            "the pressure solver stopped with %s after %" PetscInt_FMT
-                            " iterations (step %g s): try another -pc_type, a larger -ksp_max_it or -ksp_rtol",
-                            KSPConvergedReasons[trial->pressure.reason], trial->pressure.iterations, (double)dt));
+  if (SolverFailed(&trial->viscous)) {
+    PetscCall(SolverExplain(stepper->viscous.ksp, &trial->viscous, "viscous", why, length));
+    PetscCall(PetscStrlcat(why, ", or a smaller -viscosity_step_ratio", length));
+  } else {
+    PetscCall(PressureSolver(stepper->pressure, &ksp, &b));
+    PetscCall(SolverExplain(ksp, &trial->pressure.solver, "pressure", why, length));
+  }
+  PetscCall(PetscStrlen(why, &used));
+  PetscCall(PetscSNPrintf(why + used, length - used, " (step %g s)", (double)dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,7 +80,7 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
   PetscFunctionBegin;
   why[0] = 0;
   if (TrialFailed(trial))
-    PetscCall(ExplainSolver(dt, trial, why, length));
+    PetscCall(ExplainSolver(stepper, dt, trial, why, length));
   else if (trial->largest[LARGEST_BROKEN] > 0)
     PetscCall(PetscSNPrintf(why, length,
                             "positions or velocities are not numbers any more (step %g s): try a smaller -time_cfl",

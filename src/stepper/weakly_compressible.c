@@ -204,7 +204,7 @@ static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *res
     PetscCall(PressureAtStart(stepper, dt, result));
   else
     PetscCall(Compress(stepper, dt));
-  if (result->reason >= 0) {
+  if (!SolverFailed(&result->solver)) {
     PetscCall(ExtendToWalls(cloud));
     PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   }

@@ -163,9 +163,9 @@ static PetscErrorCode TestMatrix(const char options[], PetscBool paper, PetscBoo
   CHECK((space != NULL) == closed && null == closed, name);
   /* the solution fulfils the equation, up to what the null space takes from the right-hand side */
   PetscCall(PressureSolve(s.pressure, DT, &result));
-  iterations = result.iterations;
+  iterations = result.solver.iterations;
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_solved", label));
-  CHECK(result.reason > 0 && iterations > 0, name);
+  CHECK(result.solver.reason > 0 && iterations > 0, name);
   PetscCall(PressureAssemble(s.pressure, DT, &A, &b));
   PetscCall(MatCreateVecs(A, &x, &r));
   PetscCall(VecGetArrayWrite(x, &p));
@@ -281,7 +281,7 @@ static PetscErrorCode TestIsolated(PetscBool paper, const char label[])
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_isolated_row", label));
   CHECK(SetupMax(other) == 0 && SetupMax(diagonal) > 0 && SetupMax(diagonal) <= 1, name);
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_isolated_pressure", label));
-  CHECK(result.reason > 0 && SetupMax(rhs) == 0 && SetupMax(pressure) == 0, name);
+  CHECK(result.solver.reason > 0 && SetupMax(rhs) == 0 && SetupMax(pressure) == 0, name);
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -368,7 +368,7 @@ static PetscErrorCode TestRotatingSquare(PetscInt side, const char closure[], Pe
   PetscCall(PetscSNPrintf(name, sizeof(name), "rotating_square_%d_%s", (int)side, closure));
   CHECK_CLOSE(*ratio, 1, tol, name);
   PetscCall(PetscSNPrintf(name, sizeof(name), "rotating_square_%d_%s_suction", (int)side, closure));
-  CHECK(result.reason > 0 && SetupMax(largest) < 0, name);
+  CHECK(result.solver.reason > 0 && SetupMax(largest) < 0, name);
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
