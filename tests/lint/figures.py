@@ -65,8 +65,9 @@ def preconditioner(name, part):
 
 def judged(part):
     """Figures of the default scheme within (0) their tolerance, and all (1) that are judged."""
-    good, bad = (int(n) for n in re.search(r"(\d+) within tolerance, (\d+) not", read(VERIFY)).groups())
-    return lambda: str((good, good + bad)[part])
+    counts = re.search(r"Default scheme: (\d+) within tolerance, (\d+) known misses, (\d+) failed", read(VERIFY))
+    good, known, failed = (int(n) for n in counts.groups())
+    return lambda: str((good, good + known + failed)[part])
 
 
 DEPTH = "D(t) 2 to 35 ms, largest error over the largest D"

@@ -1,12 +1,15 @@
 #!/usr/bin/python3
-"""How tests/verify/runner.py judges: every kind of tolerance, a run that dies, a check that cannot judge, the rows of
-the reference scheme, and the markers of the READMEs."""
+"""How tests/verify/runner.py judges: every kind of tolerance, a run that dies, a check that cannot judge, known misses
+and their bands, and the markers of the READMEs."""
+import contextlib
+import io
 import math
 import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cases  # noqa: E402
+import misses  # noqa: E402
 import physics  # noqa: E402
 import runner  # noqa: E402
 import runs  # noqa: E402
@@ -35,9 +38,84 @@ outcome = runner.execute(entry._replace(options="-time_end 1e-3"), runs.scratch(
 runs.check(not outcome.reason and outcome.seconds > 0, "a_run_that_is_judged", outcome.reason)
 outcome = runner.execute(cases.Entry("film_at_rest"), "", existing=runs.scratch("judged"))
 runs.check(outcome.reason.startswith("check: "), "a_check_that_cannot_judge", outcome.reason)
-printed = runner.Outcome(entry._replace(printed=True), [physics.at_most("a", 2, 1)]).rows()
-reported = printed[0]["pass"] == "reported: no" and runner.counts(printed) == (0, 0)
-runs.check(reported, "printed_scheme_is_reported", printed)
+
+entry = cases.Entry("couette", "known")
+BAND = misses.Record(entry.id, "a", 2.0, 1.8, 2.2)
+CHANCE = BAND._replace(low=0.0, why="it comes and goes")
+STOPS = BAND._replace(quantity="run", measured=0.3, low=0.1, high=0.9)
+
+
+def judged(measured, *records, of=entry, result=None, reason=""):
+    """[(word, remark)] of an outcome of the row 'a', at most 1, beside these records; the last one is of the total."""
+    results = [] if reason else [result or physics.at_most("a", measured, 1)]
+    rows = runner.Outcome(of, results, reason).rows({record[:2]: record for record in records})
+    return [(row["pass"], row["remark"]) for row in rows]
+
+
+STOPPED = "stopped at {} s, step 3: the pressure is too large"
+for name, found, words in (
+        ("miss_without_record", judged(2.0), ["beyond its tolerance"]),
+        ("miss_in_its_band", judged(2.1, BAND), []),
+        ("worse_than_the_band", judged(2.3, BAND), ["left its band"]),
+        ("better_than_the_band", judged(1.7, BAND), ["left its band"]),
+        ("not_a_number", judged(math.nan, BAND), ["left its band"]),
+        ("cured", judged(0.9, BAND), ["cured"]),
+        ("cured_in_a_band_that_reaches_far", judged(0.9, BAND._replace(low=0.0)), ["cured"]),
+        ("chance_within_tolerance", judged(0.9, CHANCE), []),
+        ("chance_left_its_band", judged(2.3, CHANCE), ["left its band"]),
+        ("record_of_a_row_that_is_not_judged", judged(0, BAND, result=physics.shown("a", 2.0)), ["no tolerance"]),
+        ("record_without_a_row", judged(0.9, BAND._replace(quantity="b")), ["no such row"]),
+        ("record_of_another_entry", judged(2.0, BAND._replace(id="poiseuille")), ["beyond its tolerance"]),
+        ("printed_scheme_is_judged", judged(2.3, BAND._replace(id="couette-known-printed"),
+                                            of=entry._replace(printed=True)), ["left its band"]),
+        ("stop_without_record", judged(0, reason=STOPPED.format(0.3)), ["beyond its tolerance"]),
+        ("stop_in_its_band", judged(0, STOPS, reason=STOPPED.format(0.3)), []),
+        ("stop_too_early", judged(0, STOPS, reason=STOPPED.format(0.01)), ["left its band"]),
+        ("stop_for_another_reason", judged(0, STOPS, reason="not done after 300 s"), ["left its band"]),
+        ("stop_is_cured", judged(0.9, STOPS), ["cured"])):
+    remarks = [remark for word, remark in found if word == misses.FAILED]
+    fits = len(remarks) == len(words) and all(part in remark for part, remark in zip(words, remarks))
+    runs.check(fits, name, found)
+known = runner.Outcome(entry, [physics.at_most("a", 2.1, 1), physics.at_most("c", 0, 1)]).rows({BAND[:2]: BAND})
+runs.check(runner.failures(known) == 0 and runner.counts(known) == "1 within tolerance, 1 known misses, 0 failed",
+           "known_misses_are_counted", runner.counts(known))
+
+
+def codes(measured):
+    """Exit codes of `make verify` and of the physics of `make test`, of a run of couette that gave this."""
+    listed = next(e for e in cases.ENTRIES if e.id == "couette")
+    outcome = runner.Outcome(listed, [physics.at_most("a", measured, 1)])
+    kept = runner.OUTPUT, runner.everything, runner.execute, misses.read
+    runner.OUTPUT, runner.everything = runs.scratch("verify"), lambda *_: [outcome]
+    runner.execute, misses.read = lambda *_: outcome, lambda: {("couette", "a"): BAND._replace(id="couette")}
+    with contextlib.redirect_stdout(io.StringIO()):
+        found = runner.verify([listed], 1, {}), runner.test([listed])
+    runner.OUTPUT, runner.everything, runner.execute, misses.read = kept
+    return found
+
+
+runs.check(codes(2.1) == (0, 0), "known_misses_end_with_0", codes(2.1))
+for measured in (0.9, 1.7, 2.3):
+    runs.check(codes(measured) == (1, 1), f"others_end_with_1_{measured}", codes(measured))
+reported = runner.Outcome(entry._replace(named="other"), [physics.at_most("a", 2, 1)]).rows({})
+runs.check(reported[0]["pass"] == "reported: no", "named_parts_are_reported", reported)
+
+
+def refused(*lines):
+    """What misses.read says of a file with these lines."""
+    with open(runs.scratch("misses.csv"), "w", encoding="utf-8") as file:
+        file.write("\n".join(("# a comment", "id,quantity,measured,low,high,why") + lines) + "\n")
+    try:
+        return str(misses.read(runs.scratch("misses.csv")))
+    except ValueError as error:
+        return "refused: " + str(error)
+
+
+LINE = 'couette,"speed, last",2,1.8,2.2,'
+runs.check(refused(LINE) == str({("couette", "speed, last"): misses.Record("couette", "speed, last", 2.0, 1.8, 2.2)}),
+           "records_are_read", refused(LINE))
+runs.check("two records" in refused(LINE, LINE), "two_records", refused(LINE, LINE))
+runs.check("not in its band" in refused(LINE.replace("2,1.8", "3,1.8")), "record_outside_its_band", "read")
 
 path = runs.scratch("README.md")
 with open(path, "w", encoding="utf-8") as file:
@@ -57,6 +135,8 @@ runs.check(order == "2.0", "observed_order", order)
 
 identifiers = [e.id for e in cases.ENTRIES]
 runs.check(len(set(identifiers)) == len(identifiers), "entries_differ", sorted(identifiers))
+lost = {owner for owner, _ in misses.read()} - {e.id for e in cases.ENTRIES if not e.named}
+runs.check(not lost, "known_misses_have_entries", f"misses.csv has records of {lost}")
 for case in sorted({e.case for e in cases.ENTRIES}):
     both = {e.printed for e in cases.ENTRIES if e.case == case}
     # the printed scheme knows no contact angle
