@@ -48,11 +48,8 @@ typedef enum {
   X(VELOCITY_GRADIENT, "velocity_gradient", 9, PARITY_NONE, "1/s",                                                     \
     "sum V (v_b - v_a)_i grad_j W over the fluid, of velocity_star")                                                   \
   X(VELOCITY_JUMP, "velocity_jump", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of neighbours, of velocity_star")      \
-  X(STRESS, "stress", 6, PARITY_TENSOR, "N/m2", "capillary stress S, Eq. (7)")                                         \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
-  X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \
-  X(WORK1, "work1", 1, PARITY_SCALAR, "", "scratch")                                                                   \
-  X(WORK3, "work3", 3, PARITY_VECTOR, "", "scratch")
+  X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")
 
 #define FIELD_ENUM_REAL(id, name, width, parity, unit, meaning) FIELD_##id,
 #define FIELD_ENUM_INT(id, name, meaning)                       INT_##id,
