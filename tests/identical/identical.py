@@ -4,6 +4,7 @@
   identical.py COMMIT            builds that commit in output/identical/ (once), runs the scenes with both programs
   identical.py --program PATH    compares with a program that stands already
   identical.py --scene NAME ...  of these scenes only
+  identical.py --ignore COLUMN   but for a column of the series that the change means to alter
 
 Compared are the columns of series.csv that both have (but the wall-clock time) and every field of the last checkpoint.
 For each difference: the first row or the number of particles, and by how much. The exit code is 1 if anything differs.
@@ -69,10 +70,10 @@ def compute(program, options, ranks, steps, folder):
     return process.stdout[-400:] if process.returncode else ""
 
 
-def differences(one, other):
-    """Sentences: what differs between two folders of runs."""
+def differences(one, other, ignored):
+    """Sentences: what differs between two folders of runs, but for ignored columns."""
     a, b = runs.series(one), runs.series(other)
-    shared = [name for name in a.dtype.names if name in b.dtype.names and APART not in name]
+    shared = [name for name in a.dtype.names if name in b.dtype.names and APART not in name and name not in ignored]
     if len(a) != len(b):
         yield f"series: {len(a)} and {len(b)} rows"
     else:
@@ -97,6 +98,7 @@ def main():
     parser.add_argument("commit", nargs="?", default="HEAD")
     parser.add_argument("--program", help="the other program")
     parser.add_argument("--scene", nargs="+", default=list(SCENES), choices=list(SCENES))
+    parser.add_argument("--ignore", nargs="+", default=[], metavar="COLUMN")
     arguments = parser.parse_args()
     other = os.path.abspath(arguments.program) if arguments.program else build(arguments.commit)
     with tempfile.TemporaryDirectory(prefix="isph-identical-") as scratch:
@@ -110,7 +112,7 @@ def main():
                 if any(failed):
                     runs.check(False, title, " / ".join(text for text in failed if text))
                     continue
-                found = list(differences(*folders))
+                found = list(differences(*folders, arguments.ignore))
                 runs.check(not found, title, "; ".join(found))
     runs.done()
 
