@@ -195,6 +195,10 @@ COMMIT = HEAD
 identical: isph
 	@$(PYTHON) tests/identical/identical.py $(COMMIT)
 
+# options/README.md: the list of all options, from ./isph -help
+options-reference: isph
+	@$(PYTHON) tests/docs/options.py --write
+
 lint:
 	@tests/run.sh tests/lint
 
@@ -203,4 +207,4 @@ clean:
 
 .PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
-  sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme identical
+  sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme identical options-reference

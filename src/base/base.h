@@ -147,8 +147,8 @@ PetscBool HelpWanted(void);
 typedef PetscErrorCode (*TypeReader)(void *object, const char type[]);
 PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object);
 
-/* OptionReal, OptionInt - a number inside a PetscOptionsBegin block, refused (UserError) outside an interval, which is
-   text: "[0, 1)", "(0, inf)". The interval is part of what -help says. Collective. */
+/* OptionReal, OptionInt - a number inside a PetscOptionsBegin block, refused (UserError) if given outside an interval,
+   which is text: "[0, 1)", "(0, inf)". The interval is part of what -help says. Collective. */
 #define OptionReal(name, text, interval, value)                                                                        \
   OptionReadReal(PetscOptionsObject, name, text, interval, __func__, value)
 #define OptionInt(name, text, interval, value) OptionReadInt(PetscOptionsObject, name, text, interval, __func__, value)

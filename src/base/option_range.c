@@ -22,25 +22,29 @@ static PetscErrorCode Describe(const char text[], const char interval[], char he
 PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[], const char text[],
                               const char interval[], const char function[], PetscReal *value)
 {
-  char help[NAMES_LENGTH];
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  char        help[NAMES_LENGTH];
+  PetscBool   set;
 
   PetscFunctionBegin;
   PetscCall(Describe(text, interval, help));
-  PetscCall(PetscOptionsReal(name, help, function, *value, value, NULL));
-  PetscCheckUser(Inside(interval, *value), PetscOptionsObject->comm, "%s is %g; it must lie in %s", name,
-                 (double)*value, interval);
+  PetscCall(PetscOptionsReal(name, help, function, *value, value, &set));
+  PetscCheckUser(!set || Inside(interval, *value), PetscOptionsObject->comm, "-%s%s is %g; it must lie in %s", prefix,
+                 name + 1, (double)*value, interval);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],
                              const char interval[], const char function[], PetscInt *value)
 {
-  char help[NAMES_LENGTH];
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  char        help[NAMES_LENGTH];
+  PetscBool   set;
 
   PetscFunctionBegin;
   PetscCall(Describe(text, interval, help));
-  PetscCall(PetscOptionsInt(name, help, function, *value, value, NULL));
-  PetscCheckUser(Inside(interval, (PetscReal)*value), PetscOptionsObject->comm,
-                 "%s is %" PetscInt_FMT "; it must lie in %s", name, *value, interval);
+  PetscCall(PetscOptionsInt(name, help, function, *value, value, &set));
+  PetscCheckUser(!set || Inside(interval, (PetscReal)*value), PetscOptionsObject->comm,
+                 "-%s%s is %" PetscInt_FMT "; it must lie in %s", prefix, name + 1, *value, interval);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

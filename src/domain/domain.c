@@ -59,7 +59,7 @@ static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s", name));
-  PetscCall(PetscSNPrintf(help, sizeof(help), "Type of %s: open, periodic, wall or symmetry", what));
+  PetscCall(PetscSNPrintf(help, sizeof(help), "Type of %s (one of) open periodic wall symmetry", what));
   PetscCall(PetscOptionsString(option, help, "DomainSetFromOptions", FaceTypes[domain->face[d][first]], value,
                                sizeof(value), &found));
   if (!found) PetscFunctionReturn(PETSC_SUCCESS);
@@ -135,20 +135,14 @@ static PetscErrorCode CheckBox(Domain domain)
 PetscErrorCode DomainSetFromOptions(Domain domain)
 {
   MPI_Comm  comm = domain->comm;
-  PetscBool has_spacing, has_lower, has_upper;
+  PetscBool has_lower, has_upper;
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Box", "Domain");
-  PetscCall(PetscOptionsInt("-dimension", "Number of dimensions, 2 or 3", "DomainSetFromOptions", domain->dim,
-                            &domain->dim, NULL));
-  PetscCheckUser(domain->dim == 2 || domain->dim == 3, comm, "-dimension must be 2 or 3, not %" PetscInt_FMT,
-                 domain->dim);
-  PetscCall(PetscOptionsReal("-spacing", "Particle spacing d0 (m), required", "DomainSetFromOptions", domain->spacing,
-                             &domain->spacing, &has_spacing));
-  PetscCheckUser(has_spacing || domain->spacing > 0, comm,
+  PetscCall(OptionInt("-dimension", "Number of dimensions", "[2, 3]", &domain->dim));
+  PetscCall(OptionReal("-spacing", "Particle spacing d0 (m), required", "(0, inf)", &domain->spacing));
+  PetscCheckUser(domain->spacing > 0, comm,
                  "-spacing is missing: the distance of the particles (m) must be given and positive");
-  PetscCheckUser(domain->spacing > 0 && !PetscIsInfOrNanReal(domain->spacing), comm,
-                 "-spacing must be positive and finite, not %g m", (double)domain->spacing);
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
                                 "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
                                 &has_lower));

@@ -132,17 +132,8 @@ static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOp
                              "The series holds number and volume of the droplets, droplets.csv lists them at each "
                              "snapshot: pieces that hang together (-gauge_connection), but for the largest",
                              "GaugesMeasure", gauges->droplets, &gauges->droplets, NULL));
-  PetscCall(PetscOptionsInt("-gauge_droplet_least",
-                            "Particles of the smallest droplet, 1 or more; smaller ones are spray", "GaugesMeasure",
-                            gauges->droplet_least, &gauges->droplet_least, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Check_Droplets(Gauges gauges)
-{
-  PetscFunctionBegin;
-  PetscCheckUser(gauges->droplet_least >= 1, gauges->comm, "-gauge_droplet_least is %d; it must be 1 or more.",
-                 (int)gauges->droplet_least);
+  PetscCall(OptionInt("-gauge_droplet_least", "Particles of the smallest droplet (1); smaller ones are spray",
+                      "[1, inf)", &gauges->droplet_least));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -224,7 +215,6 @@ static PetscErrorCode Rows_Droplets(Gauges gauges, PetscInt *count, PetscInt *wi
 }
 
 const GaugeKind GaugeDroplets = {.setfromoptions = SetFromOptions_Droplets,
-                                 .check          = Check_Droplets,
                                  .columns        = Columns_Droplets,
                                  .name           = Name_Droplets,
                                  .measure        = Measure_Droplets,

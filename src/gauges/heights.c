@@ -14,7 +14,7 @@ static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOpt
   PetscCall(
     PetscOptionsRealArray("-gauge_heights",
                           "Places x,y,x,y,... (in two dimensions x,x,...) where the series holds the height of the "
-                          "liquid that stands there without a gap, m",
+                          "liquid that stands there without a gap, m; default: none",
                           "GaugesMeasure", heights->at, &heights->numbers, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,7 +14,7 @@ static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptio
   gauges->line_points = LINE_POINTS;
   PetscCall(PetscOptionsRealArray("-gauge_lines",
                                   "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four) along which "
-                                  "lines.csv holds pressure and velocity at each snapshot, m",
+                                  "lines.csv holds pressure and velocity at each snapshot, m; default: none",
                                   "PointsSample", lines->at, &lines->numbers, NULL));
   PetscCall(PetscOptionsInt("-gauge_line_points", "Points of a line, ends included, 2 to 10000", "PointsSample",
                             gauges->line_points, &gauges->line_points, NULL));

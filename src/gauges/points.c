@@ -9,7 +9,7 @@ static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOpti
   points->numbers = (PLACES_MOST + 1) * DIM; /* one more than allowed, to notice it */
   PetscCall(PetscOptionsRealArray("-gauge_points",
                                   "Points whose pressure and velocity the series holds, x,y,z,x,y,z,... (in two "
-                                  "dimensions x,y,x,y,...), m",
+                                  "dimensions x,y,x,y,...), m; default: none",
                                   "PointsSample", points->at, &points->numbers, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

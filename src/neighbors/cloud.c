@@ -35,10 +35,11 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
 
   PetscFunctionBegin;
   PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
-  PetscCall(OptionReal("-halo_slack", "how far particles may move before the ghosts are chosen again (spacings)",
+  PetscCall(OptionReal("-halo_slack", "distance that particles may move before the ghosts are chosen again (spacings)",
                        "[0.1, 20]", &slack));
-  PetscCall(OptionReal("-rebalance", "largest over mean number of particles a rank that triggers a new partition (1)",
-                       "(1, inf)", &cloud->rebalance));
+  PetscCall(OptionReal("-rebalance",
+                       "largest over mean number of particles of a rank that triggers a new partition (1)", "(1, inf)",
+                       &cloud->rebalance));
   PetscCall(OptionInt("-sort_interval", "steps between two sorts of the particles along the cells", "[1, inf)",
                       &cloud->sort_interval));
   PetscOptionsEnd();

@@ -47,7 +47,7 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   content->compression = DEFLATE;
   PetscCall(PetscOptionsStringArray("-snapshot_fields",
                                     "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
-                                    "lambda, surface, layer (of walls), color; default: all; none",
+                                    "lambda, surface, layer (of walls), color; or none; default: all",
                                     "OutputStep", content->name, &content->names, NULL));
   for (PetscInt d = 0; d < DIM; d++) {
     content->corner[0][d] = domain->lower[d];

@@ -261,7 +261,7 @@ static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscO
   LatticeData *lattice = (LatticeData *)packing->data;
 
   PetscFunctionBegin;
-  PetscCall(OptionReal("-packing_jitter", "largest random displacement from the lattice, a component (spacings)",
+  PetscCall(OptionReal("-packing_jitter", "largest random displacement from the lattice, of each component (spacings)",
                        "[0, 0.5)", &lattice->jitter));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,10 +18,10 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
 
   PetscFunctionBegin;
   PetscCall(
-    OptionReal("-packing_distance", "smallest distance of two fluid particles (spacings)", "(0, 1)", &p->distance));
+    OptionReal("-packing_distance", "smallest distance of two particles of liquid (spacings)", "(0, 1)", &p->distance));
   PetscCall(OptionReal("-packing_tolerance",
-                       "standard deviation of the density about rho_0, over rho_0, at which TAO stops (1)", "(0, 1)",
-                       &p->tolerance));
+                       "standard deviation of the density over the rest density at which the optimisation stops (1)",
+                       "(0, 1)", &p->tolerance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -40,10 +40,10 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->cloud           = cloud;
   p->kept            = KEPT_NONE;
   p->relaxation_time = DEFAULT_RELAXATION_TIME;
-  p->closure_factor  = 2;
-  p->regularization  = 2;
-  p->rebuild_growth  = 1.5;
-  /* what these do and where they come from is said where they are used: source.c, closure.c, gradient.c */
+  /* Where these come from is said where they are used: source.c, closure.c, gradient.c */
+  p->closure_factor   = 2;
+  p->regularization   = 2;
+  p->rebuild_growth   = 1.5;
   p->relaxation_steps = 5;
   p->closure_lambda   = 0.9;
   p->closure_least    = 2.5;
@@ -113,18 +113,19 @@ static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObjec
                               ClosureList, closure, closure, sizeof(closure), NULL));
   PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
                               gradient, gradient, sizeof(gradient), NULL));
-  PetscCall(PetscOptionsEList("-pressure_density", "density the operators divide by: rest or summed",
-                              "PressureSetTypes", choices, 2, choices[choice], &choice, NULL));
+  PetscCall(PetscOptionsEList("-pressure_density", "density that the operators divide by", "PressureSetTypes", choices,
+                              2, choices[choice], &choice, NULL));
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* To be called between PetscOptionsBegin and PetscOptionsEnd, as ReadTypes. */
 static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
   PetscCall(OptionReal(
     "-pressure_closure_factor",
-    "factor of what full_diagonal adds to the diagonal (1): 1 is Nair and Tomar's, 2 puts p = 0 on the surface",
+    "factor of what full_diagonal adds to the diagonal (1); 1 is Nair and Tomar's, 2 puts p = 0 on the surface",
     "(0, inf)", &p->closure_factor));
   PetscCall(OptionReal("-pressure_regularization",
                        "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)",
@@ -135,18 +136,19 @@ static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
                "[0, inf)", &p->relaxation_option));
   PetscCall(OptionReal("-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)",
                        "[1, inf)", &p->rebuild_growth));
-  PetscCall(OptionInt("-pressure_rebuild_interval",
-                      "steps after which the preconditioner is made anew; 0: 10 for twolevel, jacobi and none, 50 for "
-                      "all others",
-                      "[0, inf)", &p->rebuild_interval));
+  PetscCall(OptionInt(
+    "-pressure_rebuild_interval",
+    "steps after which the preconditioner is made anew (1); 0: 10 for twolevel, jacobi and none, 50 for all others",
+    "[0, inf)", &p->rebuild_interval));
   PetscCall(OptionReal("-pressure_density_tolerance",
-                       "largest relative density error the solver may leave in a step (1); 0: PETSc's own test, "
+                       "largest relative density error that the solver may leave in a step (1); 0: PETSc's own test, "
                        "-ksp_rtol and the others",
                        "[0, inf)", &p->density_tolerance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAdvancedNumbers(Pressure p, OptionItems PetscOptionsObject)
+/* As ReadNumbers. What they do is said where they are used: source.c, closure.c, gradient.c. */
+static PetscErrorCode ReadAdvanced(Pressure p, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
   PetscCall(OptionReal("-pressure_relaxation_steps",
@@ -176,13 +178,13 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(ReadTypes(pressure, PetscOptionsObject));
   PetscCall(ReadNumbers(pressure, PetscOptionsObject));
   PetscCall(PetscOptionsFList("-mat_type",
-                              "PETSc type of the pressure matrix; none given: shell, the sum of pairs without a "
-                              "matrix, if the preconditioner does without entries, else aij",
+                              "PETSc type of the pressure matrix; default: shell, the sum of pairs without a matrix, "
+                              "if the preconditioner needs no entries, else aij",
                               "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type),
                               NULL));
   PetscOptionsEnd();
   PetscOptionsBegin(cloud->comm, NULL, "Advanced: pressure projection", "Pressure");
-  PetscCall(ReadAdvancedNumbers(pressure, PetscOptionsObject));
+  PetscCall(ReadAdvanced(pressure, PetscOptionsObject));
   PetscOptionsEnd();
   if (HelpWanted()) PetscCall(PreconditionerHelp(cloud->comm));
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;

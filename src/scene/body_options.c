@@ -4,18 +4,6 @@
 
 static const char *const AxisNames[DIM] = {"x", "y", "z"};
 
-PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
-                                 PetscReal *length)
-{
-  PetscBool found;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsReal(option, help, "SceneSetFromOptions", *length, length, &found));
-  PetscCheckUser(!found || (*length > 0 && !PetscIsInfOrNanReal(*length)), body->domain->comm,
-                 "-%s%s must be positive and finite, not %g m", body->prefix, option + 1, (double)*length);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
 {
   PetscFunctionBegin;
@@ -102,21 +90,12 @@ static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, Petsc
 
 static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
 {
-  Material *m    = &body->material;
-  MPI_Comm  comm = body->domain->comm;
+  Material *m = &body->material;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsReal("-density", "Density (kg/m3)", "SceneSetFromOptions", m->density, &m->density, NULL));
-  PetscCheckUser(m->density > 0 && !PetscIsInfOrNanReal(m->density), comm,
-                 "-%sdensity must be positive and finite, not %g kg/m3", body->prefix, (double)m->density);
-  PetscCall(PetscOptionsReal("-viscosity", "Dynamic viscosity (Pa s)", "SceneSetFromOptions", m->viscosity,
-                             &m->viscosity, NULL));
-  PetscCheckUser(m->viscosity >= 0 && !PetscIsInfOrNanReal(m->viscosity), comm,
-                 "-%sviscosity must be finite and not negative, not %g Pa s", body->prefix, (double)m->viscosity);
-  PetscCall(
-    PetscOptionsReal("-tension", "Surface tension (N/m)", "SceneSetFromOptions", m->tension, &m->tension, NULL));
-  PetscCheckUser(m->tension >= 0 && !PetscIsInfOrNanReal(m->tension), comm,
-                 "-%stension must be finite and not negative, not %g N/m", body->prefix, (double)m->tension);
+  PetscCall(OptionReal("-density", "Density (kg/m3)", "(0, inf)", &m->density));
+  PetscCall(OptionReal("-viscosity", "Dynamic viscosity (Pa s)", "[0, inf)", &m->viscosity));
+  PetscCall(OptionReal("-tension", "Surface tension (N/m)", "[0, inf)", &m->tension));
   PetscCall(
     PetscOptionsInt("-color", "Label of the body in pictures", "SceneSetFromOptions", body->color, &body->color, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -13,10 +13,10 @@ static PetscErrorCode BoxSetFromOptions(Body body, OptionItems PetscOptionsObjec
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(box->lower, domain->lower, DIM));
   PetscCall(PetscArraycpy(box->upper, domain->upper, DIM));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower", "Lower corner of a box (m)",
-                                "ShapeBox", box->lower, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper", "Upper corner of a box (m)",
-                                "ShapeBox", box->upper, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower",
+                                "Lower corner of a box (m); default: the scene's", "ShapeBox", box->lower, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
+                                "Upper corner of a box (m); default: the scene's", "ShapeBox", box->upper, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,16 +18,11 @@ static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptions
   PetscFunctionBegin;
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a cylinder (m)",
                                 "ShapeCylinder", cylinder->center, NULL));
-  PetscCall(
-    BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a cylinder (m), required", &cylinder->radius));
+  PetscCall(OptionReal("-radius", "Radius of a cylinder (m), required", "(0, inf)", &cylinder->radius));
   cylinder->axis[2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
                             cylinder->axis));
-  PetscCall(PetscOptionsReal("-height", "Height of a cylinder, centered (m); 0: infinite", "ShapeCylinder",
-                             cylinder->height, &cylinder->height, NULL));
-  PetscCheckUser(cylinder->height >= 0 && !PetscIsInfOrNanReal(cylinder->height), domain->comm,
-                 "-%sheight must be positive, or 0 for an infinite cylinder, not %g m", body->prefix,
-                 (double)cylinder->height);
+  PetscCall(OptionReal("-height", "Height of a cylinder, centered (m); 0: infinite", "[0, inf)", &cylinder->height));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -39,12 +39,9 @@ static PetscErrorCode EmitterSetFromOptions(Body body, OptionItems PetscOptionsO
                              "SceneSetFromOptions", e->interval, &e->interval, NULL));
   PetscCall(PetscOptionsReal("-start", "Time of an emitter's first filling (s)", "SceneSetFromOptions", e->start,
                              &e->start, NULL));
-  PetscCall(PetscOptionsInt("-count", "Number of fillings of an emitter; 0: no end", "SceneSetFromOptions", e->count,
-                            &e->count, NULL));
-  PetscCall(PetscOptionsReal("-modulation", "Amplitude of an emitter's speed over the speed, in [0, 1)",
-                             "SceneSetFromOptions", e->modulation, &e->modulation, NULL));
-  PetscCall(PetscOptionsReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "SceneSetFromOptions",
-                             e->frequency, &e->frequency, NULL));
+  PetscCall(OptionInt("-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", &e->count));
+  PetscCall(OptionReal("-modulation", "Amplitude of an emitter's speed over the speed (1)", "[0, 1)", &e->modulation));
+  PetscCall(OptionReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "[0, inf)", &e->frequency));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -61,9 +58,6 @@ static PetscErrorCode EmitterSetUp(Body body)
                    !PetscIsInfOrNanReal(e->interval),
                  comm, "-%sinterval is %g s; it must be at least %g s, in which the liquid leaves the shape",
                  body->prefix, (double)e->interval, (double)(LengthAlong(body, speed) / speed));
-  PetscCheckUser(e->count >= 0, comm, "-%scount must not be negative", body->prefix);
-  PetscCheckUser(e->modulation >= 0 && e->modulation < 1, comm, "-%smodulation is %g; it must lie in [0, 1)",
-                 body->prefix, (double)e->modulation);
   PetscCheckUser(e->frequency > 0 || e->modulation == 0, comm, "-%smodulation needs -%smodulation_frequency, in Hz",
                  body->prefix, body->prefix);
   e->frequency *= 2 * PETSC_PI;

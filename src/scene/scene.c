@@ -76,16 +76,10 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids)
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity_amplitude",
                                 "Amplitude of a part a sin(2 pi f t) of gravity, as in a tank that is shaken (m/s2)",
                                 "SceneSetFromOptions", scene->amplitude, NULL));
-  PetscCall(PetscOptionsReal("-gravity_frequency", "Frequency f of that part (Hz)", "SceneSetFromOptions", frequency,
-                             &frequency, NULL));
-  PetscCall(PetscOptionsReal("-central_force_rate",
-                             "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
-                             "SceneSetFromOptions", scene->central_rate, &scene->central_rate, NULL));
+  PetscCall(OptionReal("-gravity_frequency", "Frequency f of that part (Hz)", "[0, inf)", &frequency));
+  PetscCall(OptionReal("-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
+                       "[0, inf)", &scene->central_rate));
   PetscOptionsEnd();
-  PetscCheckUser(scene->central_rate >= 0 && !PetscIsInfOrNanReal(scene->central_rate), scene->domain->comm,
-                 "-central_force_rate must be finite and not negative, not %g 1/s", (double)scene->central_rate);
-  PetscCheckUser(frequency >= 0 && !PetscIsInfOrNanReal(frequency), scene->domain->comm,
-                 "-gravity_frequency must be finite and not negative, not %g Hz", (double)frequency);
   PetscCheckUser(frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
                  "-gravity_amplitude needs -gravity_frequency, in Hz");
   scene->angular_frequency = 2 * PETSC_PI * frequency;

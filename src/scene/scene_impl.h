@@ -96,10 +96,7 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 
-/* BodyOptionsLength - reads a length (m) that must be positive and finite. BodyCheckLength - refuses 0: the option is
-   missing. Collective. */
-PetscErrorCode BodyOptionsLength(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
-                                 PetscReal *length);
+/* BodyCheckLength - refuses (UserError) a length of 0: its option is missing. Collective. */
 PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length);
 /* BodyOptionsAxis - reads a direction: x, y, z or a vector of any non-zero length; returns the unit vector. axis ([3])
    holds the default on entry. In two dimensions it must lie in the plane, or along z where 'normal_allowed'.

@@ -13,8 +13,7 @@ static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsOb
   PetscFunctionBegin;
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a sphere (m)",
                                 "ShapeSphere", sphere->center, NULL));
-  PetscCall(
-    BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a sphere (m), required", &sphere->radius));
+  PetscCall(OptionReal("-radius", "Radius of a sphere (m), required", "(0, inf)", &sphere->radius));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -164,8 +164,7 @@ static PetscErrorCode StlSetFromOptions(Body body, OptionItems PetscOptionsObjec
   stl->scale = 1;
   PetscCall(PetscOptionsString("-file", "STL file with a closed surface, binary or text, required", "ShapeStl",
                                stl->path, stl->path, sizeof(stl->path), NULL));
-  PetscCall(
-    PetscOptionsReal("-scale", "Length of the unit of an STL file (m)", "ShapeStl", stl->scale, &stl->scale, NULL));
+  PetscCall(OptionReal("-scale", "Length of the unit of an STL file (m)", "(0, inf)", &stl->scale));
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-offset",
                                 "Where the origin of an STL file lies (m)", "ShapeStl", stl->offset, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -182,8 +181,6 @@ static PetscErrorCode StlSetUp(Body body)
 
   PetscFunctionBegin;
   PetscCheckUser(path[0], domain->comm, "-%sfile is missing: the STL file of the shape must be given", body->prefix);
-  PetscCheckUser(scale > 0 && !PetscIsInfOrNanReal(scale), domain->comm,
-                 "-%sscale must be positive and finite, not %g m", body->prefix, (double)scale);
   PetscCall(StlRead(domain->comm, path, &n, &corner));
   for (PetscInt d = 0; d < DIM; d++) {
     lower[d] = PETSC_MAX_REAL;

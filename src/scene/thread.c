@@ -42,15 +42,14 @@ static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsOb
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center",
                                 "A point on the axis where the thread is thickest (m)", "ShapeThread", thread->center,
                                 NULL));
-  PetscCall(
-    BodyOptionsLength(body, PetscOptionsObject, "-radius", "Radius of a thread (m), required", &thread->radius));
+  PetscCall(OptionReal("-radius", "Radius of a thread (m), required", "(0, inf)", &thread->radius));
   thread->axis[2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a thread: x, y, z or a vector", PETSC_FALSE,
                             thread->axis));
   PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves of a thread's radius (m)", "ShapeThread",
                              thread->amplitude, &thread->amplitude, NULL));
-  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length",
-                              "Length of the waves along a thread (m), required", &thread->wave_length));
+  PetscCall(
+    OptionReal("-wave_length", "Length of the waves along a thread (m), required", "(0, inf)", &thread->wave_length));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -178,9 +178,9 @@ static PetscErrorCode TaylorGreenSetFromOptions(Body body, OptionItems PetscOpti
                         "Largest velocity of the Taylor-Green vortices (m/s)", 2, vortex->amplitude,
                         &vortex->amplitudes));
   vortex->wavelength = body->domain->upper[0] - body->domain->lower[0];
-  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-taylor_green_wavelength",
-                              "Wavelength of the Taylor-Green vortices, default: the width of the box (m)",
-                              &vortex->wavelength));
+  PetscCall(OptionReal("-taylor_green_wavelength",
+                       "Wavelength of the Taylor-Green vortices (m); default: the width of the box", "(0, inf)",
+                       &vortex->wavelength));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,17 +23,19 @@ static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObje
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(wave->lower, domain->lower, DIM));
   PetscCall(PetscArraycpy(wave->upper, domain->upper, DIM));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower", "Lower corner of a wave's box (m)",
-                                "ShapeWave", wave->lower, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
-                                "Upper corner of a wave's box, the last number is the mean level (m)", "ShapeWave",
-                                wave->upper, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower",
+                                "Lower corner of a wave's box (m); default: the scene's", "ShapeWave", wave->lower,
+                                NULL));
+  PetscCall(
+    DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
+                        "Upper corner of a wave's box, the last number is the mean level (m); default: the scene's",
+                        "ShapeWave", wave->upper, NULL));
   PetscCall(PetscOptionsReal("-wave_amplitude",
                              "Amplitude of the wave (m), positive: a crest stands at the lower x, required",
                              "ShapeWave", wave->amplitude, &wave->amplitude, &wave->given));
   wave->length = PetscMax(0, wave->upper[0] - wave->lower[0]);
-  PetscCall(BodyOptionsLength(body, PetscOptionsObject, "-wave_length",
-                              "Length of the wave along x (m), default the width of its box", &wave->length));
+  PetscCall(OptionReal("-wave_length", "Length of the wave along x (m); default: the width of its box", "(0, inf)",
+                       &wave->length));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,7 +23,7 @@ PetscErrorCode DumpStart(Sim sim)
   PetscBool set;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(sim->comm, NULL, "Options", "Sim");
+  PetscOptionsBegin(sim->comm, NULL, "Help", "Sim");
   PetscCall(PetscOptionsString(DUMP_OPTION, "write a commented options file of the scene with all options, and stop",
                                "SimSetFromOptions", sim->dump, sim->dump, sizeof(sim->dump), &set));
   PetscOptionsEnd();

@@ -8,9 +8,10 @@ PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(sim));
-  (*sim)->comm              = comm;
-  (*sim)->time_end          = -1;
-  (*sim)->progress_interval = 2;
+  (*sim)->comm               = comm;
+  (*sim)->time_end           = -1;
+  (*sim)->progress_interval  = 2;
+  (*sim)->relaxation_damping = 0.5;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -20,10 +21,10 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
   PetscCall(PetscOptionsReal("-time_start", "time of the initial state (s)", "SimSetFromOptions", sim->state.time,
                              &sim->state.time, NULL));
-  PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s)", "SimSetFromOptions", sim->time_end,
-                             &sim->time_end, &sim->has_end));
+  PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s); default: none", "SimSetFromOptions",
+                             sim->time_end, &sim->time_end, &sim->has_end));
   PetscCall(
-    OptionInt("-steps_max", "number of steps after which the run ends; 0: no bound", "[0, inf)", &sim->steps_max));
+    OptionInt("-steps_max", "number of steps after which the run ends (1); 0: no bound", "[0, inf)", &sim->steps_max));
   PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart,
                                sim->restart, sizeof(sim->restart), NULL));
   PetscCall(PetscOptionsBool("-dry_run",
@@ -36,16 +37,12 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                        "wall-clock time after which the run writes a checkpoint and ends (s); 0: none", "[0, inf)",
                        &sim->wall_clock_limit));
   PetscCall(OptionReal("-packing_relaxation_time",
-                       "relax the packing at rest, without body force, for this long before the run (s); 0: not",
-                       "[0, inf)", &sim->relaxation_time));
-  PetscCall(PetscOptionsReal("-packing_relaxation_damping",
-                             "factor on the velocities after each step of the relaxation (1)", "SimSetFromOptions", 0.5,
-                             &sim->relaxation_damping, &sim->has_damping));
+                       "time for which the packing comes to rest before the run, without body force (s)", "[0, inf)",
+                       &sim->relaxation_time));
+  PetscCall(OptionReal("-packing_relaxation_damping", "factor on the velocities after each step of the relaxation (1)",
+                       "[0, 1)", &sim->relaxation_damping));
   PetscOptionsEnd();
   PetscCall(MonitorSetFromOptions(sim));
-  if (!sim->has_damping) sim->relaxation_damping = 0.5;
-  PetscCheckUser(sim->relaxation_damping >= 0 && sim->relaxation_damping < 1, sim->comm,
-                 "-packing_relaxation_damping is %g; it must lie in [0, 1)", (double)sim->relaxation_damping);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -22,7 +22,7 @@ struct _p_Sim {
   PackingReport report;
   PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping;
   PetscInt      steps_max;
-  PetscBool     has_end, has_damping, dry_run;
+  PetscBool     has_end, dry_run;
   PetscViewer   monitor; /* NULL: none */
   PetscInt      monitor_lines;
   PetscBool     monitor_csv, monitor_draw;

@@ -117,11 +117,13 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
 
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Viscosity", "Stepper");
-  PetscCall(PetscOptionsEList("-viscosity_form", "cleary: Eq. (1), keeps angular momentum; morris: exact for shear",
-                              "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
+  PetscCall(PetscOptionsEList(
+    "-viscosity_form",
+    "form of the viscous force: cleary is Eq. (1) and keeps angular momentum, morris is exact for shear flow",
+    "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
   PetscCall(PetscOptionsEList("-viscosity_wall",
-                              "velocity behind a wall: rest, the wall's own, as printed, lets the first layer slide; "
-                              "linear: it goes on straight, no slip at the face",
+                              "velocity behind a wall: rest is the wall's own, as printed, and lets the first layer "
+                              "slide; linear continues the liquid's, so that nothing slips at the face",
                               "StepperSetFromOptions", walls, 2, walls[wall], &wall, NULL));
   PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();

@@ -191,7 +191,7 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
 {
   PetscFunctionBegin;
   PetscCall(OptionReal("-tension_calibration",
-                       "kappa/(sigma H) (1): 3.959 one-sided flat profile, 5.30 flat film at H = 2.5 h", "(0, inf)",
+                       "kappa/(sigma H) (1); 3.959 fits a flat surface, 5.30 a flat film at H = 2.5 h", "(0, inf)",
                        &tension->calibration));
   PetscCall(OptionReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)",
                        "(0, 2]", &tension->band));

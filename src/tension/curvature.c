@@ -589,11 +589,11 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-tension_sheets", "energy of sheets and threads too thin for a normal",
+  PetscCall(PetscOptionsBool("-tension_sheets", "surface tension of sheets and threads that are too thin for a normal",
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
   PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
                        &tension->sharpening));
-  PetscCall(OptionReal("-wall_contact_angle", "at which the free surface meets a wall, in the liquid (degrees)",
+  PetscCall(OptionReal("-wall_contact_angle", "angle in the liquid at which the free surface meets a wall (degrees)",
                        "(0, 180)", &tension->angle));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -286,8 +286,8 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-bodies a -a_shape cone", "half_space, stl, thread, wave", "refuse_shape"));
   PetscCall(Refused(CUBE BALL "-a_velocity_type spin", "taylor_green", "refuse_velocity_type"));
   PetscCall(Refused(CUBE "-bodies a -a_shape sphere", "-a_radius is missing", "refuse_no_radius"));
-  PetscCall(Refused(CUBE BALL "-a_radius -1", "-a_radius must be positive", "refuse_radius"));
-  PetscCall(Refused(CUBE BALL "-a_radius nan", "-a_radius must be positive", "refuse_radius_nan"));
+  PetscCall(Refused(CUBE BALL "-a_radius -1", "-a_radius is -1; it must lie in (0, inf)", "refuse_radius"));
+  PetscCall(Refused(CUBE BALL "-a_radius nan", "-a_radius is nan; it must lie in (0, inf)", "refuse_radius_nan"));
   PetscCall(Refused(CUBE "-bodies a -a_upper -2,0,0", "-a_upper must be above", "refuse_empty_box_shape"));
   PetscCall(Refused(CUBE "-bodies a -a_shape ellipsoid -a_radii 1,0,1", "-a_radii", "refuse_radii"));
   PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis w", "is no direction", "refuse_axis"));
