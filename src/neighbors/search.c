@@ -297,21 +297,24 @@ static PetscErrorCode SearchCreate(Cloud cloud, Search *search)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the neighbours of particle a; returns their number. Writes to list and search->s, whole vectors. */
+/* Finds the neighbours of particle a; returns their number. Writes to list and search->s, whole vectors. What the loop
+   needs is copied to local variables, which it keeps in registers: its stores could otherwise be to *search. */
 static inline PetscInt FindNeighbors(Cloud cloud, const Search *search, PetscInt a, PetscInt list[])
 {
   const PetscInt   n = cloud->n_total, *order = cloud->grid.order;
-  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
-  const Units     *units  = &search->units;
-  const int32_t   *place  = search->place;
+  const PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a;
+  const Units     *units = &search->units;
+  const int32_t   *place = search->place;
+  const Run       *run   = search->run;
+  float           *s     = search->s;
+  const float      limit = search->limit, unit[DIM] = {units->unit[0], units->unit[1], units->unit[2]};
   const int32_t    p[DIM] = {(int32_t)Place(units, 0, x[0]), (int32_t)Place(units, 1, x[1]),
                              (int32_t)Place(units, 2, x[2])};
   const PetscInt   runs   = FindRuns(&cloud->grid, &search->lines, x, search->radius, search->run);
   PetscInt         found  = 0;
 
   for (PetscInt r = 0; r < runs; r++)
-    found += KeepNear(search->run[r], order, place, place + n, place + 2 * n, p, units->unit, search->limit, a,
-                      list + found, search->s + found);
+    found += KeepNear(run[r], order, place, place + n, place + 2 * n, p, unit, limit, a, list + found, s + found);
   return found;
 }
 
