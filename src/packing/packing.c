@@ -97,11 +97,6 @@ PetscErrorCode PackingDestroy(Packing *packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt PackingWallLayers(Cloud cloud)
-{
-  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
-}
-
 /* The cells are dealt out first, with the weights that CloudResync will use, so that nothing has to migrate. */
 static PetscErrorCode CreateParticles(Packing packing)
 {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""README.md stays short: at most 200 lines of at most 120 columns. Functions that it and CONTRIBUTING.md name as
-`file:function` are defined in that file of src/, and the README names one for each equation of the paper, (1) to (11).
-LINT_ROOT: another tree, for a test of the test."""
+"""README.md stays short: at most 200 lines of at most 120 columns, and its tables whole. Functions that it and
+CONTRIBUTING.md name as `file:function` are defined in that file of src/, and the README names one for each equation of
+the paper, (1) to (11). LINT_ROOT: another tree, for a test of the test."""
 import os
 import re
 import sys
@@ -44,6 +44,9 @@ for document in ("README.md", "CONTRIBUTING.md"):
             equations |= numbers(line.split("|")[1]) if document == "README.md" else set()
             if not defines(path, function):
                 bad.append(f"{document}:{k}: src/{path} defines no function {function}")
+for k, (above, line) in enumerate(zip(lines, lines[1:]), 2):
+    if above.startswith("|") and line.startswith("|") and above.count("|") != line.count("|"):
+        bad.append(f"README.md:{k}: the table has rows of different length")
 missing = sorted(set(range(1, EQUATIONS + 1)) - equations)
 if missing:
     bad.append(f"README.md names no function for the equations {missing}")
