@@ -110,6 +110,8 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...);
   do {                                                                                                                 \
     if (PetscUnlikely(!(condition))) return UserError(comm, __VA_ARGS__);                                              \
   } while (0)
+/* UserErrorSaid - the code of UserError where the sentence has been said already. Not collective. */
+PetscErrorCode UserErrorSaid(void);
 /* The code UserError returns: it travels up through PetscCallUser/PetscCall without a stack trace being printed. */
 #define ISPH_USER_ERROR PETSC_ERR_USER_INPUT
 
@@ -123,6 +125,11 @@ PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH]);
    return it. Values of options that PETSc itself cannot read become one sentence too, with the option. Not collective;
    call once, before PetscInitialize if a missing options file shall be refused as politely. */
 PetscErrorCode UserErrorHandlerPush(void);
+
+/* ErrorsKeep - from 'true' to 'false' errors that start in PETSc are not printed; under UserErrorHandlerPush. ErrorKept
+   - the first line of the last one, or "" if there was none or a sentence has been said. Not collective. */
+void        ErrorsKeep(PetscBool keep);
+const char *ErrorKept(void);
 
 /* JournalOpen - from here on all that is printed on standard output, and the sentence of a UserError, is added to the
    file as well (rank 0), without lines that a terminal overwrites. JournalClose - ends that. JournalText - adds a text;

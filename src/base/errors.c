@@ -8,6 +8,8 @@
 #define MESSAGE_LENGTH 1024
 
 static PetscBool UserErrorRaised = PETSC_FALSE; /* UserError has printed its sentence and its code is on its way up */
+static PetscBool Keeping         = PETSC_FALSE; /* errors of PETSc's are kept for the caller */
+static char      Kept[MESSAGE_LENGTH];
 
 PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
 {
@@ -52,6 +54,34 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
   if (!rank) Say(message, (int)strlen(message), "");
   UserErrorRaised = PETSC_TRUE;
   return ISPH_USER_ERROR; /* bare: PetscError() would print a trace */
+}
+
+PetscErrorCode UserErrorSaid(void)
+{
+  UserErrorRaised = PETSC_TRUE;
+  return ISPH_USER_ERROR;
+}
+
+void ErrorsKeep(PetscBool keep)
+{
+  if (keep) Kept[0] = 0;
+  Keeping = keep;
+}
+
+const char *ErrorKept(void)
+{
+  return Kept;
+}
+
+/* Keeps the first line of an error, or what its code means. */
+static PetscBool Keep(PetscErrorCode code, const char message[])
+{
+  const char *text = message;
+
+  if (!Keeping) return PETSC_FALSE;
+  if (!text || !*text) (void)PetscErrorMessage(code, &text, NULL);
+  (void)snprintf(Kept, sizeof(Kept), "%.*s", text ? (int)strcspn(text, "\n") : 0, text ? text : "");
+  return PETSC_TRUE;
 }
 
 /* Whether 'word' is one of the words of 'text', which are separated by one of 'separators'. */
@@ -123,7 +153,8 @@ static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *func
                                        PetscErrorCode code, PetscErrorType type, const char *message, void *context)
 {
   if (type == PETSC_ERROR_INITIAL)
-    UserErrorRaised = (PetscBool)(ReportMemory(function, code) || ReportBadValue(function, code, message));
+    UserErrorRaised =
+      (PetscBool)(ReportMemory(function, code) || ReportBadValue(function, code, message) || Keep(code, message));
   if (UserErrorRaised) return code;
   return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, context);
 }

@@ -247,7 +247,8 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
   plain = (PetscBool)(plain || shell || !pressure->mat_type[0]);
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions ask for it */
-  if (!plain) PetscCall(MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
+  if (!plain)
+    SolverTry(cloud->comm, PRESSURE_EQUATION, MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,9 @@
 /* The pressure projection as an object: its types, options, view. */
 #include "pressure_impl.h"
+#include <string.h>
+
+#define MATRIX_TYPES                                                                                                   \
+  "shell aij aijperm aijsell aijcrl baij sbaij sell dense is hypre" /* that the assembled one can become */
 
 #define DEFAULT_RELAXATION_TIME 1e-3 /* s, where neither the user nor the stepper chooses */
 
@@ -169,6 +173,29 @@ static PetscErrorCode ReadAdvanced(Pressure p, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses types that the assembled matrix cannot be made into. Those of one or of many ranks become the type that both
+   have: seqaij, mpiaij are aij. */
+static PetscErrorCode CheckMatrixType(Pressure pressure)
+{
+  char      *type = pressure->mat_type;
+  PetscToken token;
+  char      *word;
+  PetscBool  good = (PetscBool)!type[0];
+
+  PetscFunctionBegin;
+  if (!strncmp(type, "seq", 3) || !strncmp(type, "mpi", 3)) memmove(type, type + 3, strlen(type + 3) + 1);
+  PetscCall(PetscTokenCreate(MATRIX_TYPES, ' ', &token));
+  PetscCall(PetscTokenFind(token, &word));
+  while (word && !good) {
+    PetscCall(PetscStrcmp(word, type, &good));
+    PetscCall(PetscTokenFind(token, &word));
+  }
+  PetscCall(PetscTokenDestroy(&token));
+  PetscCheckUser(good, pressure->cloud->comm,
+                 "-mat_type %s: the pressure matrix cannot be of this type; it can be of " MATRIX_TYPES, type);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSetFromOptions(Pressure pressure)
 {
   Cloud cloud = pressure->cloud;
@@ -177,15 +204,16 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscOptionsBegin(cloud->comm, NULL, "Pressure projection", "Pressure");
   PetscCall(ReadTypes(pressure, PetscOptionsObject));
   PetscCall(ReadNumbers(pressure, PetscOptionsObject));
-  PetscCall(PetscOptionsFList("-mat_type",
-                              "PETSc type of the pressure matrix; default: shell, the sum of pairs without a matrix, "
-                              "if the preconditioner needs no entries, else aij",
-                              "MatSetType", MatList, pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type),
-                              NULL));
+  PetscCall(PetscOptionsString("-mat_type",
+                               "PETSc type of the pressure matrix: " MATRIX_TYPES
+                               "; default: shell, the sum of pairs without a matrix, if the preconditioner needs no "
+                               "entries, else aij",
+                               "MatSetType", pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
   PetscOptionsBegin(cloud->comm, NULL, "Advanced: pressure projection", "Pressure");
   PetscCall(ReadAdvanced(pressure, PetscOptionsObject));
   PetscOptionsEnd();
+  PetscCall(CheckMatrixType(pressure));
   if (HelpWanted()) PetscCall(PreconditionerHelp(cloud->comm));
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);

@@ -14,6 +14,8 @@
 
 typedef struct _p_Pressure *Pressure;
 
+#define PRESSURE_EQUATION "pressure" /* for SolverTry and SolverExplain */
+
 #define SOURCE_DENSITY "density" /* (rho_0 - rho)/(rho_0 dt^2), Eq. (8): density invariance */
 #define SOURCE_DIVERGENCE                                                                                              \
   "divergence" /* corrected divergence over dt, plus e/(dt T), e the surface-corrected density defect */

@@ -55,7 +55,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPSetInitialGuessNonzero(pressure->ksp, PETSC_TRUE));
   PetscCall(KSPGetPC(pressure->ksp, &pc));
   PetscCall(PCSetType(pc, PCTWOLEVEL));
-  PetscCall(KSPSetFromOptions(pressure->ksp));
+  PetscCall(SolverSetFromOptions(pressure->ksp, PRESSURE_EQUATION));
   PetscCall(SetConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
@@ -66,16 +66,13 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->ksp, &direct, KSPPREONLY, KSPNONE, ""));
-  if (direct) { /* the preconditioner is all there is: it must be that of this step, and has no use for a start value */
-    pressure->kept_steps = 1;
-    PetscCall(KSPSetInitialGuessNonzero(pressure->ksp, PETSC_FALSE));
-  }
+  if (direct) pressure->kept_steps = 1; /* the preconditioner is all there is: it must be that of this step */
   if (gamg) {
     PetscReal threshold = DEFAULT_GAMG_DROP;
 
     PetscCall(PCGAMGSetThreshold(pc, &threshold, 1));
     PetscCall(DefaultOption("-mg_levels_ksp_max_it", "1"));
-    PetscCall(PCSetFromOptions(pc)); /* the user's threshold wins */
+    SolverTry(cloud->comm, PRESSURE_EQUATION, PCSetFromOptions(pc)); /* the user's threshold wins */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -178,8 +175,8 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(LocateRows(pressure));
   PetscCall(KSPSetOperators(pressure->ksp, pressure->A, pressure->A));
-  PetscCall(KSPSetUp(pressure->ksp));
-  PetscCall(KSPSetUpOnBlocks(pressure->ksp));
+  SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUp(pressure->ksp));
+  SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUpOnBlocks(pressure->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -249,7 +246,7 @@ static PetscErrorCode Attempt(Pressure pressure, PetscBool from_zero, PressureRe
     PetscCall(MatNullSpaceRemove(constant, pressure->x));
   }
   pressure->density_claimed = 0;
-  PetscCall(KSPSolve(pressure->ksp, pressure->b, pressure->x));
+  SolverTry(cloud->comm, PRESSURE_EQUATION, KSPSolve(pressure->ksp, pressure->b, pressure->x));
   PetscCall(KSPGetConvergedReason(pressure->ksp, &result->solver.reason));
   PetscCall(KSPGetIterationNumber(pressure->ksp, &iterations));
   result->solver.iterations += iterations;

@@ -1,4 +1,142 @@
 #include "solver.h"
+#include <petsc/private/kspimpl.h>
+#include <stdio.h>
+#include <string.h>
+
+#define PATIENCE 10.  /* s that a rank which failed waits for the others */
+#define NAP      1e-2 /* s between two looks */
+#define TEXT     512
+
+static MPI_Comm Meeting = MPI_COMM_NULL; /* of its own: stuck ranks are in the midst of other messages */
+
+static PetscErrorCode FinalizePackage(void)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_free(&Meeting));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The options that the user has chosen the solver by, " -name value ..."; those of the viscosity have a prefix. */
+static PetscErrorCode Choices(const char prefix[], char text[], size_t length)
+{
+  const char *const kinds[] = {"ksp_", "pc_", "mat_", "sub_", "mg_levels_"};
+  char             *all;
+  size_t            used = 0;
+
+  PetscFunctionBegin;
+  text[0] = 0;
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  for (char *option = all, *next; *option; option = next) {
+    next = strstr(option, " -");
+    next = next ? next + 1 : option + strlen(option);
+    if (option[0] != '-' || strncmp(option + 1, prefix, strlen(prefix))) continue;
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++)
+      if (!strncmp(option + 1 + strlen(prefix), kinds[k], strlen(kinds[k])) && used < length) {
+        const int n = (int)(next - option) - (next[-1] == ' ');
+
+        used += (size_t)snprintf(text + used, length - used, " %.*s", n, option);
+      }
+  }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The lowest rank that failed, or the number of ranks; whether all ranks came to tell. */
+static PetscErrorCode Meet(PetscBool failed, PetscMPIInt *first, PetscMPIInt *all)
+{
+  PetscMPIInt    rank, size, own;
+  MPI_Request    request;
+  PetscLogDouble start, now;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(Meeting, &rank));
+  PetscCallMPI(MPI_Comm_size(Meeting, &size));
+  own = failed ? rank : size;
+  PetscCallMPI(MPI_Iallreduce(&own, first, 1, MPI_INT, MPI_MIN, Meeting, &request));
+  PetscCall(PetscTime(&start));
+  *all = 0;
+  if (!failed) {
+    PetscCallMPI(MPI_Wait(&request, MPI_STATUS_IGNORE));
+    *all = 1;
+  }
+  for (now = start; !*all && now < start + PATIENCE;) {
+    PetscCallMPI(MPI_Test(&request, all, MPI_STATUS_IGNORE));
+    if (!*all) PetscCall(PetscSleep(NAP));
+    PetscCall(PetscTime(&now));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode code)
+{
+  const char *prefix = strcmp(equation, "viscous") ? "" : "viscous_";
+  char        choices[TEXT], said[TEXT];
+  PetscMPIInt first, size, all;
+
+  PetscFunctionBegin;
+  ErrorsKeep(PETSC_FALSE);
+  if (Meeting == MPI_COMM_NULL) {
+    PetscCallMPI(MPI_Comm_dup(comm, &Meeting));
+    PetscCall(PetscRegisterFinalize(FinalizePackage));
+  }
+  PetscCallMPI(MPI_Comm_size(Meeting, &size));
+  PetscCall(Meet((PetscBool)(code != 0), &first, &all));
+  if (all && first == size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrncpy(said, ErrorKept(), sizeof(said)));
+  if (all) PetscCallMPI(MPI_Bcast(said, sizeof(said), MPI_CHAR, first, Meeting));
+  if (all && !said[0]) return UserErrorSaid();
+  PetscCall(Choices(prefix, choices, sizeof(choices)));
+  PetscCheckUser(!all, comm,
+                 "the %s equation cannot be solved with%s: PETSc says \"%s\"; -%sksp_type cg with -%spc_type %sjacobi "
+                 "always works",
+                 equation, choices[0] ? choices : " the default solver", said, prefix, prefix,
+                 prefix[0] ? "" : "twolevel or ");
+  (void)UserError(PETSC_COMM_SELF, "the %s equation cannot be solved with%s: PETSc says \"%s\" on some ranks", equation,
+                  choices, said);
+  (void)MPI_Abort(comm, 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options that scale the equation in place, from which the residual is not computed and the next one not made. */
+static PetscErrorCode RefuseScaling(KSP ksp, const char prefix[])
+{
+  const char *const names[] = {"ksp_diagonal_scale", "ksp_diagonal_scale_fix"};
+  char              option[TEXT];
+  PetscBool         set;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) {
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, names[k]));
+    PetscCall(PetscOptionsHasName(NULL, NULL, option, &set));
+    PetscCheckUser(!set, PetscObjectComm((PetscObject)ksp),
+                   "%s would scale an equation that belongs to the program, in each step again; -%spc_type jacobi does "
+                   "the same to the solver",
+                   option, prefix);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolverSetFromOptions(KSP ksp, const char equation[])
+{
+  MPI_Comm    comm = PetscObjectComm((PetscObject)ksp);
+  const char *prefix;
+  char        option[TEXT];
+  PetscBool   direct, chosen, residual = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetOptionsPrefix(ksp, &prefix));
+  if (!prefix) prefix = "";
+  PetscCall(RefuseScaling(ksp, prefix));
+  SolverTry(comm, equation, KSPSetFromOptions(ksp));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%sksp_norm_type", prefix));
+  PetscCall(PetscOptionsHasName(NULL, NULL, option, &chosen));
+  for (PetscInt side = 0; side < PC_SIDE_MAX; side++)
+    if (ksp->normsupporttable[KSP_NORM_UNPRECONDITIONED][side] > 0) residual = PETSC_TRUE;
+  if (!chosen && !residual) PetscCall(KSPSetNormType(ksp, KSP_NORM_DEFAULT));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)ksp, &direct, KSPPREONLY, KSPNONE, ""));
+  if (direct) PetscCall(KSPSetInitialGuessNonzero(ksp, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 void SolverJudge(SolverReport *report, PetscReal rounding)
 {
@@ -7,7 +145,7 @@ void SolverJudge(SolverReport *report, PetscReal rounding)
   report->lied = (PetscBool)(report->reason >= 0 && !(report->residual <= limit));
 }
 
-PetscErrorCode SolverExplain(KSP ksp, const SolverReport *report, const char what[], char why[], size_t length)
+PetscErrorCode SolverExplain(KSP ksp, const SolverReport *report, const char equation[], char why[], size_t length)
 {
   const char *prefix;
   KSPType     method;
@@ -24,14 +162,14 @@ PetscErrorCode SolverExplain(KSP ksp, const SolverReport *report, const char wha
     PetscCall(PetscSNPrintf(why, length,
                             "the %s solver (-%sksp_type %s, -%spc_type %s) says %s with a residual of %.3g where %.3g "
                             "was asked for, but its true residual is %.3g: try -%sksp_type cg or another -%spc_type",
-                            what, prefix, method, prefix, preconditioner, KSPConvergedReasons[report->reason],
+                            equation, prefix, method, prefix, preconditioner, KSPConvergedReasons[report->reason],
                             (double)report->claimed, (double)report->asked, (double)report->residual, prefix, prefix));
   else
     PetscCall(PetscSNPrintf(why, length,
                             "the %s solver (-%sksp_type %s, -%spc_type %s) stopped with %s after %" PetscInt_FMT
                             " iterations at a residual of %.3g where %.3g was asked for: try -%sksp_type cg, another "
                             "-%spc_type, a larger -%sksp_max_it or -%sksp_rtol",
-                            what, prefix, method, prefix, preconditioner, KSPConvergedReasons[report->reason],
+                            equation, prefix, method, prefix, preconditioner, KSPConvergedReasons[report->reason],
                             report->iterations, (double)report->residual, (double)report->asked, prefix, prefix, prefix,
                             prefix));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -28,8 +28,22 @@ static inline PetscBool SolverFailed(const SolverReport *report)
 /* SolverJudge - sets 'lied' from the other entries; rounding: |diagonal x|, in the unit of the residual. A residual
    that is not a number is a lie. Not collective. */
 void SolverJudge(SolverReport *report, PetscReal rounding);
-/* SolverExplain - why a solver failed, in a sentence of at most 'length' bytes; what: "pressure", "viscous"; prefix: of
-   its options, "" or "viscous_". Not collective. */
-PetscErrorCode SolverExplain(KSP ksp, const SolverReport *report, const char what[], char why[], size_t length);
+/* SolverExplain - why a solver failed, in a sentence of at most 'length' bytes. Not collective. */
+PetscErrorCode SolverExplain(KSP ksp, const SolverReport *report, const char equation[], char why[], size_t length);
+
+/* SolverTry - makes a call of PETSc's that fails where it cannot do what the user's options ask for, and refuses these
+   in a sentence then; equation: "pressure", "viscous". Ranks that fail do not wait long for others that are stuck in
+   the call: they end the program. Collective.  SolverTried - what it does after the call. */
+#define SolverTry(comm, equation, call)                                                                                \
+  do {                                                                                                                 \
+    ErrorsKeep(PETSC_TRUE);                                                                                            \
+    PetscCall(SolverTried(comm, equation, call));                                                                      \
+  } while (0)
+PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode code);
+/* SolverSetFromOptions - KSPSetFromOptions for a solver whose norm and start value are set; where the user's choice
+   cannot work with them, the solver's own norm, or no start value. Refuses options that change the equation.
+   Collective.
+ */
+PetscErrorCode SolverSetFromOptions(KSP ksp, const char equation[]);
 
 #endif

@@ -55,6 +55,8 @@ typedef struct {
   PetscErrorCode (*destroy)(Stepper stepper);
 } SchemeOps;
 
+#define VISCOUS_EQUATION "viscous" /* for SolverTry and SolverExplain */
+
 typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
 
 /* The implicit viscosity, viscous.c. */

@@ -60,11 +60,11 @@ static PetscErrorCode ExplainSolver(Stepper stepper, PetscReal dt, const StepTri
 
   PetscFunctionBegin;
   if (SolverFailed(&trial->viscous)) {
-    PetscCall(SolverExplain(stepper->viscous.ksp, &trial->viscous, "viscous", why, length));
+    PetscCall(SolverExplain(stepper->viscous.ksp, &trial->viscous, VISCOUS_EQUATION, why, length));
     PetscCall(PetscStrlcat(why, ", or a smaller -viscosity_step_ratio", length));
   } else {
     PetscCall(PressureSolver(stepper->pressure, &ksp, &b));
-    PetscCall(SolverExplain(ksp, &trial->pressure.solver, "pressure", why, length));
+    PetscCall(SolverExplain(ksp, &trial->pressure.solver, PRESSURE_EQUATION, why, length));
   }
   PetscCall(PetscStrlen(why, &used));
   PetscCall(PetscSNPrintf(why + used, length - used, " (step %g s)", (double)dt));

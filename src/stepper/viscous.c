@@ -149,7 +149,7 @@ static PetscErrorCode CreateSolver(Stepper stepper)
   PetscCall(KSPSetInitialGuessNonzero(viscous->ksp, PETSC_TRUE));
   PetscCall(KSPGetPC(viscous->ksp, &pc));
   PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(KSPSetFromOptions(viscous->ksp));
+  PetscCall(SolverSetFromOptions(viscous->ksp, VISCOUS_EQUATION));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &known, PCJACOBI, PCNONE, ""));
   PetscCheckUser(known, cloud->comm,
                  "-viscous_pc_type must be " PCJACOBI " or " PCNONE ": the operator of the viscosity is not assembled");
@@ -237,7 +237,8 @@ static PetscErrorCode Attempt(Viscous *viscous, SolverReport *report)
   PetscFunctionBegin;
   PetscCall(MatAssemblyBegin(viscous->A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
   PetscCall(MatAssemblyEnd(viscous->A, MAT_FINAL_ASSEMBLY));
-  PetscCall(KSPSolve(viscous->ksp, viscous->b, viscous->x));
+  SolverTry(PetscObjectComm((PetscObject)viscous->ksp), VISCOUS_EQUATION,
+            KSPSolve(viscous->ksp, viscous->b, viscous->x));
   PetscCall(KSPGetConvergedReason(viscous->ksp, &report->reason));
   PetscCall(KSPGetIterationNumber(viscous->ksp, &iterations));
   report->iterations += iterations;
