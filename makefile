@@ -10,6 +10,7 @@
 #   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
 #   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
 #   make tradeoff CASE=central_force        error and CPU time of each choice; tradeoff-readme: in tests/tradeoff/
+#   make solver-sweep               every solver of PETSc's: right or refused in a sentence; table in tests/solvers/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
@@ -63,6 +64,11 @@ COMPARE = $(BUILD)/tests/solvers/compare
 
 $(COMPARE): tests/solvers/compare.c $(OBJECTS) $(BUILD)/flags
 	@mkdir -p $(dir $@); echo LD $@; $(CC) $(filter-out -D_POSIX_C_SOURCE%,$(ALL_FLAGS)) -D_GNU_SOURCE -Isrc -o $@ $< $(OBJECTS) $(LIBS)
+
+TYPES = $(BUILD)/tests/solvers/types
+
+$(TYPES): tests/solvers/types.c $(OBJECTS) $(BUILD)/flags
+	@mkdir -p $(dir $@); echo LD $@; $(CC) $(ALL_FLAGS) -Isrc -o $@ $< $(OBJECTS) $(LIBS)
 
 packages:
 	@tests/packages.sh build pictures
@@ -120,11 +126,11 @@ install: isph
 	for tool in pictures film mesh; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
 	  > $(DESTDIR)$(PREFIX)/bin/isph-$$tool && chmod 755 $(DESTDIR)$(PREFIX)/bin/isph-$$tool; done
 
-test: isph $(UNIT) $(COMPARE)
+test: isph $(UNIT) $(COMPARE) $(TYPES)
 	@PYTHON=$(PYTHON) tests/run.sh
 
 # As make test, and the same unit tests and an impact with the compiler's sanitizers.
-test-ci: isph $(UNIT) $(COMPARE) sanitized
+test-ci: isph $(UNIT) $(COMPARE) $(TYPES) sanitized
 	@PYTHON=$(PYTHON) tests/run.sh --sanitizers
 
 SANITIZED = output/sanitized
@@ -134,7 +140,7 @@ sanitized:
 
 sanitized-programs: $(PROGRAM) $(UNIT)
 
-test-long: isph $(UNIT) $(COMPARE)
+test-long: isph $(UNIT) $(COMPARE) $(TYPES)
 	@PYTHON=$(PYTHON) TEST_TIMEOUT=7200 tests/run.sh --long
 
 VERIFY = $(MPI) $(PYTHON) tests/verify/runner.py
@@ -181,6 +187,10 @@ RANKS = 1
 compare-solvers: $(COMPARE)
 	@$(MPI) $(PYTHON) tests/solvers/compare.py --ranks $(RANKS) "$(STATE)"
 
+# make solver-sweep   every solver, preconditioner and matrix type: right, or refused in a sentence; tests/solvers/README.md
+solver-sweep: isph $(TYPES)
+	@$(PYTHON) tests/solvers/sweep.py --readme
+
 # make tradeoff CASE=central_force   error and CPU time of each choice: table, CSV and chart in output/tradeoff/
 tradeoff: isph
 	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
@@ -205,6 +215,6 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
 
-.PHONY: paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
+.PHONY: solver-sweep paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme identical options-reference

@@ -234,7 +234,7 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   const Cloud    cloud = pressure->cloud;
   const PetscInt n = cloud->n_rows, global = pressure->rows_global;
   PetscMPIInt    size;
-  PetscBool      plain, shell;
+  PetscBool      plain, shell, blocks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
@@ -249,7 +249,8 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions ask for it */
   if (!plain)
     SolverTry(cloud->comm, PRESSURE_EQUATION, MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
-  PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
+  PetscCall(PetscObjectTypeCompare((PetscObject)s->A, MATMPIBAIJ, &blocks)); /* PETSc 3.18 does not take it there */
+  if (!blocks) PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -116,6 +116,24 @@ static PetscErrorCode RefuseScaling(KSP ksp, const char prefix[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A preconditioner alone has no use for a start value, and PETSc does not read tolerances for it, which its answer is
+   held to here all the same. */
+static PetscErrorCode SetDirect(KSP ksp, const char prefix[])
+{
+  PetscReal rtol, atol, divtol;
+  PetscInt  iterations;
+
+  PetscFunctionBegin;
+  PetscCall(KSPSetInitialGuessNonzero(ksp, PETSC_FALSE));
+  PetscCall(KSPGetTolerances(ksp, &rtol, &atol, &divtol, &iterations));
+  PetscCall(PetscOptionsGetReal(NULL, prefix, "-ksp_rtol", &rtol, NULL));
+  PetscCall(PetscOptionsGetReal(NULL, prefix, "-ksp_atol", &atol, NULL));
+  PetscCall(PetscOptionsGetReal(NULL, prefix, "-ksp_divtol", &divtol, NULL));
+  PetscCall(PetscOptionsGetInt(NULL, prefix, "-ksp_max_it", &iterations, NULL));
+  PetscCall(KSPSetTolerances(ksp, rtol, atol, divtol, iterations));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SolverSetFromOptions(KSP ksp, const char equation[])
 {
   MPI_Comm    comm = PetscObjectComm((PetscObject)ksp);
@@ -134,7 +152,7 @@ PetscErrorCode SolverSetFromOptions(KSP ksp, const char equation[])
     if (ksp->normsupporttable[KSP_NORM_UNPRECONDITIONED][side] > 0) residual = PETSC_TRUE;
   if (!chosen && !residual) PetscCall(KSPSetNormType(ksp, KSP_NORM_DEFAULT));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)ksp, &direct, KSPPREONLY, KSPNONE, ""));
-  if (direct) PetscCall(KSPSetInitialGuessNonzero(ksp, PETSC_FALSE));
+  if (direct) PetscCall(SetDirect(ksp, prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -92,13 +92,10 @@ with open(open_stl, "w", encoding="utf-8") as file:
 refused("stl_not_closed", GOOD + f"-solids s -s_shape stl -s_file {open_stl}", ["not closed", "3 edges"])
 refused("height_outside", GOOD + "-gauge_heights 50,0", ["-gauge_heights", "50"])
 refused("unknown_solver", GOOD + "-ksp_type magic", ["magic", "-ksp_type"])
-refused("solver_that_cannot_work", GOOD + "-ksp_type tsirm", ["-ksp_type tsirm", "PCKSP", "-pc_type twolevel"])
 refused("preconditioner_of_one_rank", GOOD + "-pc_type ilu", ["-pc_type ilu", "mpiaij", "jacobi"], 2)
 refused("side_that_cannot_be", GOOD + "-ksp_pc_side right", ["-ksp_pc_side right", "RIGHT"], 2)
 refused("matrix_that_cannot_be", GOOD + "-mat_type blockmat", ["-mat_type blockmat", "aij"])
 refused("scaled_equation", GOOD + "-ksp_diagonal_scale", ["-ksp_diagonal_scale", "-pc_type jacobi"])
-refused("viscous_solver_that_cannot_work", GOOD + "-film_viscosity 1 -viscosity_solver implicit -viscous_ksp_type tsirm",
-        ["-viscous_ksp_type tsirm", "PCKSP"])
 refused("unknown_preconditioner", GOOD + "-pc_type magic", ["magic", "-pc_type"])
 refused("missing_bodies", BOX, ["-bodies"])
 refused("overlapping_bodies", BOX + "-bodies a,b -a_upper 10,10,5 -b_lower 0,0,4 -b_upper 10,10,8", ["overlap"])
