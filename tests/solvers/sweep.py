@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """sweep.py [--all] [--readme]: every Krylov method, preconditioner and matrix type of this PETSc on one and two
 ranks, and the sides of the preconditioner: each run must be right or be refused in one sentence. 'Right' is a kinetic
-energy and a pressure as those of the default solver at REFERENCE. Without --all a sample, the part of make test; --readme
-writes the table of tests/solvers/README.md."""
+energy and a pressure as those of the default solver at REFERENCE. Without --all a sample, the part of make test;
+--readme writes the table of tests/solvers/README.md."""
 import argparse
 import concurrent.futures
 import os
