@@ -9,6 +9,7 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkImagingGeneral import vtkImageGaussianSmooth
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
                                          vtkWindowToImageFilter)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
@@ -28,18 +29,16 @@ ZENITH, HORIZON, GROUND = np.array([0.52, 0.70, 0.90]), np.array([0.95, 0.97, 1.
 
 
 def blur(field, width):
-    """Gaussian filter of an array with standard deviation width (nodes), zero outside."""
-    reach = max(1, int(np.ceil(3 * width)))
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
-    weights /= weights.sum()
-    for axis in range(field.ndim):
-        source, field = np.moveaxis(field, axis, 0), np.zeros_like(field)
-        target = np.moveaxis(field, axis, 0)
-        n = source.shape[0]
-        for shift, weight in zip(range(-reach, reach + 1), weights.astype(source.dtype)):
-            if abs(shift) < n:
-                target[max(0, shift):n + min(0, shift)] += weight * source[max(0, -shift):n - max(0, shift)]
-    return field
+    """Gaussian filter of an array with standard deviation width (nodes)."""
+    image, smooth = vtkImageData(), vtkImageGaussianSmooth()
+    image.SetDimensions(*(field.shape + (1,) * (3 - field.ndim))[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(field).ravel()))
+    smooth.SetInputData(image)
+    smooth.SetDimensionality(3)
+    smooth.SetStandardDeviations(*((width,) * field.ndim + (0,) * (3 - field.ndim))[::-1])
+    smooth.SetRadiusFactors(3, 3, 3)
+    smooth.Update()
+    return vtk_to_numpy(smooth.GetOutput().GetPointData().GetScalars()).reshape(field.shape)
 
 
 def deposit(places, shape, weight):
