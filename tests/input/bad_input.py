@@ -74,9 +74,9 @@ refused("snapshot_region_outside", GOOD + "-snapshot_lower 1e3,1e3,1e3 -snapshot
 refused("snapshot_compression", GOOD + "-snapshot_compression 10", ["-snapshot_compression", "10", "9"])
 refused("text_for_switch", GOOD + "-snapshot_double perhaps", ["perhaps", "-snapshot_double"])
 refused("unknown_choice", GOOD + "-pressure_density both", ["both", "-pressure_density", "rest", "summed"])
-refused("pressure_closure_factor", GOOD + "-pressure_closure_factor 0", ["-pressure_closure_factor", "positive"])
-refused("pressure_rebuild_growth", GOOD + "-pressure_rebuild_growth 0.5", ["-pressure_rebuild_growth", "at least 1"])
-refused("pressure_pairing_moving", GOOD + "-pressure_pairing_moving -1", ["-pressure_pairing_moving", "negative"])
+refused("pressure_closure_factor", GOOD + "-pressure_closure_factor 0", ["-pressure_closure_factor", "(0, inf)"])
+refused("pressure_rebuild_growth", GOOD + "-pressure_rebuild_growth 0.5", ["-pressure_rebuild_growth", "[1, inf)"])
+refused("pressure_pairing_moving", GOOD + "-pressure_pairing_moving -1", ["-pressure_pairing_moving", "[0, inf)"])
 refused("unknown_scheme", GOOD + "-scheme magic", ["magic", "consistent", "density_invariant"])
 refused("solid_named_as_body", GOOD + "-solids film", ["-solids", "film", "twice"])
 refused("emitter_at_rest", GOOD + "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12",
