@@ -6,6 +6,7 @@
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
 #define CHECKPOINT_VERSION 2
+#define SCENE_TEXT         65536 /* room for the description of the scene: the most that HDF5 keeps in an attribute */
 
 /* The head of the file: real and whole numbers, by name. */
 #define HEAD_REALS(X)                                                                                                  \
@@ -89,11 +90,12 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
 
 /* --- writing --- */
 
-static void HeadPut(H5File *h5, const Head *head)
+static void HeadPut(H5File *h5, const Head *head, const char scene[])
 {
   H5FilePutText(h5, "format", CHECKPOINT_FORMAT);
   H5FilePutInt(h5, "format_version", CHECKPOINT_VERSION);
   H5FilePutText(h5, "version", ISPH_VERSION);
+  H5FilePutText(h5, "scene", scene);
   for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) H5FilePutReal(h5, real_names[k], 1, &head->real[k]);
   for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
 }
@@ -150,7 +152,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   Rows           rows;
   Head           head;
   PetscBool      failed;
-  char           name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN];
+  char           name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN], *scene;
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
@@ -163,7 +165,9 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(H5FileCreate(output->comm, path, &h5));
-  HeadPut(&h5, &head);
+  PetscCall(RestartSceneText(output, &scene));
+  HeadPut(&h5, &head, scene);
+  PetscCall(PetscFree(scene));
   PetscCall(FieldsPut(output, &h5, &arrays, rows));
   PetscCall(H5FileClose(&h5, &failed));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
@@ -192,8 +196,9 @@ static PetscBool HeadRead(H5File *h5, Head *head)
   return whole;
 }
 
-/* Reads the head, if the file is a checkpoint. Rank 0. */
-static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, FileVerdict *verdict)
+/* Reads the head and the description of the scene ([SCENE_TEXT], empty if there is none), if the file is a checkpoint.
+   Rank 0. */
+static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, char scene[], FileVerdict *verdict)
 {
   H5File      h5;
   PetscBool   failed;
@@ -213,8 +218,10 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, FileVerd
     *verdict = FILE_FOREIGN;
   else if (H5FileGetInt(&h5, "format_version", &version) && version != CHECKPOINT_VERSION)
     *verdict = FILE_OTHER_VERSION;
-  else if (HeadRead(&h5, head) && seal == SEAL_GOOD)
+  else if (HeadRead(&h5, head) && seal == SEAL_GOOD) {
+    (void)H5FileGetText(&h5, "scene", scene, SCENE_TEXT);
     *verdict = FILE_GOOD;
+  }
   PetscCall(H5FileClose(&h5, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -353,6 +360,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   Seal        seal;
   PetscBool   failed, same, good = PETSC_FALSE;
   PetscInt    present;
+  char       *scene;
 
   PetscFunctionBegin;
   PetscCheck(output->ready && output->restarting, output->comm, PETSC_ERR_ORDER,
@@ -361,10 +369,13 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));
   PetscCall(FileCheckSeal(output->comm, file, &seal));
-  if (!output->rank) PetscCall(HeadGet(file, seal, &head, &verdict));
+  PetscCall(PetscCalloc1(SCENE_TEXT, &scene));
+  if (!output->rank) PetscCall(HeadGet(file, seal, &head, scene, &verdict));
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
   PetscCall(HeadCheck(output, file, &head, verdict));
+  PetscCall(RestartSceneCheck(output, file, scene));
+  PetscCall(PetscFree(scene));
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
   PetscCall(H5FileClose(&h5, &failed));

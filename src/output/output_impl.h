@@ -104,6 +104,13 @@ PetscErrorCode FolderDiscard(Output output, const char name[]);
 /* DescribeRun - writes both files; same: the run in the folder is continued. Collective. */
 PetscErrorCode DescribeRun(Output output, PetscBool same);
 
+/* --- restart_scene.c: what a scene and the scene of a checkpoint must have in common --- */
+/* RestartSceneText - the description of the scene, lines of text to be freed, the same on every rank. Not collective.
+   RestartSceneCheck - refuses (UserError) a checkpoint whose description, known on rank 0, is another one, and names
+   what differs; an empty one is of an older version and taken, with a line that says so. Collective. */
+PetscErrorCode RestartSceneText(Output output, char **text);
+PetscErrorCode RestartSceneCheck(Output output, const char file[], const char stored[]);
+
 /* --- table.c: tables of comma-separated values that grow line by line and whose first columns are time and step --- */
 /* TableOpen - opens <folder>/<name> to append, with the head line if it is new. same: the run in the folder is
    continued, so lines behind restart_step are cut off; *last: the step of the last line or -1. Collective. */

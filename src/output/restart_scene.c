@@ -1,0 +1,192 @@
+/* The scene a checkpoint was made for, as lines of text in it, so that a restart with another one is refused. A line is
+   "<name> = <value>", or "<name> ~ <number>" where the number stands for a function and would tell a user nothing. What
+   may change at a restart is left out: end, output, solver, gravity, viscosity, velocity of walls and emitters. */
+#include "output_impl.h"
+
+#define LINE_LENGTH     512
+#define DIFFERENCES     1024 /* characters of the list of differences */
+#define SAMPLES         5    /* points along each side of the box at which a function is sampled */
+#define SAMPLE_SHIFT    0.37 /* of a sample in its cell: off all symmetries of a scene */
+#define WEIGHTS         7    /* the samples are summed with weights 1 to 7 in turn */
+#define SAMPLE_DECIMALS 1e6  /* shares of a sum are rounded to one over this, well above the rounding of processors */
+
+typedef struct {
+  char  *text;
+  size_t used, room;
+} Lines;
+
+static PetscErrorCode AddLine(Lines *lines, const char format[], ...)
+{
+  char    line[LINE_LENGTH];
+  size_t  length;
+  va_list arguments;
+
+  PetscFunctionBegin;
+  va_start(arguments, format);
+  (void)vsnprintf(line, sizeof(line), format, arguments);
+  va_end(arguments);
+  PetscCall(PetscStrlen(line, &length));
+  if (lines->used + length + 2 > lines->room) {
+    lines->room = 2 * (lines->used + length + 2);
+    PetscCall(PetscRealloc(lines->room, &lines->text));
+  }
+  lines->used += (size_t)sprintf(lines->text + lines->used, "%s\n", line);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* "a,b" or "a,b,c". */
+static const char *Vector(Domain domain, const PetscReal x[DIM], char text[LINE_LENGTH])
+{
+  size_t used = 0;
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    used += (size_t)snprintf(text + used, LINE_LENGTH - used, "%s%.9g", d ? "," : "", (double)x[d]);
+  return text;
+}
+
+/* The sum of the sizes of a function's values at points of the box, and its weighted sum over that: the distance to a
+   body in spacings, or its initial velocity in m/s. */
+static void Sample(Domain domain, Body body, PetscBool velocity, PetscReal *size, PetscReal *share)
+{
+  const PetscInt last = domain->dim == DIM ? SAMPLES : 1;
+  PetscReal      sum  = 0;
+  PetscInt       n    = 0;
+
+  *size = 0;
+  for (PetscInt k = 0; k < SAMPLES * SAMPLES * last; k++) {
+    const PetscInt place[DIM] = {k % SAMPLES, k / SAMPLES % SAMPLES, k / SAMPLES / SAMPLES};
+    PetscReal      x[DIM] = {0, 0, 0}, value[DIM] = {0, 0, 0};
+
+    for (PetscInt d = 0; d < domain->dim; d++)
+      x[d] = domain->lower[d] +
+             (domain->upper[d] - domain->lower[d]) * ((PetscReal)place[d] + SAMPLE_SHIFT) / (PetscReal)SAMPLES;
+    if (velocity)
+      BodyVelocity(body, x, value);
+    else
+      value[0] = BodyDistance(body, x) / domain->spacing;
+    for (PetscInt d = 0; d < DIM; d++) {
+      sum += (PetscReal)(1 + n++ % WEIGHTS) * value[d];
+      *size += PetscAbsReal(value[d]);
+    }
+  }
+  *share = *size > 0 ? PetscFloorReal(sum / *size * SAMPLE_DECIMALS + 0.5) / SAMPLE_DECIMALS + 0.0 : 0;
+}
+
+static PetscErrorCode AddShape(Lines *lines, Domain domain, Body body)
+{
+  PetscReal lower[DIM], upper[DIM], size, share;
+  char      low[LINE_LENGTH], high[LINE_LENGTH];
+
+  PetscFunctionBegin;
+  BodyBounds(body, lower, upper);
+  PetscCall(
+    AddLine(lines, "extent of %s = %s to %s", BodyName(body), Vector(domain, lower, low), Vector(domain, upper, high)));
+  Sample(domain, body, PETSC_FALSE, &size, &share);
+  PetscCall(AddLine(lines, "shape of %s ~ %.6g %g", BodyName(body), (double)size, (double)share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddBodies(Lines *lines, Domain domain, Scene scene)
+{
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    const Body  body = SceneBody(scene, b);
+    const char *name = BodyName(body);
+    PetscReal   size, share;
+
+    PetscCall(AddLine(lines, "body %d of -bodies = %s", (int)b + 1, name));
+    PetscCall(AddLine(lines, "-%s_type = %s", name, BodyEmits(body) ? "emitter" : "liquid"));
+    PetscCall(AddLine(lines, "-%s_density = %.9g", name, (double)BodyMaterial(body)->density));
+    PetscCall(AddLine(lines, "-%s_tension = %.9g", name, (double)BodyMaterial(body)->tension));
+    PetscCall(AddShape(lines, domain, body));
+    if (BodyEmits(body)) continue;
+    Sample(domain, body, PETSC_TRUE, &size, &share);
+    PetscCall(AddLine(lines, "initial velocity of %s ~ %.6g %g", name, (double)size, (double)share));
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode RestartSceneText(Output output, char **text)
+{
+  const Cloud  cloud  = output->cloud;
+  const Domain domain = cloud->domain;
+  const Scene  scene  = cloud->scene;
+  Lines        lines  = {.text = NULL};
+  char         number[LINE_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(AddLine(&lines, "-box_lower = %s", Vector(domain, domain->lower, number)));
+  PetscCall(AddLine(&lines, "-box_upper = %s", Vector(domain, domain->upper, number)));
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt s = 0; s < 2; s++)
+      PetscCall(AddLine(&lines, "-box_%c%s = %s", "xyz"[d], s ? "max" : "min", FaceTypes[domain->face[d][s]]));
+  PetscCall(AddLine(&lines, "-kernel_ratio = %.9g", (double)(KernelSmoothingLength(cloud->kernel) / domain->spacing)));
+  PetscCall(
+    AddLine(&lines, "-kernel_type ~ %.9g %.9g",
+            (double)(KernelSupport(cloud->kernel) / KernelSmoothingLength(cloud->kernel)),
+            (double)(KernelSelf(cloud->kernel) * PetscPowRealInt(KernelSmoothingLength(cloud->kernel), domain->dim))));
+  PetscCall(AddBodies(&lines, domain, scene));
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
+    PetscCall(AddLine(&lines, "solid %d of -solids = %s", (int)b + 1, BodyName(SceneSolid(scene, b))));
+    PetscCall(AddShape(&lines, domain, SceneSolid(scene, b)));
+  }
+  *text = lines.text;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The line of a text whose name, with the sign behind it, is that of another line; NULL if there is none. */
+static const char *FindLine(const char text[], const char line[], size_t name)
+{
+  while (*text && strncmp(text, line, name)) {
+    text += strcspn(text, "\n");
+    if (*text) text++;
+  }
+  return *text ? text : NULL;
+}
+
+/* Adds what differs between the lines of 'text' and those of 'other'. missing: only what 'other' does not have. */
+static void Compare(const char text[], const char other[], PetscBool missing, char differences[DIFFERENCES])
+{
+  for (const char *line = text; *line; line += strcspn(line, "\n") + 1) {
+    const size_t name = strcspn(line, "=~"), length = strcspn(line, "\n"), used = strlen(differences);
+    const char  *found = FindLine(other, line, name), *comma = used ? ", " : "";
+    char        *end  = differences + used;
+    const size_t room = DIFFERENCES - used;
+
+    if (line[name] == '\0' || (found && (missing || (length == strcspn(found, "\n") && !strncmp(line, found, length)))))
+      continue;
+    if (line[name] == '~')
+      (void)snprintf(end, room, "%s%.*s", comma, (int)name - 1, line);
+    else if (!found)
+      (void)snprintf(end, room, "%s%.*s (%s: %.*s)", comma, (int)name - 1, line, missing ? "there" : "here only",
+                     (int)(length - name) - 2, line + name + 2);
+    else
+      (void)snprintf(end, room, "%s%.*s (there %.*s, here %.*s)", comma, (int)name - 1, line,
+                     (int)(strcspn(found, "\n") - name) - 2, found + name + 2, (int)(length - name) - 2,
+                     line + name + 2);
+  }
+}
+
+PetscErrorCode RestartSceneCheck(Output output, const char file[], const char stored[])
+{
+  char  differences[DIFFERENCES] = "";
+  char *text;
+
+  PetscFunctionBegin;
+  PetscCall(RestartSceneText(output, &text));
+  if (!output->rank && stored[0]) {
+    Compare(text, stored, PETSC_FALSE, differences);
+    Compare(stored, text, PETSC_TRUE, differences);
+  }
+  PetscCall(PetscFree(text));
+  PetscCallMPI(MPI_Bcast(differences, DIFFERENCES, MPI_CHAR, 0, output->comm));
+  PetscCheckUser(!differences[0], output->comm,
+                 "The checkpoint %s is of another scene, which cannot go on as this one; "
+                 "what differs: %s.",
+                 file, differences);
+  if (!output->rank && !stored[0])
+    PetscCall(PetscPrintf(PETSC_COMM_SELF,
+                          "The checkpoint %s is of an older version and does not describe its scene: "
+                          "it is taken to be this one.\n",
+                          file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
