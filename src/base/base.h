@@ -138,9 +138,9 @@ PetscErrorCode JournalOpen(MPI_Comm comm, const char path[]);
 PetscErrorCode JournalClose(void);
 void           JournalText(const char text[]);
 
-/* CommandLineCheck - refuses (UserError) options files on the command line that include themselves, and an argument
-   that is neither an option nor its value; makes -h and --help PETSc's -help. Collective; after MPI_Init and before
-   PetscInitialize. */
+/* CommandLineCheck - refuses (UserError) options files on the command line, in PETSC_OPTIONS or .petscrc that include
+   themselves, or are not regular files, and an argument that is neither an option nor its value; makes -h and --help
+   PETSc's -help. Collective; after MPI_Init and before PetscInitialize. */
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[]);
 
 /* HelpWanted - whether -help is given without -dump_options: then the options of all types are listed, also of those

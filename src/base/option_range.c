@@ -1,6 +1,7 @@
 /* Options that are numbers within an interval. */
 #include "base.h"
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Whether x lies in the interval, "[low, high)" or the like; not a number lies in none. */
 static PetscBool Inside(const char interval[], PetscReal x)
@@ -34,6 +35,25 @@ PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* PETSc keeps the last 32 bits of a whole number, which may be another one. */
+static PetscErrorCode RefuseWrapped(OptionItems PetscOptionsObject, const char name[], const char interval[])
+{
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  char        text[NAMES_LENGTH], *end;
+  PetscBool   set;
+  long long   number;
+
+  PetscFunctionBegin;
+  PetscCall(
+    PetscOptionsGetString(PetscOptionsObject->options, PetscOptionsObject->prefix, name, text, sizeof(text), &set));
+  if (!set) PetscFunctionReturn(PETSC_SUCCESS);
+  number = strtoll(text, &end, 10);
+  PetscCheckUser(*end || (number >= PETSC_MIN_INT && number <= PETSC_MAX_INT), PetscOptionsObject->comm,
+                 "-%s%s is %s; it must lie in %s and have at most %d bits", prefix, name + 1, text, interval,
+                 (int)(8 * sizeof(PetscInt)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],
                              const char interval[], const char function[], PetscInt *value)
 {
@@ -43,6 +63,7 @@ PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], 
 
   PetscFunctionBegin;
   PetscCall(Describe(text, interval, help));
+  PetscCall(RefuseWrapped(PetscOptionsObject, name, interval));
   PetscCall(PetscOptionsInt(name, help, function, *value, value, &set));
   PetscCheckUser(!set || Inside(interval, (PetscReal)*value), PetscOptionsObject->comm,
                  "-%s%s is %" PetscInt_FMT "; it must lie in %s", prefix, name + 1, *value, interval);

@@ -2,43 +2,102 @@
    arguments; and help. */
 #include "base.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
 
 #define DEPTH_MAX   32 /* files within files */
 #define LINE_LENGTH 8192
 #define KEY         "-options_file"
 #define BLANKS      " \t\r\n\"'"
 
-/* Whether the file and those it names are nested less deep than 'left'. */
-static PetscBool Shallow(const char file[], int left)
+static PetscBool TextIsShallow(char text[], int left);
+
+/* Whether the file is a regular one, and it and those it names are nested less deep than 'left'. PETSc opens each file
+   twice, which leaves nothing of a pipe. */
+static PetscBool FileIsShallow(const char file[], int left)
 {
-  FILE     *text = fopen(file, "r");
-  char      line[LINE_LENGTH];
-  PetscBool good = (PetscBool)(left > 0);
+  struct stat info;
+  char        line[LINE_LENGTH];
+  PetscBool   good = (PetscBool)(left > 0);
+  FILE       *text;
 
-  if (!text) return good; /* PETSc refuses it */
-  while (good && fgets(line, sizeof(line), text)) {
-    char *word = strtok(line, BLANKS);
-
-    if (word && !strcmp(word, KEY) && (word = strtok(NULL, BLANKS))) good = Shallow(word, left - 1);
-  }
+  if (stat(file, &info)) return good; /* PETSc refuses it */
+  if (!S_ISREG(info.st_mode)) return PETSC_FALSE;
+  if (!(text = fopen(file, "r"))) return good;
+  while (good && fgets(line, sizeof(line), text)) good = TextIsShallow(line, left);
   (void)fclose(text);
   return good;
+}
+
+/* The same for the files that a text of options names; the text is cut into words. */
+static PetscBool TextIsShallow(char text[], int left)
+{
+  char     *rest;
+  PetscBool file = PETSC_FALSE, good = PETSC_TRUE;
+
+  for (char *word = strtok_r(text, BLANKS, &rest); word && good; word = strtok_r(NULL, BLANKS, &rest)) {
+    if (word[0] == '#') break;
+    if (file) good = FileIsShallow(word, left - 1);
+    file = (PetscBool)!strcasecmp(word, KEY); /* PETSc takes any case */
+  }
+  return good;
+}
+
+static PetscErrorCode RefuseFile(MPI_Comm comm, const char file[])
+{
+  struct stat info;
+
+  if (!stat(file, &info) && !S_ISREG(info.st_mode))
+    return UserError(comm, "the options file %s is not a regular file (a pipe cannot be read twice): write it to one",
+                     file);
+  return UserError(comm, "the options file %s includes itself, or others more than %d deep, or what is no file", file,
+                   DEPTH_MAX);
+}
+
+/* The options files that PETSc reads unasked, and those that the environment names. */
+static PetscErrorCode CheckSurroundings(MPI_Comm comm)
+{
+  static const char *const unasked[]   = {".petscrc", "petscrc"};
+  const char              *home        = getenv("HOME");
+  const char              *environment = getenv("PETSC_OPTIONS");
+  char                     text[LINE_LENGTH];
+
+  (void)snprintf(text, sizeof(text), "%s/.petscrc", home ? home : "");
+  if (home && !FileIsShallow(text, DEPTH_MAX)) return RefuseFile(comm, text);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(unasked); k++)
+    if (!FileIsShallow(unasked[k], DEPTH_MAX)) return RefuseFile(comm, unasked[k]);
+  (void)snprintf(text, sizeof(text), "%s", environment ? environment : "");
+  if (!TextIsShallow(text, DEPTH_MAX + 1))
+    return UserError(comm,
+                     "PETSC_OPTIONS names an options file that includes itself, or others more than %d deep, or "
+                     "what is no file",
+                     DEPTH_MAX);
+  return PETSC_SUCCESS;
+}
+
+static PetscErrorCode CheckFiles(MPI_Comm comm, int argc, char *argv[])
+{
+  for (int k = 1; k + 1 < argc; k++)
+    if (!strcasecmp(argv[k], KEY) && !FileIsShallow(argv[k + 1], DEPTH_MAX)) return RefuseFile(comm, argv[k + 1]);
+  return CheckSurroundings(comm);
 }
 
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[])
 {
   static char help[] = "-help";
+  int         rank, bad = 0;
 
   for (int k = 1; k < argc; k++) {
     if (!strcmp(argv[k], "-h") || !strcmp(argv[k], "--help")) argv[k] = help;
     if (argv[k][0] != '-' && argv[k - 1][0] != '-')
       return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", argv[k], argv[k]);
-    if (!strcmp(argv[k], KEY) && k + 1 < argc && !Shallow(argv[k + 1], DEPTH_MAX))
-      return UserError(comm, "the options file %s includes itself, or others more than %d deep", argv[k + 1],
-                       DEPTH_MAX);
   }
-  return PETSC_SUCCESS;
+  (void)MPI_Comm_rank(comm, &rank);
+  if (!rank) bad = CheckFiles(comm, argc, argv) != PETSC_SUCCESS; /* rank 0 reads options files, in PETSc too */
+  (void)MPI_Bcast(&bad, 1, MPI_INT, 0, comm);
+  return bad ? UserErrorSaid() : PETSC_SUCCESS;
 }
 
 PetscBool HelpWanted(void)

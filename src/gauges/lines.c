@@ -2,7 +2,6 @@
 #include "gauges_impl.h"
 
 #define LINE_POINTS      50    /* default of -gauge_line_points */
-#define LINE_POINTS_MOST 10000 /* keeps lines.csv readable */
 #define LINE_COLUMNS     8     /* line, place, pressure, velocity */
 
 static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject)
@@ -16,8 +15,7 @@ static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptio
                                   "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four) along which "
                                   "lines.csv holds pressure and velocity at each snapshot, m; default: none",
                                   "PointsSample", lines->at, &lines->numbers, NULL));
-  PetscCall(PetscOptionsInt("-gauge_line_points", "Points of a line, ends included, 2 to 10000", "PointsSample",
-                            gauges->line_points, &gauges->line_points, NULL));
+  PetscCall(OptionInt("-gauge_line_points", "Points of a line, ends included", "[2, 10000]", &gauges->line_points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -25,8 +23,6 @@ static PetscErrorCode Check_Lines(Gauges gauges)
 {
   PetscFunctionBegin;
   PetscCall(PlacesCheck(gauges, "-gauge_lines", "line", 2 * gauges->cloud->domain->dim, LINES_MOST, &gauges->lines));
-  PetscCheckUser(gauges->line_points >= 2 && gauges->line_points <= LINE_POINTS_MOST, gauges->comm,
-                 "-gauge_line_points is %d; it must be from 2 to %d.", (int)gauges->line_points, LINE_POINTS_MOST);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,7 +2,6 @@
 #include "output_impl.h"
 
 #define DEFLATE      1 /* default: halves the files; 4 or 9 gain a hundredth more */
-#define DEFLATE_MOST 9
 
 /* Integer fields of a snapshot. */
 static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};
@@ -61,8 +60,8 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   for (PetscInt side = 0; side < 2; side++)
     if (!set[side]) content->numbers[side] = domain->dim;
   content->region = (PetscBool)(set[0] || set[1]);
-  PetscCall(PetscOptionsInt("-snapshot_compression", "Deflate level of the snapshots, 0 (none) to 9 (smallest, slow)",
-                            "OutputStep", content->compression, &content->compression, NULL));
+  PetscCall(OptionInt("-snapshot_compression", "Deflate level of the snapshots, 0: none, 9: smallest, slow", "[0, 9]",
+                      &content->compression));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,8 +112,6 @@ PetscErrorCode SnapshotCheck(Output output)
       "goes from %g to %g m.",
       'x' + (int)d, (double)lower, (double)upper, (double)domain->lower[d], (double)domain->upper[d]);
   }
-  PetscCheckUser(content->compression >= 0 && content->compression <= DEFLATE_MOST, output->comm,
-                 "-snapshot_compression is %d; it must be from 0 to %d.", (int)content->compression, DEFLATE_MOST);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

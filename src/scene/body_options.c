@@ -96,8 +96,7 @@ static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
   PetscCall(OptionReal("-density", "Density (kg/m3)", "(0, inf)", &m->density));
   PetscCall(OptionReal("-viscosity", "Dynamic viscosity (Pa s)", "[0, inf)", &m->viscosity));
   PetscCall(OptionReal("-tension", "Surface tension (N/m)", "[0, inf)", &m->tension));
-  PetscCall(
-    PetscOptionsInt("-color", "Label of the body in pictures", "SceneSetFromOptions", body->color, &body->color, NULL));
+  PetscCall(OptionInt("-color", "Label of the body in pictures", "(-inf, inf)", &body->color));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -55,6 +55,25 @@ own = runs.scratch("own.opts")
 with open(own, "w", encoding="utf-8") as file:
     file.write(f"-spacing 1\n-options_file {own}\n")
 refused("options_file_of_itself", GOOD + f"-options_file {own}", [own])
+refused("options_file_of_itself_any_case", GOOD + f"-Options_File {own}", [own])
+refused("options_file_of_itself_parallel", GOOD + f"-options_file {own}", [own], 2)
+refused("options_file_without_end", GOOD + "-options_file /dev/zero", ["/dev/zero", "regular"])
+os.environ["PETSC_OPTIONS"] = f"-options_file {own}"
+refused("environment_names_file_of_itself", GOOD, ["PETSC_OPTIONS", "includes itself"])
+del os.environ["PETSC_OPTIONS"]
+home = os.environ.get("HOME", "")
+os.environ["HOME"] = runs.scratch("home")
+os.mkdir(os.environ["HOME"])
+with open(os.path.join(os.environ["HOME"], ".petscrc"), "w", encoding="utf-8") as file:
+    file.write(f"-OPTIONS_FILE {own}\n")
+refused("petscrc_names_file_of_itself", GOOD, [".petscrc", "includes itself"])
+os.environ["HOME"] = home
+pipe = runs.scratch("pipe.opts")
+os.mkfifo(pipe)
+refused("options_file_is_a_pipe", GOOD + f"-options_file {pipe}", [pipe, "pipe"])
+refused("dimension_of_33_bits", GOOD + "-dimension 4294967298", ["-dimension", "4294967298"])
+refused("steps_of_33_bits", GOOD + "-steps_max 4294967297", ["-steps_max", "4294967297"])
+refused("color_of_33_bits", GOOD + "-film_color 4294967297", ["-film_color", "4294967297"])
 refused("densities_too_far_apart", BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -b_density 3000",
         ["-b_density", "-density_ratio_max"])
 for late in ("-log_vieww", "-infoo x", "-options_lefft"):
