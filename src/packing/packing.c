@@ -97,6 +97,34 @@ PetscErrorCode PackingDestroy(Packing *packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a body or a solid without a particle, by name; emitters are looked at when they first flow. */
+static PetscErrorCode CheckEachBody(Cloud cloud)
+{
+  const Scene    scene  = cloud->scene;
+  const PetscInt bodies = SceneCount(scene), all = bodies + SceneSolidCount(scene);
+  PetscInt       count[2 * SCENE_MAX_BODIES] = {0};
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt body = arrays.integer[INT_BODY][a];
+
+    if (body != BODY_WALL) count[body >= 0 ? body : bodies + BODY_SOLID - body]++;
+  }
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, (PetscMPIInt)all, MPIU_INT, MPI_SUM, cloud->comm));
+  for (PetscInt k = 0; k < all; k++) {
+    const Body body = k < bodies ? SceneBody(scene, k) : SceneSolid(scene, k - bodies);
+
+    PetscCheckUser(count[k] > 0 || (k < bodies && BodyEmits(body)), cloud->comm,
+                   "no particle of -spacing %g m fits into the %s %s: it is too small for the spacing, or covered by a "
+                   "solid",
+                   (double)cloud->domain->spacing, k < bodies ? "body" : "solid", BodyName(body));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The cells are dealt out first, with the weights that CloudResync will use, so that nothing has to migrate. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
@@ -128,6 +156,7 @@ static PetscErrorCode CreateParticles(Packing packing)
                       "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
                       " solid particles\n",
                       packing->type, packing->count, walls, solids));
+  PetscCall(CheckEachBody(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -125,6 +125,10 @@ refused("empty_box", GOOD + "-box_upper 0,0,0", ["-box_upper"])
 refused("no_end", "-spacing 1 -box_lower 0,0,0 -box_upper 10,10,20 -gravity 0,0,-1 " + POOL, ["-time_end"])
 refused("end_before_start", GOOD + "-time_start 1 -time_end 0.5", ["-time_end", "-time_start"])
 refused("no_particles", BOX + "-bodies a -a_shape sphere -a_radius 1 -a_center 50,50,50", ["a"])
+SMALL = "-bodies film,drop -drop_shape sphere -drop_radius 0.1 -drop_center 5,5,10 "
+for n in (1, 2):
+    refused(f"body_too_small_{n}", GOOD + SMALL, ["body drop", "too small"], n)
+refused("solid_too_small", GOOD + "-solids rod -rod_lower 2.1,2,7 -rod_upper 2.2,5,9", ["solid rod", "too small"])
 refused("nothing_moves", GOOD + "-gravity 0,0,0", ["-time_step"])
 refused("negative_density", GOOD + "-film_density -1", ["-film_density"])
 
