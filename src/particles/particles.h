@@ -40,7 +40,6 @@ typedef enum {
   X(VELOCITY_STAR, "velocity_star", 3, PARITY_VECTOR, "m/s", "velocity after all forces but the pressure")             \
   X(VELOCITY_NEW, "velocity_new", 3, PARITY_VECTOR, "m/s", "velocity at the end of the step")                          \
   X(ACCELERATION, "acceleration", 3, PARITY_VECTOR, "m/s2", "sum of viscosity, tension and body force")                \
-  X(PRESSURE_ACCELERATION, "pressure_acceleration", 3, PARITY_VECTOR, "m/s2", "-grad p/rho")                           \
   X(CORRECTION, "correction", 6, PARITY_TENSOR, "1", "renormalisation matrix B")                                       \
   X(NORMAL, "normal", 3, PARITY_VECTOR, "1/m", "sum of V grad W: points into the liquid")                              \
   X(CROWDING, "crowding", 3, PARITY_VECTOR, "1/m", "sum of V (1 + 0.2 (W/W(d0))^4) grad W: shifting goes against it")  \

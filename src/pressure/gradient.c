@@ -170,11 +170,11 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureAcceleration(Pressure pressure)
+PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[])
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
-  PetscCall(pressure->gradient(pressure, pressure->cloud->field[FIELD_PRESSURE_ACCELERATION]));
+  PetscCall(pressure->gradient(pressure, acceleration));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

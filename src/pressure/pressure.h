@@ -81,8 +81,8 @@ PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
 /* PressureTakesDivergence - whether the source is a rate of compression over dt, from FIELD_DIVERGENCE, else the
    compression itself over dt^2. Not collective. */
 PetscBool PressureTakesDivergence(Pressure pressure);
-/* PressureAcceleration - -grad p/rho of the fluid (m/s2) into FIELD_PRESSURE_ACCELERATION. Not collective. */
-PetscErrorCode PressureAcceleration(Pressure pressure);
+/* PressureAcceleration - acceleration ([n_fluid][3], m/s2) -grad p/rho of the fluid. Collective. */
+PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
 /* PressureLattice - of a full lattice: diagonal, Lambda_0 of Nair & Tomar, that of Eq. (8) for V = d0^dim and density 1

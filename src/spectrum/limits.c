@@ -80,9 +80,8 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
   PetscCall(KSPSolve(ksp, b, p));
   PetscCall(PressureToCloud(s->pressure, p));
   PetscCall(VecDestroy(&p));
-  PetscCall(PressureAcceleration(s->pressure));
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
-    acceleration[k] = cloud->field[FIELD_ACCELERATION][k] + cloud->field[FIELD_PRESSURE_ACCELERATION][k];
+  PetscCall(PressureAcceleration(s->pressure, acceleration));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) acceleration[k] += cloud->field[FIELD_ACCELERATION][k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -136,8 +136,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
 PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
 /* StepProject - FIELD_PRESSURE of owned particles and ghosts by PressureSolve, Eqs. (8), (11). */
 PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result);
-/* StepKick - FIELD_PRESSURE_ACCELERATION = -grad p/rho and FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR + dt of it,
-   Eq. (9). */
+/* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9). */
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt);
 /* StepDriftOn - FIELD_POSITION_NEW = from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10), or without v, where the first half
    of the drift is done. from ([n_fluid][3], m). */

@@ -58,13 +58,15 @@ PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt)
 {
   Cloud            cloud  = stepper->cloud;
-  const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR], *a = cloud->field[FIELD_PRESSURE_ACCELERATION];
-  PetscReal       *v = cloud->field[FIELD_VELOCITY_NEW];
+  const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR];
+  PetscReal       *v      = cloud->field[FIELD_VELOCITY_NEW], *a;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_KICK), 0, 0, 0, 0));
-  PetscCall(PressureAcceleration(stepper->pressure));
+  PetscCall(CloudGetWork(cloud, DIM, &a));
+  PetscCall(PressureAcceleration(stepper->pressure, a));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */
+  PetscCall(CloudRestoreWork(cloud, &a));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_KICK), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -42,7 +42,7 @@ static PetscReal Length(Cloud cloud)
 static PetscErrorCode TestCrowd(const char gradient[])
 {
   const PetscReal dt = 1e-3; /* s; without meaning here */
-  PetscReal       x[2 * SIDE * (DEEP + 1)][DIM], first, *v;
+  PetscReal       x[2 * SIDE * (DEEP + 1)][DIM], first, *v, *acceleration;
   PressureResult  result;
   char            name[96];
   Setup           s;
@@ -63,8 +63,10 @@ static PetscErrorCode TestCrowd(const char gradient[])
   for (PetscInt k = 0; k < REPEATED; k++) {
     PetscCall(SetupDivergence(&s));
     PetscCall(PressureSolve(s.pressure, dt, &result));
-    PetscCall(PressureAcceleration(s.pressure));
-    for (PetscInt l = 0; l < DIM * s.cloud->n_fluid; l++) v[l] += dt * s.cloud->field[FIELD_PRESSURE_ACCELERATION][l];
+    PetscCall(CloudGetWork(s.cloud, DIM, &acceleration));
+    PetscCall(PressureAcceleration(s.pressure, acceleration));
+    for (PetscInt l = 0; l < DIM * s.cloud->n_fluid; l++) v[l] += dt * acceleration[l];
+    PetscCall(CloudRestoreWork(s.cloud, &acceleration));
   }
   PetscCall(PetscSNPrintf(name, sizeof(name), "crowded_surface_%s", gradient));
   CHECK_CLOSE(Length(s.cloud) / first, 0.5, 0.5, name); /* 1e8 times as long without -pressure_closure_least */
