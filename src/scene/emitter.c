@@ -1,6 +1,7 @@
 /* Types of bodies: liquid that is there from the start, and emitters that bring it in time after time. */
 #include "scene_impl.h"
 
+#define FILLINGS_BEFORE   1000 /* most fillings before time 0: each is gone through */
 #define INTERVAL_ROUNDING 1e-9 /* of the interval: an emission that is due now is not missed by rounding */
 
 typedef struct {
@@ -37,8 +38,7 @@ static PetscErrorCode EmitterSetFromOptions(Body body, OptionItems PetscOptionsO
   e->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
   PetscCall(PetscOptionsReal("-interval", "Time between fillings of an emitter (s); default: a jet without gaps",
                              "SceneSetFromOptions", e->interval, &e->interval, NULL));
-  PetscCall(PetscOptionsReal("-start", "Time of an emitter's first filling (s)", "SceneSetFromOptions", e->start,
-                             &e->start, NULL));
+  PetscCall(OptionReal("-start", "Time of an emitter's first filling (s)", "(-inf, inf)", &e->start));
   PetscCall(OptionInt("-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", &e->count));
   PetscCall(OptionReal("-modulation", "Amplitude of an emitter's speed over the speed (1)", "[0, 1)", &e->modulation));
   PetscCall(OptionReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "[0, inf)", &e->frequency));
@@ -58,6 +58,9 @@ static PetscErrorCode EmitterSetUp(Body body)
                    !PetscIsInfOrNanReal(e->interval),
                  comm, "-%sinterval is %g s; it must be at least %g s, in which the liquid leaves the shape",
                  body->prefix, (double)e->interval, (double)(LengthAlong(body, speed) / speed));
+  PetscCheckUser(e->start >= -FILLINGS_BEFORE * e->interval, comm,
+                 "-%sstart is %g s; it must not be more than %d times -%sinterval (%g s) before 0", body->prefix,
+                 (double)e->start, FILLINGS_BEFORE, body->prefix, (double)e->interval);
   PetscCheckUser(e->frequency > 0 || e->modulation == 0, comm, "-%smodulation needs -%smodulation_frequency, in Hz",
                  body->prefix, body->prefix);
   e->frequency *= 2 * PETSC_PI;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define HEADER_BYTES   80
 #define TRIANGLE_BYTES 50   /* of a binary file: normal, three corners, two bytes */
@@ -11,10 +12,13 @@
 /* The whole file; NULL if it cannot be read. */
 static char *ReadAll(const char path[], long *size)
 {
-  FILE *file = fopen(path, "rb");
-  char *text = NULL;
+  struct stat info;
+  FILE       *file;
+  char       *text = NULL;
 
   *size = -1;
+  if (stat(path, &info) || !S_ISREG(info.st_mode)) return NULL; /* a pipe may never be written to */
+  file = fopen(path, "rb");
   if (!file) return NULL;
   if (!fseek(file, 0, SEEK_END) && (*size = ftell(file)) >= 0 && !fseek(file, 0, SEEK_SET)) {
     text = (char *)malloc((size_t)*size + 1);

@@ -19,8 +19,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
-  PetscCall(PetscOptionsReal("-time_start", "time of the initial state (s)", "SimSetFromOptions", sim->state.time,
-                             &sim->state.time, NULL));
+  PetscCall(OptionReal("-time_start", "time of the initial state (s)", "(-inf, inf)", &sim->state.time));
   PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s); default: none", "SimSetFromOptions",
                              sim->time_end, &sim->time_end, &sim->has_end));
   PetscCall(

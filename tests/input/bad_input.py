@@ -71,6 +71,12 @@ os.environ["HOME"] = home
 pipe = runs.scratch("pipe.opts")
 os.mkfifo(pipe)
 refused("options_file_is_a_pipe", GOOD + f"-options_file {pipe}", [pipe, "pipe"])
+refused("stl_is_a_pipe", GOOD + f"-solids s -s_shape stl -s_file {pipe}", [pipe, "cannot be read"])
+refused("endless_start", GOOD + "-time_start inf", ["-time_start"])
+refused("endless_relaxation", GOOD + "-packing_relaxation_time inf", ["-packing_relaxation_time"])
+EMITTER = "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12 -jet_velocity 0,0,-1 "
+for start in ("-1e6", "nan"):
+    refused(f"emitter_start_{start}", GOOD + EMITTER + f"-jet_start {start}", ["-jet_start"])
 refused("dimension_of_33_bits", GOOD + "-dimension 4294967298", ["-dimension", "4294967298"])
 refused("steps_of_33_bits", GOOD + "-steps_max 4294967297", ["-steps_max", "4294967297"])
 refused("color_of_33_bits", GOOD + "-film_color 4294967297", ["-film_color", "4294967297"])
