@@ -1,11 +1,13 @@
 /* What the command line asks: options files that include themselves, which PETSc follows until the stack ends; plain
    arguments; and help. */
 #include "base.h"
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define DEPTH_MAX   32 /* files within files */
 #define LINE_LENGTH 8192
@@ -79,8 +81,13 @@ static PetscErrorCode CheckSurroundings(MPI_Comm comm)
 
 static PetscErrorCode CheckFiles(MPI_Comm comm, int argc, char *argv[])
 {
-  for (int k = 1; k + 1 < argc; k++)
-    if (!strcasecmp(argv[k], KEY) && !FileIsShallow(argv[k + 1], DEPTH_MAX)) return RefuseFile(comm, argv[k + 1]);
+  for (int k = 1; k + 1 < argc; k++) {
+    if (strcasecmp(argv[k], KEY)) continue;
+    /* PETSc would refuse it on rank 0 only, and the others would wait for it */
+    if (access(argv[k + 1], R_OK))
+      return UserError(comm, "the options file %s cannot be opened: %s", argv[k + 1], strerror(errno));
+    if (!FileIsShallow(argv[k + 1], DEPTH_MAX)) return RefuseFile(comm, argv[k + 1]);
+  }
   return CheckSurroundings(comm);
 }
 

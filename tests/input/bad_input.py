@@ -51,6 +51,7 @@ refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_somethi
 refused("no_scene", "", ["no scene", "-options_file", "-help"])
 refused("file_without_option", "my.opts", ["my.opts", "-options_file my.opts"])
 refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
+refused("missing_option_file_two_ranks", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"], ranks=2)
 own = runs.scratch("own.opts")
 with open(own, "w", encoding="utf-8") as file:
     file.write(f"-spacing 1\n-options_file {own}\n")
