@@ -171,8 +171,10 @@ refused("checkpoint_of_other_spacing", GOOD + f"-spacing 0.5 -restart {checkpoin
 two = "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 "
 refused("checkpoint_of_other_bodies", BOX + two + f"-restart {checkpoint}", ["bodies"])
 for changed, words in (("-box_upper 10,10,30", ["-box_upper", "10,10,20", "10,10,30"]), ("-box_z wall", ["-box_zmax"]),
-                       ("-film_density 900", ["-film_density", "1000", "900"]), ("-film_upper 10,10,6", ["extent of film"]),
-                       ("-film_velocity 1,0,0", ["initial velocity of film"]), ("-kernel_type wendland_c2", ["-kernel_type"]),
+                       ("-film_density 900", ["-film_density", "1000", "900"]),
+                       ("-film_upper 10,10,6", ["extent of film"]),
+                       ("-film_velocity 1,0,0", ["initial velocity of film"]),
+                       ("-kernel_type wendland_c2", ["-kernel_type"]),
                        ("-solids s -s_upper 2,2,2", ["solid 1 of -solids", "s"])):
     refused(f"checkpoint_with{changed}".replace(" ", "_"), GOOD + f"{changed} -restart {checkpoint}",
             [checkpoint, "another scene"] + words)
