@@ -133,36 +133,38 @@ PetscErrorCode RestartSceneText(Output output, char **text)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The line of a text whose name, with the sign behind it, is that of another line; NULL if there is none. */
-static const char *FindLine(const char text[], const char line[], size_t name)
+/* The line of a text that begins like another line, for so many characters; NULL if there is none. */
+static const char *FindLine(const char text[], const char line[], size_t beginning)
 {
-  while (*text && strncmp(text, line, name)) {
+  while (*text && strncmp(text, line, beginning)) {
     text += strcspn(text, "\n");
     if (*text) text++;
   }
   return *text ? text : NULL;
 }
 
-/* Adds what differs between the lines of 'text' and those of 'other'. missing: only what 'other' does not have. */
+/* Adds what differs between the lines of 'text' and those of 'other'. missing: only what 'other' does not have. A text
+   from a file may be anything: what is no such line is passed over. */
 static void Compare(const char text[], const char other[], PetscBool missing, char differences[DIFFERENCES])
 {
-  for (const char *line = text; *line; line += strcspn(line, "\n") + 1) {
-    const size_t name = strcspn(line, "=~"), length = strcspn(line, "\n"), used = strlen(differences);
-    const char  *found = FindLine(other, line, name), *comma = used ? ", " : "";
-    char        *end  = differences + used;
-    const size_t room = DIFFERENCES - used;
+  for (const char *line = text, *next; *line; line = next) {
+    const size_t name = strcspn(line, "=~\n"), value = name + 2, length = strcspn(line, "\n");
+    const size_t used = strlen(differences), room = DIFFERENCES - used;
+    const char  *found = length < value ? NULL : FindLine(other, line, value), *comma = used ? ", " : "";
+    const size_t found_length = found ? strcspn(found, "\n") : 0;
+    char        *end          = differences + used;
 
-    if (line[name] == '\0' || (found && (missing || (length == strcspn(found, "\n") && !strncmp(line, found, length)))))
-      continue;
+    next = line + length + (line[length] == '\n');
+    if (name == 0 || length < value) continue;
+    if (found && (missing || (length == found_length && !strncmp(line, found, length)))) continue;
     if (line[name] == '~')
       (void)snprintf(end, room, "%s%.*s", comma, (int)name - 1, line);
     else if (!found)
       (void)snprintf(end, room, "%s%.*s (%s: %.*s)", comma, (int)name - 1, line, missing ? "there" : "here only",
-                     (int)(length - name) - 2, line + name + 2);
+                     (int)(length - value), line + value);
     else
       (void)snprintf(end, room, "%s%.*s (there %.*s, here %.*s)", comma, (int)name - 1, line,
-                     (int)(strcspn(found, "\n") - name) - 2, found + name + 2, (int)(length - name) - 2,
-                     line + name + 2);
+                     (int)(found_length - value), found + value, (int)(length - value), line + value);
   }
 }
 
