@@ -5,6 +5,7 @@
 #   make reference CASE=thin_film   the volume-of-fluid computations that some checks compare with, anew (needs gerris)
 #   make extremes                   the limits of scenes, steps, solvers: table and map; extremes-readme: in tests/extremes/
 #   make long-run                   a million steps of a small scene: nothing drifts
+#   make mutants                    small bugs put in one at a time: which ones the tests see; MUTANT=NAME, JOBS=1
 #   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
 #   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
@@ -181,6 +182,15 @@ long-run: isph
 
 fuzz: isph
 	@$(PYTHON) tests/faults/fuzz.py --number 2000
+
+# Small bugs put into a copy of the program one at a time: which ones make test sees; mutants-readme: the table of
+# tests/mutants/README.md from the last run of all. MUTANT="pressure growth_limit": those of a file, folder or name
+MUTANT =
+mutants: isph $(UNIT)
+	@$(PYTHON) tests/mutants/mutants.py --jobs $(JOBS) $(MUTANT)
+
+mutants-readme:
+	@$(PYTHON) tests/mutants/mutants.py --readme
 # make compare-solvers STATE=output/my/snapshot_0010.h5   every solver on the user's own state, and which to take
 STATE =
 RANKS = 1
@@ -213,8 +223,8 @@ lint:
 	@tests/run.sh tests/lint
 
 clean:
-	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable isph
+	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
 
 .PHONY: solver-sweep paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
-  sanitized sanitized-programs compare-solvers tradeoff tradeoff-readme identical options-reference
+  sanitized sanitized-programs mutants mutants-readme compare-solvers tradeoff tradeoff-readme identical options-reference

@@ -1,0 +1,85 @@
+"""The list of mutants: tests/mutants/*.ini, a file for each folder of src. An entry:
+
+    [name of the mutant]
+    file: src/pressure/source.c
+    was: the exact text, within one line, that stands in the file once
+    is: what replaces it
+    bug: what is wrong then, in a line
+    tests: unit/test_pressure, unit/test_neighbors on 2, verify/couette-printed, input/bad_input.py
+    survives: if no test sees it: why (an equivalent mutant, or a gap)
+
+Tests are parts of `make test`: unit programs, on some ranks if it says so; scripts; entries of tests/verify/cases.py of
+size test by their id. They run in this order until one fails."""
+import configparser
+import glob
+import os
+import re
+import sys
+from typing import NamedTuple
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path[:0] = [os.path.join(ROOT, "tests"), os.path.join(ROOT, "tests", "verify")]
+import cases  # noqa: E402
+
+KEYS = {"file", "was", "is", "bug", "tests"}
+VERIFY = "verify/"
+
+
+class Mutant(NamedTuple):
+    name: str
+    file: str
+    was: str
+    becomes: str
+    bug: str
+    tests: tuple
+    survives: str
+
+    @property
+    def folder(self):
+        return self.file.split("/")[1]
+
+
+def read():
+    """All mutants, in the order of the files."""
+    parser = configparser.ConfigParser(delimiters=(":",), comment_prefixes=("#",), interpolation=None)
+    mutants = []
+    for path in sorted(glob.glob(os.path.join(HERE, "*.ini"))):
+        with open(path, encoding="utf-8") as file:
+            parser.read_file(file)
+    for name in parser.sections():
+        entry = parser[name]
+        if not KEYS <= set(entry) <= KEYS | {"survives"}:
+            raise ValueError(f"mutant {name} must have {', '.join(sorted(KEYS))} and may have survives")
+        tests = tuple(word.strip() for word in entry["tests"].split(","))
+        mutants.append(Mutant(name, entry["file"], entry["was"], entry["is"], entry["bug"], tests,
+                              entry.get("survives", "")))
+    return mutants
+
+
+def exists(test):
+    """Whether a test is a part of `make test`."""
+    name, _, ranks = test.partition(" on ")
+    if name.startswith(VERIFY) and not name.endswith(".py"):
+        return any(entry.id == name[len(VERIFY):] and entry.size == cases.TEST for entry in cases.ENTRIES)
+    if name.startswith("unit/"):
+        return os.path.exists(os.path.join(ROOT, "tests", name + ".c")) and (not ranks or ranks in ("2", "3"))
+    return not ranks and os.access(os.path.join(ROOT, "tests", name), os.X_OK)
+
+
+def mistakes(mutants):
+    """What is wrong with the list beside the present tree: a line each."""
+    lines = []
+    for m in mutants:
+        try:
+            with open(os.path.join(ROOT, m.file), encoding="utf-8") as file:
+                count = file.read().count(m.was)
+        except OSError:
+            lines.append(f"{m.name}: there is no {m.file}")
+            continue
+        if count != 1:
+            lines.append(f"{m.name}: its text stands in {m.file} {count} times, not once: mend the edit")
+        if m.was == m.becomes or not re.match(r"src/\w+/\w+\.[ch]$", m.file):
+            lines.append(f"{m.name}: it must change a file src/FOLDER/FILE")
+        lines += [f"{m.name}: {test} is no part of make test" for test in m.tests if not exists(test)]
+    return lines
