@@ -174,6 +174,12 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
   return __builtin_popcount(keep);
 }
 #else
+/* p - x. Lanes behind the candidates may hold points so far away that it wraps around; nothing comes of them. */
+static inline int32_t Apart(int32_t p, int32_t x)
+{
+  return (int32_t)((uint32_t)p - (uint32_t)x);
+}
+
 static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const int32_t *restrict x,
                                 const int32_t *restrict y, const int32_t *restrict z, const int32_t p[DIM],
                                 const float unit[DIM], float limit, PetscInt a, PetscInt *restrict list,
@@ -186,8 +192,8 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
   SIMD_LOOP()
   for (PetscInt k = 0; k < LANES; k++) {
     const PetscInt at = RUN_BEGIN(run) + k;
-    const float    dx = unit[0] * (float)(px - x[at]), dy = unit[1] * (float)(py - y[at]),
-                dz = unit[2] * (float)(pz - z[at]);
+    const float    dx = unit[0] * (float)Apart(px, x[at]), dy = unit[1] * (float)Apart(py, y[at]),
+                dz = unit[2] * (float)Apart(pz, z[at]);
 
     s2[k] = dx * dx + dy * dy + dz * dz;
   }
@@ -294,6 +300,7 @@ static PetscErrorCode SearchCreate(Cloud cloud, Search *search)
   PetscCall(PetscMalloc3(DIM * cloud->n_total + LANES, &search->place, search->most, &search->s,
                          search->most / LANES + 3, &search->run));
   PetscCall(SortPlaces(cloud, &search->units, search->place));
+  PetscCall(PetscArrayzero(search->place + DIM * cloud->n_total, LANES)); /* read, and not used */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -321,10 +321,11 @@ PetscErrorCode CoarseGridRestrict(CoarseGrid g, Vec fine, Vec coarse)
   PetscCall(PetscArrayzero(g->value, g->n_nodes));
   PetscCall(VecGetArrayRead(fine, &f));
   for (PetscInt a = 0; a < g->n; a++) {
-    const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
+    const PetscInt *corner;
     PetscReal       w[GRID_CORNERS];
 
     if (g->cell[a] < 0) continue;
+    corner = g->corner + GRID_CORNERS * g->cell[a];
     CornerWeights(g->t + DIM * a, w);
     for (PetscInt m = 0; m < GRID_CORNERS; m++) g->value[corner[m]] += w[m] * PetscRealPart(f[a]);
   }
@@ -349,10 +350,11 @@ PetscErrorCode CoarseGridProlongAdd(CoarseGrid g, Vec coarse, Vec fine)
   PetscCall(VecRestoreArrayRead(coarse, &c));
   PetscCall(VecGetArray(fine, &f));
   for (PetscInt a = 0; a < g->n; a++) {
-    const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
+    const PetscInt *corner;
     PetscReal       w[GRID_CORNERS], sum = 0;
 
     if (g->cell[a] < 0) continue;
+    corner = g->corner + GRID_CORNERS * g->cell[a];
     CornerWeights(g->t + DIM * a, w);
     for (PetscInt m = 0; m < GRID_CORNERS; m++) sum += w[m] * g->value[corner[m]];
     f[a] += sum;
@@ -394,10 +396,11 @@ static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const
   for (PetscInt c = 0; c < g->n_cells; c++)
     AddCell(g, c, g->fill[c] * PetscMin(1, capacity / g->share[c]), energy, stencil, node);
   for (PetscInt a = 0; a < g->n; a++) {
-    const PetscInt *corner = g->corner + GRID_CORNERS * g->cell[a];
+    const PetscInt *corner;
     PetscReal       w[GRID_CORNERS];
 
     if (g->cell[a] < 0 || surplus[a] <= 0) continue;
+    corner = g->corner + GRID_CORNERS * g->cell[a];
     CornerWeights(g->t + DIM * a, w);
     for (PetscInt i = 0; i < 1 << g->dim; i++)
       for (PetscInt j = 0; j < 1 << g->dim; j++)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The unit tests and a short impact on 1 to 3 ranks, continued once, built with the address and undefined-behaviour
-# sanitizers (make sanitized) and with PETSc's check that all its memory is given back.
+# The unit tests, some of them on two ranks too, and a short impact on 1 to 3 ranks, continued once, built with the
+# address and undefined-behaviour sanitizers (make sanitized) and with PETSc's check that all its memory is given back.
 cd "$(dirname "$0")/../.." || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
 # leaks of Open MPI and HDF5 are not ours; ours are PETSc's, which -malloc_dump shows
@@ -34,6 +34,9 @@ for program in $build/tests/unit/*; do # two at a time
   [ "$(jobs -rp | wc -l)" -lt 2 ] || wait -n
 done
 wait
+for name in packing operators points twolevel; do
+  clean "test_${name}_2" mpiexec -n 2 $build/tests/unit/test_$name -malloc_dump >"$scratch/test_${name}_2.log"
+done
 export OMPI_MCA_mpi_yield_when_idle=1
 for ranks in 1 2 3; do impact $ranks >"$scratch/$ranks.log"; done
 cat "$scratch"/*.log
