@@ -374,12 +374,12 @@ static PetscErrorCode TestBox(const char label[], PetscInt dim, const char faces
    sanitizers see that) nor take them for neighbours. */
 static PetscErrorCode TestFarApart(void)
 {
-  const PetscReal x[] = {24, 5, 0, -14, 5, 0};
+  const PetscReal x[] = {1900, 5, 0, -900, 5, 0};
   PetscInt        pairs;
   Setup           s;
 
   PetscFunctionBegin;
-  PetscCall(SetupFill("-dimension 2 -box_lower 0,0 -box_upper 10,10 -spacing 1 -bodies a -halo_slack 1", 2, x, 0, &s));
+  PetscCall(SetupFill("-dimension 2 -box_lower 0,0 -box_upper 1000,10 -spacing 1 -bodies a", 2, x, 0, &s));
   pairs = (PetscInt)SetupSum((PetscReal)s.cloud->first[s.cloud->n_owned]);
   CHECK(pairs == 0, "far_apart");
   PetscCall(SetupClose(&s));
