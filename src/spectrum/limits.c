@@ -103,47 +103,78 @@ static PetscErrorCode ApplyCapillary(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest eigenvalue of an operator on the fluid's vectors. */
-static PetscErrorCode Largest(Spectrum s, PetscErrorCode (*apply)(Mat, Vec, Vec), PetscReal *value, PetscBool *found)
+/* The eigenvalue that 'which' names of an operator on the fluid's vectors; NAN if it was not found. */
+static PetscErrorCode Largest(Spectrum s, PetscErrorCode (*apply)(Mat, Vec, Vec), EPSWhich which, PetscReal *value)
 {
-  Mat shell;
+  Mat       shell;
+  PetscBool found;
 
   PetscFunctionBegin;
   PetscCall(MatCreateShell(s->cloud->comm, DIM * s->cloud->n_fluid, DIM * s->cloud->n_fluid, PETSC_DETERMINE,
                            PETSC_DETERMINE, s, &shell));
   PetscCall(MatShellSetOperation(shell, MATOP_MULT, (void (*)(void))apply));
-  PetscCall(SpectrumExtreme(shell, EPS_NHEP, EPS_LARGEST_MAGNITUDE, TOLERANCE, NULL, value, found));
+  PetscCall(SpectrumExtreme(shell, EPS_NHEP, which, TOLERANCE, NULL, value, &found));
   PetscCall(MatDestroy(&shell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* nu: the largest kinematic viscosity, m2/s. */
+static PetscErrorCode PrintViscosity(Spectrum s, PetscReal nu, PetscReal dt)
+{
+  const PetscReal d2 = PetscSqr(s->cloud->domain->spacing);
+  PetscReal       value;
+
+  PetscFunctionBegin;
+  PetscCall(Largest(s, ApplyViscosity, EPS_LARGEST_MAGNITUDE, &value));
+  PetscCall(PetscPrintf(s->cloud->comm,
+                        "    viscosity  largest eigenvalue %.5g 1/s = %.4g nu/d0^2: stable up to 2/lambda = %.4g s, "
+                        "%.3g times the step\n",
+                        (double)value, (double)(value * d2 / nu), (double)(2 / value), (double)(2 / value / dt)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Positive eigenvalues are squares of frequencies. A negative one is minus the square of the rate at which a
+   displacement grows by itself, as surface tension makes liquid meet or part: the flow does that, not the step.
+ */
+static PetscErrorCode PrintTension(Spectrum s, PetscReal dt)
+{
+  PetscReal largest, value;
+
+  PetscFunctionBegin;
+  PetscCall(Largest(s, ApplyCapillary, EPS_LARGEST_MAGNITUDE, &largest));
+  value = largest;
+  if (largest < 0) PetscCall(Largest(s, ApplyCapillary, EPS_LARGEST_REAL, &value));
+  if (value <= 0)
+    PetscCall(PetscPrintf(s->cloud->comm, "    tension    nothing oscillates: stable with any step\n"));
+  else {
+    const PetscReal omega = PetscSqrtReal(value);
+
+    PetscCall(PetscPrintf(s->cloud->comm,
+                          "    tension    largest frequency %.5g 1/s: stable up to 2/omega = %.4g s, %.3g times the "
+                          "step\n",
+                          (double)omega, (double)(2 / omega), (double)(2 / omega / dt)));
+  }
+  if (largest < 0)
+    PetscCall(PetscPrintf(s->cloud->comm,
+                          "               liquid meets or parts: a displacement grows at %.5g 1/s, by %.3g %% in the "
+                          "step\n",
+                          (double)PetscSqrtReal(-largest),
+                          (double)(100 * (PetscExpReal(dt * PetscSqrtReal(-largest)) - 1))));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SpectrumLimits(Spectrum s, PetscReal dt)
 {
-  MPI_Comm  comm = s->cloud->comm;
-  PetscReal value, d2 = PetscSqr(s->cloud->domain->spacing), nu = 0;
-  PetscBool found;
+  PetscReal nu = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscPrintf(comm, "  explicit terms, against the time step %.4g s\n", (double)dt));
+  PetscCall(PetscPrintf(s->cloud->comm, "  explicit terms, against the time step %.4g s\n", (double)dt));
   for (PetscInt b = 0; b < SceneCount(s->cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(s->cloud->scene, b));
 
     nu = PetscMax(nu, m->viscosity / m->density);
   }
-  if (nu > 0) {
-    PetscCall(Largest(s, ApplyViscosity, &value, &found));
-    PetscCall(PetscPrintf(comm,
-                          "    viscosity  largest eigenvalue %.5g 1/s = %.4g nu/d0^2: stable up to 2/lambda = %.4g s, "
-                          "%.3g times the step\n",
-                          (double)value, (double)(value * d2 / nu), (double)(2 / value), (double)(2 / value / dt)));
-  }
-  if (TensionReach(s->tension) > 0) {
-    PetscCall(Largest(s, ApplyCapillary, &value, &found));
-    value = value > 0 ? PetscSqrtReal(value) : value;
-    PetscCall(PetscPrintf(comm,
-                          "    tension    largest frequency %.5g 1/s: stable up to 2/omega = %.4g s, %.3g times the "
-                          "step\n",
-                          (double)value, (double)(2 / value), (double)(2 / value / dt)));
-  }
+  if (nu > 0) PetscCall(PrintViscosity(s, nu, dt));
+  if (TensionReach(s->tension) > 0) PetscCall(PrintTension(s, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
