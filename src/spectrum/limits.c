@@ -134,8 +134,7 @@ static PetscErrorCode PrintViscosity(Spectrum s, PetscReal nu, PetscReal dt)
 }
 
 /* Positive eigenvalues are squares of frequencies. A negative one is minus the square of the rate at which a
-   displacement grows by itself, as surface tension makes liquid meet or part: the flow does that, not the step.
- */
+   displacement grows by itself, as surface tension makes liquid meet or part: the flow does it, not the step. */
 static PetscErrorCode PrintTension(Spectrum s, PetscReal dt)
 {
   PetscReal largest, value;
