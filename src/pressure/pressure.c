@@ -165,6 +165,9 @@ static PetscErrorCode ReadAdvanced(Pressure p, OptionItems PetscOptionsObject)
     "-pressure_closure_least",
     "least that full_diagonal adds on the surface, over n.B n V/rho, n the sum of V grad W (1); less than 1 diverges",
     "[0, inf)", &p->closure_least));
+  PetscCall(PetscOptionsBool("-pressure_wall_suction",
+                             "the density source of walls may be negative, as printed: a wall may pull",
+                             "PressureSetFromOptions", p->wall_suction, &p->wall_suction, NULL));
   PetscCall(OptionReal("-pressure_pairing_moving",
                        "part of the term against pairing in the background pressure, liquid in motion (1)", "[0, inf)",
                        &p->pairing_moving));

@@ -52,6 +52,7 @@ struct _p_Pressure {
 
   /* of the closure */
   PetscReal closure_factor, closure_lambda, closure_least; /* 1 */
+  PetscBool wall_suction;                                  /* of the density source */
   PetscReal lattice_diagonal;                              /* Lambda_0 of a row with rest density 1, 1/m2 */
   PetscBool free_surface;                                  /* any particle of any rank is on one */
 

@@ -5,9 +5,9 @@
                   which it is repaired */
 #include "pressure_impl.h"
 
-/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but do not pull: a wall particle without liquid all around lacks
-   density though no liquid is rarefied, and its row, which has few pairs, would turn that into a suction that tears
-   particles off, whatever the size of the step. */
+/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but do not pull unless -pressure_wall_suction: a wall particle
+   without liquid all around lacks density though no liquid is rarefied, and its row, which has few pairs, would turn
+   that into a suction that tears particles off, whatever the size of the step. */
 PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   Cloud            cloud = pressure->cloud;
@@ -15,7 +15,8 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_rows; a++) rhs[a] = (rho[a] / rest[a] - 1) / (dt * dt);
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = PetscMax(rhs[a], 0);
+  if (!pressure->wall_suction)
+    for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = PetscMax(rhs[a], 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

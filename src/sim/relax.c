@@ -1,4 +1,5 @@
-/* Relaxation of the packing to rest, as in Kuri et al.: no body force, damped velocities; the result is cached. */
+/* Relaxation of the packing to rest, as in Kuri et al.: no body force, velocities damped if asked; the result is
+ * cached. */
 #include "sim_impl.h"
 
 #define WHY_LENGTH 512
@@ -43,8 +44,30 @@ static PetscErrorCode DescribeRelaxation(char **how)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Root mean square of the speeds of the fluid (m/s), all ranks. */
+static PetscErrorCode RmsSpeed(Sim sim, PetscReal *speed)
+{
+  PetscReal      sum[2] = {0, 0}; /* of squares, of particles */
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal *v = arrays.real[FIELD_VELOCITY] + DIM * a;
+
+    if (arrays.integer[INT_LAYER][a]) continue;
+    sum[0] += Dot(v, v);
+    sum[1] += 1;
+  }
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, sim->comm));
+  *speed = PetscSqrtReal(sum[0] / PetscMax(sum[1], 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Relax(Sim sim)
 {
+  PetscReal      speed = PETSC_MAX_REAL;
   StepState      state = {0};
   ParticleArrays arrays;
   PetscBool      failed, found;
@@ -54,22 +77,23 @@ PetscErrorCode Relax(Sim sim)
   PetscCall(DescribeRelaxation(&how));
   PetscCall(PackingFindRelaxed(sim->packing, how, &found));
   if (!found) {
-    PetscCall(StepperSetDamping(sim->stepper, sim->relaxation_damping));
+    PetscCall(StepperSetRelaxation(sim->stepper, PETSC_TRUE, sim->relaxation_damping, sim->relaxation_step));
     PetscCall(ParticlesOpen(sim->particles, &arrays));
     for (PetscInt a = 0; a < arrays.n; a++)
       if (!arrays.integer[INT_LAYER][a]) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));
     PetscCall(ParticlesClose(sim->particles, &arrays));
     PetscCall(CloudResync(sim->cloud));
-    while (state.time < sim->relaxation_time) {
+    while (state.time < sim->relaxation_time && speed > sim->relaxation_speed) {
       PetscCall(StepperAdvance(sim->stepper, sim->relaxation_time, PETSC_FALSE, &state, &failed, why, sizeof(why)));
       PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s",
                      state.step, why);
+      if (sim->relaxation_speed > 0) PetscCall(RmsSpeed(sim, &speed));
     }
     PetscCheckUser(state.lost == 0, sim->comm,
                    "%" PetscInt_FMT
                    " particles left the box while the packing relaxed; give the bodies more room to the open faces",
                    state.lost);
-    PetscCall(StepperSetDamping(sim->stepper, 1));
+    PetscCall(StepperSetRelaxation(sim->stepper, PETSC_FALSE, 1, 0));
     PetscCall(PackingKeepRelaxed(sim->packing, how));
   }
   PetscCall(PetscFree(how));

@@ -38,8 +38,13 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(OptionReal("-packing_relaxation_time",
                        "time for which the packing comes to rest before the run, without body force (s)", "[0, inf)",
                        &sim->relaxation_time));
-  PetscCall(OptionReal("-packing_relaxation_damping", "factor on the velocities after each step of the relaxation (1)",
-                       "[0, 1)", &sim->relaxation_damping));
+  PetscCall(OptionReal("-packing_relaxation_damping", "factor on the velocities before each step of the relaxation (1)",
+                       "[0, 1]", &sim->relaxation_damping));
+  PetscCall(OptionReal("-packing_relaxation_step", "time step of the relaxation (s); 0: as in the run", "[0, inf)",
+                       &sim->relaxation_step));
+  PetscCall(OptionReal("-packing_relaxation_speed",
+                       "rms speed (m/s) below which the relaxation ends before its time; 0: never", "[0, inf)",
+                       &sim->relaxation_speed));
   PetscOptionsEnd();
   PetscCall(MonitorSetFromOptions(sim));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,14 +20,15 @@ struct _p_Sim {
   Output        output;
   StepState     state;
   PackingReport report;
-  PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping;
-  PetscInt      steps_max;
-  PetscBool     has_end, dry_run;
-  PetscViewer   monitor; /* NULL: none */
-  PetscInt      monitor_lines;
-  PetscBool     monitor_csv, monitor_draw;
-  char          dump[PETSC_MAX_PATH_LEN];
-  char          restart[PETSC_MAX_PATH_LEN];
+  PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping, relaxation_step,
+    relaxation_speed;
+  PetscInt    steps_max;
+  PetscBool   has_end, dry_run;
+  PetscViewer monitor; /* NULL: none */
+  PetscInt    monitor_lines;
+  PetscBool   monitor_csv, monitor_draw;
+  char        dump[PETSC_MAX_PATH_LEN];
+  char        restart[PETSC_MAX_PATH_LEN];
 };
 
 /* The progress line. */

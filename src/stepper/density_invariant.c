@@ -13,6 +13,13 @@
    Eq. (3) is the kernel, the cubic spline with h = 1.3 d0 (src/kernel). v^F stands in FIELD_VELOCITY_STAR. */
 #include "stepper_impl.h"
 
+/* A lattice lacks density at the free surface, which Eq. (8) answers with suction. Eq. (11) closes rows on the surface
+   only, and where two fronts meet others need it too: see closure.c. */
+#define ADVICE                                                                                                         \
+  "the scheme as printed needs -packing_type poisson, and where liquid meets liquid at speed may need "                \
+  "-pressure_closure "                                                                                                 \
+  "full_diagonal"
+
 /* r^F = r^n + dt v^F, ghosts included; r^n goes to start ([n_owned][3], m). */
 static PetscErrorCode Predict(Cloud cloud, PetscReal dt, PetscReal start[])
 {
@@ -61,7 +68,7 @@ static PetscErrorCode DensityInvariantStep(Stepper stepper, PetscReal dt, StepTr
 PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper)
 {
   PetscFunctionBegin;
-  stepper->ops              = (SchemeOps){.step = DensityInvariantStep};
+  stepper->ops              = (SchemeOps){.step = DensityInvariantStep, .advice = ADVICE};
   stepper->scheme           = NULL;
   stepper->no_slip          = PETSC_FALSE;
   stepper->relaxation_ratio = 5; /* only with another source than its own */

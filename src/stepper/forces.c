@@ -78,7 +78,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
   }
-  if (stepper->damping == 1) AddBodyForce(cloud, acceleration);
+  if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];
   PetscCall(

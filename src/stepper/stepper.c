@@ -104,7 +104,9 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
   PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetScheme",
                               SchemeList, type, type, sizeof(type), NULL));
   PetscCall(
-    OptionReal("-wall_guard", "distance from a wall that particles cannot go below (spacings)", "[0, 0.5]", &s->guard));
+    OptionReal("-wall_guard",
+               "distance from a wall that particles cannot go below (spacings); negative: so far they may go behind it",
+               "[-1, 0.5]", &s->guard));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(SchemeList, type, ReadScheme, s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -186,10 +188,12 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor)
+PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal damping, PetscReal step)
 {
   PetscFunctionBegin;
-  stepper->damping = factor;
+  stepper->relaxing        = relaxing;
+  stepper->damping         = relaxing ? damping : 1;
+  stepper->relaxation_step = relaxing ? step : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -266,6 +270,10 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     state->rejected++;
     PetscCall(PetscInfo(NULL, "step of %g s rolled back: %s\n", (double)dt, why));
     PetscCall(PressureReset(stepper->pressure));
+  }
+  if (*failed && stepper->ops.advice) {
+    PetscCall(PetscStrlcat(why, "; ", length));
+    PetscCall(PetscStrlcat(why, stepper->ops.advice, length));
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudCommit(cloud, &state->lost));

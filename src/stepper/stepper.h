@@ -61,9 +61,9 @@ const Viscosity *StepperViscosity(Stepper stepper);
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperReset - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
 PetscErrorCode StepperReset(Stepper stepper);
-/* StepperSetDamping - for the relaxation to rest: no body force, and velocities are multiplied with 'factor' after each
-   step (1: the real dynamics with body force). Not collective. */
-PetscErrorCode StepperSetDamping(Stepper stepper, PetscReal factor);
+/* StepperSetRelaxation - whether steps are those of the relaxation to rest: no body force, velocities multiplied with
+   'damping' (1) before each step, and a fixed step (s; 0: as in the run, from the scene's velocity). Not collective. */
+PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal damping, PetscReal step);
 /* What bounds a time step, s; PETSC_MAX_REAL: nothing. */
 typedef struct {
   PetscReal speed, force, viscosity, tension;

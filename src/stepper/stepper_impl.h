@@ -53,6 +53,7 @@ typedef struct {
                                                            largest of the fluid, m/s */
   PetscErrorCode (*step)(Stepper stepper, PetscReal dt, StepTrial *trial);
   PetscErrorCode (*destroy)(Stepper stepper);
+  const char *advice; /* what else to try when a step fails for good */
 } SchemeOps;
 
 #define VISCOUS_EQUATION "viscous" /* for SolverTry and SolverExplain */
@@ -102,7 +103,9 @@ struct _p_Stepper {
   PetscReal      guard;              /* spacings that particles keep from walls */
   PetscReal      density_ratio_max;  /* of the densities of two bodies */
   PetscReal      reference_velocity; /* m/s */
-  PetscReal      damping;            /* velocities are multiplied with it in each step; < 1: no body force */
+  PetscBool      relaxing;           /* StepperSetRelaxation: no body force */
+  PetscReal      damping;            /* velocities are multiplied with it in each step */
+  PetscReal      relaxation_step;    /* s; 0: as in the run */
   PetscBool      first;              /* the step is the first of a run */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */

@@ -113,19 +113,20 @@ static PetscReal ChooseStep(Stepper stepper, const StepState *state)
   const TimeStepLimits *limits = &stepper->limits;
   const StepBounds     *bounds = &stepper->bounds;
   const PetscReal       h = KernelSmoothingLength(stepper->cloud->kernel), velocity = stepper->reference_velocity;
-  PetscReal             step = limits->fixed;
+  const PetscReal       fixed = stepper->relaxation_step > 0 ? stepper->relaxation_step : limits->fixed;
+  PetscReal             step  = fixed;
 
-  if (limits->fixed == 0) {
+  if (fixed == 0) {
     step = PetscMin(PetscMin(bounds->speed, bounds->force), bounds->tension);
     /* The first step takes the scene's own velocity for the one the particles will soon have. So does a relaxation,
        which must use the steps of the run: the noise of the pressure depends on them. */
-    if ((state->previous_time_step == 0 || stepper->damping < 1) && velocity > 0)
+    if ((state->previous_time_step == 0 || stepper->relaxing) && velocity > 0)
       step = PetscMin(step, limits->cfl * h / velocity);
     if (state->previous_time_step > 0) step = PetscMin(step, limits->growth * state->previous_time_step);
     if (limits->max > 0) step = PetscMin(step, limits->max);
   }
   step = BoundByViscosity(stepper, step);
-  return limits->fixed > 0 ? limits->fixed : PetscMax(step, limits->min);
+  return fixed > 0 ? fixed : PetscMax(step, limits->min);
 }
 
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt)

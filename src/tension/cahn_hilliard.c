@@ -1,5 +1,9 @@
-/* Surface tension as the divergence of a capillary stress: Eqs. (5)-(7) of Kuri et al. See tension.h. */
+/* Surface tension as the divergence of a capillary stress: Eqs. (5)-(7) of Kuri et al. See tension.h. The kernel is
+   wide, a thousand neighbours: they are summed in single precision, relative to a point nearby. */
 #include "tension_impl.h"
+
+#define NO_COLUMN -1
+#define FAR_AWAY  10 /* supports */
 
 /* Adds grad phi of the walls around x: each wall face stands for a half-space full of liquid. */
 static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], PetscReal gradient[DIM])
@@ -17,66 +21,110 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
     }
 }
 
-/* The sum of grad W^H at x over the n collected candidates. */
-static void SumGradient(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal gradient[DIM])
+/* The n collected candidates in single precision, their positions relative to 'origin', in tension->single; *m: how
+   many with those beyond all reach that fill up the last vector. */
+static PetscErrorCode Narrow(Tension tension, PetscInt n, PetscInt columns, const PetscReal origin[DIM], PetscInt *m)
 {
-  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
-                            *restrict cz = cy + tension->liquid.stride;
-  PetscReal r2[CHUNK], F[CHUNK];
+  const Liquid *liquid = &tension->liquid;
+  float        *to;
 
-  gradient[0] = gradient[1] = gradient[2] = 0;
-  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
-    const PetscInt  m  = PetscMin(CHUNK, n - begin);
-    const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
-    PetscReal       gx = 0, gy = 0, gz = 0;
+  PetscFunctionBegin;
+  *m = (n + KERNEL_LANES - 1) / KERNEL_LANES * KERNEL_LANES;
+  if (*m > tension->single_stride) {
+    tension->single_stride = *m + *m / 4 / KERNEL_LANES * KERNEL_LANES;
+    PetscCall(PetscFree(tension->single));
+    PetscCall(PetscMalloc1(LIQUID_WIDTH * tension->single_stride, &tension->single));
+  }
+  for (PetscInt w = 0; w < columns; w++) {
+    const PetscReal *restrict from = liquid->near + w * liquid->stride, shift = w < DIM ? origin[w] : 0;
 
+    to = tension->single + w * tension->single_stride;
     SIMD_LOOP()
-    for (PetscInt k = 0; k < m; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelGradient(tension->kernel, m, r2, F);
-    SIMD_LOOP(reduction(+ : gx, gy, gz))
-    for (PetscInt k = 0; k < m; k++) {
-      gx += F[k] * (x0 - cx[begin + k]);
-      gy += F[k] * (y0 - cy[begin + k]);
-      gz += F[k] * (z0 - cz[begin + k]);
+    for (PetscInt k = 0; k < n; k++) to[k] = (float)(from[k] - shift);
+    for (PetscInt k = n; k < *m; k++) to[k] = w < DIM ? (float)(FAR_AWAY * liquid->support) : 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Of m <= CHUNK candidates from 'begin' on: x - c_b (m) and the kernel's F without its scale. */
+static inline void Separations(Tension tension, PetscInt begin, PetscInt m, const float x[DIM], float *restrict dx,
+                               float *restrict dy, float *restrict dz, float *restrict F)
+{
+  const float *restrict cx = tension->single + begin, *restrict cy = cx + tension->single_stride,
+                        *restrict cz = cy + tension->single_stride;
+  const float x0 = x[0], y0 = x[1], z0 = x[2];
+  PetscReal   scale_w, scale_f, inverse_h2;
+  float       s[CHUNK];
+
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < m; k++) {
+    dx[k] = x0 - cx[k];
+    dy[k] = y0 - cy[k];
+    dz[k] = z0 - cz[k];
+    s[k]  = (dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k]) * (float)inverse_h2;
+  }
+  KernelSingle(tension->kernel, m, s, NULL, F);
+}
+
+/* The sum of w grad W^H at x over m candidates, w in this column; without one w is 1. */
+static void SumGradient(Tension tension, PetscInt m, PetscInt column, const float x[DIM], PetscReal gradient[DIM])
+{
+  const float *restrict w = tension->single + PetscMax(column, 0) * tension->single_stride;
+  float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK];
+  PetscReal scale_w, scale_f, inverse_h2;
+
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  gradient[0] = gradient[1] = gradient[2] = 0;
+  for (PetscInt begin = 0; begin < m; begin += CHUNK) {
+    const PetscInt count = PetscMin(CHUNK, m - begin);
+    float          gx = 0, gy = 0, gz = 0;
+
+    Separations(tension, begin, count, x, dx, dy, dz, F);
+    if (column != NO_COLUMN) {
+      SIMD_LOOP()
+      for (PetscInt k = 0; k < count; k++) F[k] *= w[begin + k];
     }
-    gradient[0] += gx;
-    gradient[1] += gy;
-    gradient[2] += gz;
+    SIMD_LOOP(reduction(+ : gx, gy, gz))
+    for (PetscInt k = 0; k < count; k++) {
+      gx += F[k] * dx[k];
+      gy += F[k] * dy[k];
+      gz += F[k] * dz[k];
+    }
+    gradient[0] += scale_f * gx;
+    gradient[1] += scale_f * gy;
+    gradient[2] += scale_f * gz;
   }
 }
 
-/* The sum of S_b grad W^H at x over the n collected candidates, S_b in the columns 3 to 8. */
-static void SumForce(Tension tension, PetscInt n, const PetscReal x[DIM], PetscReal force[DIM])
+/* The sum of S_b grad W^H at x over m candidates, S_b in the columns 3 to 8. */
+static void SumForce(Tension tension, PetscInt m, const float x[DIM], PetscReal force[DIM])
 {
-  const PetscInt stride        = tension->liquid.stride;
-  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride;
-  const PetscReal *restrict xx = cz + stride, *restrict yy = xx + stride, *restrict zz = yy + stride,
-                            *restrict xy = zz + stride, *restrict xz = xy + stride, *restrict yz = xz + stride;
-  PetscReal r2[CHUNK], F[CHUNK];
+  const PetscInt stride    = tension->single_stride;
+  const float *restrict xx = tension->single + DIM * stride, *restrict yy = xx + stride, *restrict zz = yy + stride,
+                        *restrict xy = zz + stride, *restrict xz = xy + stride, *restrict yz = xz + stride;
+  float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK];
+  PetscReal scale_w, scale_f, inverse_h2;
 
+  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   force[0] = force[1] = force[2] = 0;
-  for (PetscInt begin = 0; begin < n; begin += CHUNK) {
-    const PetscInt  m  = PetscMin(CHUNK, n - begin);
-    const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
-    PetscReal       fx = 0, fy = 0, fz = 0;
+  for (PetscInt begin = 0; begin < m; begin += CHUNK) {
+    const PetscInt count = PetscMin(CHUNK, m - begin);
+    float          fx = 0, fy = 0, fz = 0;
 
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < m; k++)
-      r2[k] = PetscSqr(x0 - cx[begin + k]) + PetscSqr(y0 - cy[begin + k]) + PetscSqr(z0 - cz[begin + k]);
-    KernelGradient(tension->kernel, m, r2, F);
+    Separations(tension, begin, count, x, dx, dy, dz, F);
     SIMD_LOOP(reduction(+ : fx, fy, fz))
-    for (PetscInt k = 0; k < m; k++) {
-      const PetscInt  b  = begin + k;
-      const PetscReal dx = F[k] * (x0 - cx[b]), dy = F[k] * (y0 - cy[b]), dz = F[k] * (z0 - cz[b]);
+    for (PetscInt k = 0; k < count; k++) {
+      const PetscInt b  = begin + k;
+      const float    gx = F[k] * dx[k], gy = F[k] * dy[k], gz = F[k] * dz[k];
 
-      fx += xx[b] * dx + xy[b] * dy + xz[b] * dz;
-      fy += xy[b] * dx + yy[b] * dy + yz[b] * dz;
-      fz += xz[b] * dx + yz[b] * dy + zz[b] * dz;
+      fx += xx[b] * gx + xy[b] * gy + xz[b] * gz;
+      fy += xy[b] * gx + yy[b] * gy + yz[b] * gz;
+      fz += xz[b] * gx + yz[b] * gy + zz[b] * gz;
     }
-    force[0] += fx;
-    force[1] += fy;
-    force[2] += fz;
+    force[0] += scale_f * fx;
+    force[1] += scale_f * fy;
+    force[2] += scale_f * fz;
   }
 }
 
@@ -97,55 +145,104 @@ static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, cons
   return (PetscBool)(a < cloud->n_owned && BandNear(&tension->band_cells, x));
 }
 
-/* grad phi, Eq. (6), and from it the stress ([n_owned][6]) of the particles near the surface. All V are the same. */
+#define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over that of a particle at rest density */
+#define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
+
+/* With -tension_density summed: the columns that the first pass reads. */
+static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
+{
+  const PetscReal *rest = cloud->rest_density, *rho = cloud->field[FIELD_DENSITY];
+  PetscReal       *columns;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 2, &columns));
+  for (PetscInt b = 0; b < cloud->n_total; b++) {
+    columns[2 * b]     = rest[b] / rho[b];
+    columns[2 * b + 1] = rest[b];
+  }
+  LiquidLoad(&tension->liquid, VOLUME_COLUMN, 2, columns);
+  PetscCall(CloudRestoreWork(cloud, &columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the part of Eq. (1) with the particle's own stress, S_a/rho_a^2 sum m_b grad W^H, and turns S_a into what the
+   others take from it, S_a rho_0/rho_a^2. */
+static void AddOwnForce(Tension tension, Cloud cloud, PetscInt m, PetscInt a, const PetscReal x[DIM],
+                        const float place[DIM], PetscReal S[6])
+{
+  const PetscReal V = cloud->domain->volume, rest = cloud->rest_density[a], rho = cloud->field[FIELD_DENSITY][a];
+  PetscReal       gradient[DIM], walls[DIM] = {0}, force[DIM];
+
+  SumGradient(tension, m, DENSITY_COLUMN, place, gradient);
+  AddWalls(tension, cloud->domain, x, walls);
+  for (PetscInt d = 0; d < DIM; d++) gradient[d] = V * gradient[d] + rest * walls[d];
+  TensorApply(S, gradient[0], gradient[1], gradient[2], force);
+  for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += force[d] / (rho * rho);
+  for (PetscInt k = 0; k < 6; k++) S[k] *= rest / (rho * rho);
+}
+
+/* grad phi, Eq. (6), and from it the stress ([n_owned][6]) of the particles near the surface; with -tension_density
+   summed that stress times rho_0/rho^2. */
 static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
   Liquid         *liquid = &tension->liquid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
-  PetscInt        cell = -1, n = 0;
+  const PetscBool summed      = tension->summed;
+  PetscReal       origin[DIM] = {0};
+  PetscInt        cell = -1, n = 0, m = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
     PetscReal      x[DIM], gradient[DIM];
+    float          place[DIM]; /* x, relative to the origin of the candidates */
 
     LiquidPosition(liquid, p, x);
     if (!Evaluated(tension, cloud, a, x)) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
-      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM), 1, &n));
+      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, summed ? DIM + 2 : DIM), 1, &n));
+      PetscCall(PetscArraycpy(origin, x, DIM));
+      PetscCall(Narrow(tension, n, summed ? DIM + 2 : DIM, origin, &m));
     }
-    SumGradient(tension, n, x, gradient);
+    for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
+    SumGradient(tension, m, summed ? VOLUME_COLUMN : NO_COLUMN, place, gradient);
     for (PetscInt d = 0; d < DIM; d++) gradient[d] *= V;
     AddWalls(tension, cloud->domain, x, gradient);
     Stress(tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
            gradient, stress + 6 * a);
+    if (summed) AddOwnForce(tension, cloud, m, a, x, place, stress + 6 * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration. This equals the symmetric form of Eq. (1) because
-   S_a . grad phi_a = 0. */
+/* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration. With one rest density this equals the symmetric form of
+   Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds what AddOwnForce has left of that form. */
 static PetscErrorCode AddForce(Tension tension, Cloud cloud)
 {
-  Liquid         *liquid = &tension->liquid;
-  const PetscReal V      = cloud->domain->volume;
-  PetscInt        cell = -1, n = 0;
+  Liquid         *liquid      = &tension->liquid;
+  const PetscReal V           = cloud->domain->volume;
+  PetscReal       origin[DIM] = {0};
+  PetscInt        cell = -1, n = 0, m = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
-    PetscReal      x[DIM], force[DIM];
+    const PetscInt  a      = LiquidParticle(liquid, p);
+    const PetscReal factor = tension->summed ? V : V / cloud->rest_density[a];
+    PetscReal       x[DIM], force[DIM];
+    float           place[DIM];
 
     LiquidPosition(liquid, p, x);
     if (!Evaluated(tension, cloud, a, x)) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 6), 1, &n));
+      PetscCall(PetscArraycpy(origin, x, DIM));
+      PetscCall(Narrow(tension, n, DIM + 6, origin, &m));
     }
-    SumForce(tension, n, x, force);
-    for (PetscInt d = 0; d < DIM; d++)
-      cloud->field[FIELD_ACCELERATION][DIM * a + d] += V / cloud->rest_density[a] * force[d];
+    for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
+    SumForce(tension, m, place, force);
+    for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += factor * force[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -158,6 +255,7 @@ PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
   PetscCall(BandMark(&tension->band_cells, cloud, tension->band * support + tension->spacing, support));
   PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
+  if (tension->summed) PetscCall(LoadDensities(tension, cloud));
   PetscCall(FindStress(tension, cloud, stress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -189,12 +287,21 @@ static PetscErrorCode TabulateWall(Tension tension)
 
 static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
+  const char *const densities[] = {"rest", "summed"};
+  PetscInt          density     = tension->summed;
+
   PetscFunctionBegin;
   PetscCall(OptionReal("-tension_calibration",
                        "kappa/(sigma H) (1); 3.959 fits a flat surface, 5.30 a flat film at H = 2.5 h", "(0, inf)",
                        &tension->calibration));
   PetscCall(OptionReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)",
                        "(0, 2]", &tension->band));
+  PetscCall(
+    PetscOptionsEList("-tension_density",
+                      "density in phi and in the stress's force: summed is Eq. (4), rest keeps the force free of "
+                      "the packing's noise",
+                      "TensionSetFromOptions", densities, 2, densities[density], &density, NULL));
+  tension->summed = (PetscBool)density;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -144,6 +144,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(LiquidReset(&(*tension)->liquid));
   PetscCall(PetscFree((*tension)->fit));
   PetscCall(PetscFree((*tension)->weight));
+  PetscCall(PetscFree((*tension)->single));
   PetscCall(BandDestroy(&(*tension)->band_cells));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -140,6 +140,9 @@ struct _p_Tension {
   PetscReal wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
 
   PetscReal calibration, band; /* cahn_hilliard */
+  PetscBool summed;            /* cahn_hilliard: the summed density, not that at rest */
+  float   *single; /* [LIQUID_WIDTH][single_stride] cahn_hilliard: the collected columns, positions from a near point */
+  PetscInt single_stride;
 
   PetscBool  sheets;                         /* curvature: sheet.c is used */
   PetscReal  sharpening;                     /* of the curvature */

@@ -29,7 +29,8 @@ SCENES = {
     "dam_break": ("-options_file cases/dam_break/case.opts", (1, 2), 100),
     "couette": ("-options_file cases/couette/case.opts", (1,), 100),
     "printed scheme": ("-options_file cases/drop_impact/case.opts -options_file options/quarter.opts -options_file "
-                       "options/paper.opts -spacing 1.0e-3", (1, 2), 40),
+                       "options/paper.opts -spacing 1.0e-3 -packing_relaxation_time 2e-4 -time_step_max 8e-5",
+                       (1, 2), 40),
     "weakly compressible": (SMALL + " -scheme weakly_compressible", (1, 2), 40),
     "conserved": (SMALL + " -shifting_conserved -pressure_gradient conserved", (1, 2), 40),
     "implicit viscosity": (SMALL + " -drop_viscosity 1 -film_viscosity 1 -viscosity_solver implicit", (2,), 20),

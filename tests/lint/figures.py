@@ -106,12 +106,6 @@ QUOTED = [
      [choice("preset `accurate`", IMPACT, 0), choice("preset `accurate`", IMPACT, 1)]),
     ("options/accurate.opts", r"spacing 0\.7 times as wide has ([\d.]+) times the error at ([\d.]+) times the time",
      [choice("finer", IMPACT, 0), choice("finer", IMPACT, 1)]),
-    ("options/paper.opts", r"has ([\d.]+) times the error of the default scheme at 0\.7 mm and takes ([\d.]+) times",
-     [choice("preset `paper`", IMPACT, 0), choice("preset `paper`", IMPACT, 1)]),
-    ("options/paper.opts", r"at 0\.5 mm ([\d.]+) uJ of kinetic energy are left after 5 ms, ([\d.]+) uJ with the "
-     r"default scheme and ([\d.]+) uJ",
-     [verified("drop_impact, 0.5 mm", "kinetic energy at 5 ms", column)
-      for column in ("as printed", "default scheme", "expected")]),
 ]
 
 

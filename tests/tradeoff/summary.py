@@ -30,8 +30,7 @@ LINES = [("`-ksp_rtol 0.3`", "tolerance", "rtol 0.3"), ("`-ksp_rtol 1e-8`", "tol
          ("`-viscosity_form morris`", "viscosity", "morris"), ("`-pc_type jacobi`", "preconditioner", "jacobi"),
          ("`-pc_type gamg`", "preconditioner", "gamg"), ("`-pressure_rebuild_interval 1`", "rebuild", "every 1"),
          ("WCSPH, c = 10 U", "WCSPH", "c = 10 U"), ("the scheme as printed", "scheme", "as printed"),
-         ("preset `fast`", "preset", "fast"), ("preset `accurate`", "preset", "accurate"),
-         ("preset `paper`", "preset", "paper")]
+         ("preset `fast`", "preset", "fast"), ("preset `accurate`", "preset", "accurate")]
 
 
 def cell(row, base, before=""):

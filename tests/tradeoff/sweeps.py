@@ -81,4 +81,4 @@ def axes(scene, spacing, step, tension, viscosity):
     runs += [("preconditioner", pc, f"-pc_type {pc}") for pc in ("none", "jacobi", "gamg", "hypre", "bjacobi")]
     runs += [("rebuild", f"every {n}", f"-pressure_rebuild_interval {n}") for n in (1, 3, 30, 100)[few]]
     return runs + [("preset", name, f"-options_file options/{name}.opts")
-                   for name in ("fast", "balanced", "accurate", "paper")]
+                   for name in ("fast", "balanced", "accurate")]

@@ -81,7 +81,7 @@ def measure(case, scene, axis, label, options):
     row = dict(axis=axis, label=label, options=options, error=math.nan, steps=0, iterations=math.nan, reason="",
                version=runner.version())
     first = yard()
-    other = any(name in options for name in ("printed.opts", "paper.opts"))
+    other = "printed.opts" in options
     line = f"-options_file cases/{case}/{scene.file} {scene.options} {'' if other else scene.lattice} {options}"
     row["cpu"], code, row["reason"] = cpu(line, folder)
     row["yard"] = (first + yard()) / 2

@@ -1,5 +1,5 @@
 /* The capillary pressure of the curvature model on disordered particles of known shapes, on what is too small to have a
-   curvature, and at walls. Lengths in spacings, tension 1. Runs on any number of ranks. */
+   curvature, and at walls; the Cahn-Hilliard force. Lengths in spacings, tension 1. Runs on any number of ranks. */
 #include "setup.h"
 #include "check.h"
 #include "../../src/tension/tension_impl.h"
@@ -19,6 +19,8 @@
 #define FLOOR "-dimension 2 -spacing 1 -box_lower -40,0 -box_upper 40,40 -box_ymin wall -bodies a -a_tension 1 "
 #define POOL                                                                                                           \
   "-dimension 2 -spacing 1 -box_lower -10,0 -box_upper 10,60 -box_x periodic -box_ymin wall -bodies a -a_tension 1 "
+
+#define PRINTED "-a_density 1 -tension_type cahn_hilliard -tension_ratio 2.5 -tension_calibration 4 "
 
 static PetscReal points[DIM * MAX_POINTS];
 
@@ -383,6 +385,81 @@ static PetscErrorCode TestBand(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* W'(r)/r of the cubic spline, h = 1 (1). */
+static PetscReal SplineSlope(PetscReal q)
+{
+  if (q >= 2 || q == 0) return 0;
+  return (q < 1 ? -3 * q + 2.25 * q * q : -0.75 * PetscSqr(2 - q)) / (PETSC_PI * q);
+}
+
+/* The capillary part of Eq. (1) with Eqs. (6) and (7) as the paper prints them, but for W^H in both sums: all pairs of
+   n points of unit mass and these densities, h the smoothing length, kappa. */
+static void PrintedForce(PetscInt n, const PetscReal rho[], PetscReal h, PetscReal kappa, PetscReal force[][DIM])
+{
+  static PetscReal S[MAX_POINTS][DIM][DIM];
+
+  for (PetscInt pass = 0; pass < 2; pass++)
+    for (PetscInt a = 0; a < n; a++) {
+      PetscReal g[DIM] = {0}, f[DIM] = {0};
+
+      for (PetscInt b = 0; b < n; b++) {
+        PetscReal r[DIM], F;
+
+        for (PetscInt d = 0; d < DIM; d++) r[d] = points[DIM * a + d] - points[DIM * b + d];
+        F = SplineSlope(Norm(r) / h) / PetscPowRealInt(h, 5);
+        for (PetscInt d = 0; d < DIM; d++) {
+          g[d] += F * r[d] / rho[b];
+          for (PetscInt e = 0; e < DIM && pass; e++)
+            f[d] += (S[a][d][e] / PetscSqr(rho[a]) + S[b][d][e] / PetscSqr(rho[b])) * F * r[e];
+        }
+      }
+      for (PetscInt d = 0; d < DIM; d++) {
+        for (PetscInt e = 0; e < DIM && !pass; e++) S[a][d][e] = kappa * ((d == e ? Dot(g, g) : 0) - g[d] * g[e]);
+        if (pass) force[a][d] = f[d];
+      }
+    }
+}
+
+/* The Cahn-Hilliard force of a disordered drop is that of the printed formula, with densities at rest and summed. */
+static PetscErrorCode TestPrinted(void)
+{
+  static PetscReal expected[MAX_POINTS][DIM], rho[MAX_POINTS];
+  const PetscInt   block[DIM] = {9, 9, 9};
+  const PetscReal  ball[]     = {0, 3.7};
+
+  PetscFunctionBegin;
+  for (PetscInt summed = 0; summed < 2; summed++) {
+    const PetscInt n     = Fill(InShell, ball, block, origin, JITTER);
+    PetscReal      error = 0, largest = 0;
+    Setup          s;
+
+    PetscCall(SetupFill(summed ? OPEN PRINTED "-tension_density summed" : OPEN PRINTED, n, points, 0, &s));
+    PetscCall(SetupMoments(&s));
+    for (PetscInt a = 0; a < n; a++) rho[a] = 1;
+    for (PetscInt a = 0; a < s.cloud->n_total && summed; a++) { /* any positive densities will do */
+      const PetscInt id = s.cloud->integer[INT_ID][a];
+
+      rho[id] = s.cloud->field[FIELD_DENSITY][a] = 0.8 + 0.4 * RandomUnit(3, (unsigned long long)id);
+    }
+    for (PetscInt id = 0; id < n && summed; id++) rho[id] = 0.8 + 0.4 * RandomUnit(3, (unsigned long long)id);
+    PrintedForce(n, rho, KernelSmoothingLength(s.tension->kernel), 4 * KernelSmoothingLength(s.tension->kernel),
+                 expected);
+    PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+    PetscCall(TensionApply(s.tension, s.cloud));
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+      for (PetscInt d = 0; d < DIM; d++) {
+        const PetscReal exact = expected[s.cloud->integer[INT_ID][a]][d];
+
+        largest = PetscMax(largest, PetscAbsReal(exact));
+        error   = PetscMax(error, PetscAbsReal(s.cloud->field[FIELD_ACCELERATION][DIM * a + d] - exact));
+      }
+    PetscCall(SetupClose(&s));
+    /* single precision: 1e-6 of the terms, which cancel to a tenth */
+    CHECK_CLOSE(SetupMax(error) / SetupMax(largest), 0, 1e-5, summed ? "printed_summed" : "printed_rest");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -394,6 +471,7 @@ int main(int argc, char **argv)
   PetscCall(TestThread());
   PetscCall(TestContact());
   PetscCall(TestBand());
+  PetscCall(TestPrinted());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

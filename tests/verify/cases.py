@@ -167,8 +167,8 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
 ENTRIES += [Entry("drop_impact", "0.5 mm", QUARTER + "0.5e-3", LONG, ranks=2, spacings=IMPACTS),
-            Entry("drop_impact", "0.5 mm", "-options_file options/paper.opts " + QUARTER + "0.5e-3", LONG, True,
-                  ranks=2, spacings=IMPACTS[:2])]
+            Entry("drop_impact", "0.5 mm", "-options_file options/paper.opts -time_step_min 1e-5 -time_step_max 4e-5 "
+                  "-packing_relaxation_step 2e-5 " + QUARTER + "0.5e-3", LONG, True, ranks=2, spacings=IMPACTS[:2])]
 ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
             Entry("drop_impact", "0.5 mm, 2.42 m/s",
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2),
