@@ -3,7 +3,7 @@
 #include "packing_impl.h"
 #include <unistd.h>
 
-#define CACHE_VERSION 2 /* raise it when the same options give another packing, or the files another content */
+#define CACHE_VERSION 3 /* raise it when the same options give another packing, or the files another content */
 /* The hash is FNV-1a of 64 bits (Fowler, Noll, Vo; http://www.isthe.com/chongo/tech/comp/fnv). */
 #define HASH_START 0xCBF29CE484222325ULL
 #define HASH_PRIME 0x100000001B3ULL

@@ -1,44 +1,86 @@
 /* Relaxation of the packing to rest, as in Kuri et al.: no body force, velocities damped if asked; the result is
  * cached. */
 #include "sim_impl.h"
+#include <ctype.h>
 
 #define WHY_LENGTH 512
 
-/* Options that the relaxed positions do not depend on. */
-static const char *const irrelevant[] = {"output_",       "snapshot_",  "series_",  "checkpoint_", "gauge_",
-                                         "progress_",     "time_start", "time_end", "steps_max",   "restart",
-                                         "log_",          "options_",   "monitor",  "dry_run",     "velocity",
-                                         "packing_cache", "wall_clock"};
+/* What the relaxed positions cannot depend on, by its whole name: when and where the run writes, what it measures, how
+   long it goes on after the relaxation. All else counts, initial velocities too: speeds of the scene set limits. */
+static const char *const irrelevant[] = {"output_dir",
+                                         "output_overwrite",
+                                         "series_interval",
+                                         "snapshot_interval",
+                                         "snapshot_fields",
+                                         "snapshot_double",
+                                         "snapshot_compression",
+                                         "snapshot_walls",
+                                         "snapshot_lower",
+                                         "snapshot_upper",
+                                         "checkpoint_interval",
+                                         "progress_interval",
+                                         "wall_clock_limit",
+                                         "time_end",
+                                         "steps_max",
+                                         "dry_run",
+                                         "monitor",
+                                         "packing_cache",
+                                         "log_view",
+                                         "options_left",
+                                         "gauge_points",
+                                         "gauge_heights",
+                                         "gauge_lines",
+                                         "gauge_line_points",
+                                         "gauge_level",
+                                         "gauge_crater",
+                                         "gauge_crater_radius",
+                                         "gauge_jet_radius",
+                                         "gauge_droplets",
+                                         "gauge_droplet_least",
+                                         "gauge_forces",
+                                         "gauge_multiplicity",
+                                         "gauge_connection",
+                                         "gauge_cell",
+                                         "gauge_axis",
+                                         "gauge_pool"};
+
+/* Whether an option, "-name" or "-name value", is one of these and none of a body of that name, as -snapshot_lower is
+   of a body 'snapshot'. */
+static PetscBool Irrelevant(Scene scene, const char option[])
+{
+  const char  *name   = option + 1;
+  const size_t length = strcspn(name, " ");
+
+  for (PetscInt b = 0; b < SceneCount(scene) + SceneSolidCount(scene); b++) {
+    const char *body = BodyName(b < SceneCount(scene) ? SceneBody(scene, b) : SceneSolid(scene, b - SceneCount(scene)));
+    const size_t n   = strlen(body);
+
+    if (!strncmp(name, body, n) && name[n] == '_') return PETSC_FALSE;
+  }
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(irrelevant); k++)
+    if (strlen(irrelevant[k]) == length && !strncmp(name, irrelevant[k], length)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
 
 /* All other options in use, as one text. */
-static PetscErrorCode DescribeRelaxation(char **how)
+static PetscErrorCode DescribeRelaxation(Scene scene, char **how)
 {
-  char  *all, *token;
+  char  *all;
   size_t length;
-  char   before;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetAll(NULL, &all));
   PetscCall(PetscStrlen(all, &length));
   PetscCall(PetscCalloc1(length + 1, how));
-  token = all;
-  while (*token) {
-    char     *end  = token + 1, *found;
-    PetscBool skip = PETSC_FALSE;
+  for (char *option = all, *next; *option; option = next) {
+    char *end = option + 1, before;
 
     /* an option reaches to the next " -" that starts a name */
-    while (*end &&
-           !(end[0] == ' ' && end[1] == '-' && ((end[2] >= 'a' && end[2] <= 'z') || (end[2] >= 'A' && end[2] <= 'Z'))))
-      end++;
+    while (*end && !(end[0] == ' ' && end[1] == '-' && isalpha((unsigned char)end[2]))) end++;
     before = *end;
     *end   = 0;
-    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(irrelevant) && !skip; k++) {
-      PetscCall(PetscStrstr(token, irrelevant[k], &found));
-      skip = (PetscBool)(found != NULL);
-    }
-    if (!skip) PetscCall(PetscStrlcat(*how, token, length + 1));
-    *end  = before;
-    token = before ? end + 1 : end;
+    if (!Irrelevant(scene, option)) PetscCall(PetscStrlcat(*how, option, length + 1));
+    next = before ? end + 1 : end;
   }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -74,7 +116,7 @@ PetscErrorCode Relax(Sim sim)
   char           why[WHY_LENGTH], *how;
 
   PetscFunctionBegin;
-  PetscCall(DescribeRelaxation(&how));
+  PetscCall(DescribeRelaxation(sim->scene, &how));
   PetscCall(PackingFindRelaxed(sim->packing, how, &found));
   if (!found) {
     PetscCall(StepperSetRelaxation(sim->stepper, PETSC_TRUE, sim->relaxation_damping, sim->relaxation_step));
