@@ -24,10 +24,7 @@
   X(DIVERGENCE, "divergence")                                                                                          \
   X(SPACING, "spacing")                                                                                                \
   X(LEVEL, "level")                                                                                                    \
-  X(WALL_TIME, "wall_time")                                                                                            \
-  X(SERIES_INTERVAL, "series_interval")                                                                                \
-  X(SNAPSHOT_INTERVAL, "snapshot_interval")                                                                            \
-  X(CHECKPOINT_INTERVAL, "checkpoint_interval")
+  X(WALL_TIME, "wall_time")
 #define HEAD_INTS(X)                                                                                                   \
   X(DIMENSION, "dimension")                                                                                            \
   X(BODIES, "bodies")                                                                                                  \
@@ -36,10 +33,7 @@
   X(STEP, "step")                                                                                                      \
   X(ITERATIONS, "iterations")                                                                                          \
   X(REJECTED, "rejected")                                                                                              \
-  X(LOST, "lost")                                                                                                      \
-  X(SERIES_NEXT, "series_next")                                                                                        \
-  X(SNAPSHOT_NEXT, "snapshot_next")                                                                                    \
-  X(CHECKPOINT_NEXT, "checkpoint_next")
+  X(LOST, "lost")
 #define HEAD_REAL_ID(id, name) HEAD_##id,
 #define HEAD_NAME(id, name)    name,
 enum { HEAD_REALS(HEAD_REAL_ID) HEAD_REAL_COUNT };
@@ -57,35 +51,29 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
 {
   const Domain domain = output->cloud->domain;
 
-  head->real[HEAD_TIME]                = state->time;
-  head->real[HEAD_TIME_STEP]           = state->time_step;
-  head->real[HEAD_PREVIOUS_TIME_STEP]  = state->previous_time_step;
-  head->real[HEAD_DENSITY_ERROR]       = state->density_error;
-  head->real[HEAD_DENSITY_MEAN]        = state->density_mean;
-  head->real[HEAD_SOLVER_ERROR]        = state->solver_error;
-  head->real[HEAD_SURFACE_ENERGY]      = state->surface_energy;
-  head->real[HEAD_VISCOUS_WORK]        = state->viscous_work;
-  head->real[HEAD_START_ENERGY]        = state->start_energy;
-  head->real[HEAD_START_DENSITY]       = state->start_density;
-  head->real[HEAD_TENSION_WORK]        = state->tension_work;
-  head->real[HEAD_DIVERGENCE]          = state->divergence;
-  head->real[HEAD_SPACING]             = domain->spacing;
-  head->real[HEAD_LEVEL]               = GaugesLevel(output->gauges);
-  head->real[HEAD_WALL_TIME]           = OutputWallTime(output);
-  head->real[HEAD_SERIES_INTERVAL]     = output->series.interval;
-  head->real[HEAD_SNAPSHOT_INTERVAL]   = output->snapshot.interval;
-  head->real[HEAD_CHECKPOINT_INTERVAL] = output->checkpoint.interval;
-  head->integer[HEAD_DIMENSION]        = domain->dim;
-  head->integer[HEAD_BODIES]           = SceneCount(output->cloud->scene);
-  head->integer[HEAD_PARTICLES]        = particles;
-  head->integer[HEAD_RANKS]            = output->size;
-  head->integer[HEAD_STEP]             = state->step;
-  head->integer[HEAD_ITERATIONS]       = state->iterations;
-  head->integer[HEAD_REJECTED]         = state->rejected;
-  head->integer[HEAD_LOST]             = state->lost;
-  head->integer[HEAD_SERIES_NEXT]      = output->series.next;
-  head->integer[HEAD_SNAPSHOT_NEXT]    = output->snapshot.next;
-  head->integer[HEAD_CHECKPOINT_NEXT]  = output->checkpoint.next;
+  head->real[HEAD_TIME]               = state->time;
+  head->real[HEAD_TIME_STEP]          = state->time_step;
+  head->real[HEAD_PREVIOUS_TIME_STEP] = state->previous_time_step;
+  head->real[HEAD_DENSITY_ERROR]      = state->density_error;
+  head->real[HEAD_DENSITY_MEAN]       = state->density_mean;
+  head->real[HEAD_SOLVER_ERROR]       = state->solver_error;
+  head->real[HEAD_SURFACE_ENERGY]     = state->surface_energy;
+  head->real[HEAD_VISCOUS_WORK]       = state->viscous_work;
+  head->real[HEAD_START_ENERGY]       = state->start_energy;
+  head->real[HEAD_START_DENSITY]      = state->start_density;
+  head->real[HEAD_TENSION_WORK]       = state->tension_work;
+  head->real[HEAD_DIVERGENCE]         = state->divergence;
+  head->real[HEAD_SPACING]            = domain->spacing;
+  head->real[HEAD_LEVEL]              = GaugesLevel(output->gauges);
+  head->real[HEAD_WALL_TIME]          = OutputWallTime(output);
+  head->integer[HEAD_DIMENSION]       = domain->dim;
+  head->integer[HEAD_BODIES]          = SceneCount(output->cloud->scene);
+  head->integer[HEAD_PARTICLES]       = particles;
+  head->integer[HEAD_RANKS]           = output->size;
+  head->integer[HEAD_STEP]            = state->step;
+  head->integer[HEAD_ITERATIONS]      = state->iterations;
+  head->integer[HEAD_REJECTED]        = state->rejected;
+  head->integer[HEAD_LOST]            = state->lost;
 }
 
 /* --- writing --- */
@@ -208,7 +196,7 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, char sce
 
   PetscFunctionBegin;
   *verdict = FILE_MISSING;
-  if (stat(file, &info) || S_ISDIR(info.st_mode) || access(file, R_OK)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (stat(file, &info) || !S_ISREG(info.st_mode) || access(file, R_OK)) PetscFunctionReturn(PETSC_SUCCESS);
   *verdict = FILE_BROKEN;
   if (seal == SEAL_WRONG) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(H5FileOpen(PETSC_COMM_SELF, file, &h5));
@@ -223,6 +211,28 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, char sce
     *verdict = FILE_GOOD;
   }
   PetscCall(H5FileClose(&h5, &failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses numbers that no run leaves. The divergence is nan where it was not asked for, the level where it is unknown.
+ */
+static PetscErrorCode HeadCheckNumbers(Output output, const char file[], const Head *head)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) {
+    const PetscReal value   = head->real[k];
+    const PetscBool nan     = (PetscBool)(value != value && (k == HEAD_DIVERGENCE || k == HEAD_LEVEL)),
+                    lasting = (PetscBool)(k == HEAD_TIME_STEP || k == HEAD_PREVIOUS_TIME_STEP || k == HEAD_WALL_TIME);
+
+    PetscCheckUser(nan || (!PetscIsInfOrNanReal(value) && !(lasting && value < 0)), output->comm,
+                   "The checkpoint %s cannot be used: its %s is %g; restart from another one.", file, real_names[k],
+                   (double)value);
+  }
+  for (PetscInt k = 0; k < HEAD_INT_COUNT; k++)
+    PetscCheckUser(head->integer[k] >= 0 && head->integer[k] <= PETSC_MAX_INT, output->comm,
+                   "The checkpoint %s cannot be used: its %s is %lld, not between 0 and %" PetscInt_FMT
+                   "; restart from another one.",
+                   file, int_names[k], (long long)head->integer[k], PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -250,26 +260,33 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
                  (double)domain->spacing);
   PetscCheckUser(head->integer[HEAD_BODIES] == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file,
                  (int)head->integer[HEAD_BODIES], (int)bodies);
-  PetscCheckUser(head->integer[HEAD_PARTICLES] >= 0 && head->integer[HEAD_PARTICLES] <= PETSC_MAX_INT, comm,
-                 "The checkpoint %s has more particles than this build of PETSc can number.", file);
+  PetscCall(HeadCheckNumbers(output, file, head));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The rows of this rank: those it had when as many ranks wrote the file, else an equal share. Collective. */
+/* The rows of this rank: those it had when as many ranks wrote the file, else an equal share. Not *good: the numbers of
+   particles and ranks do not fit each other or into the file. Collective. */
 static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *rows, PetscBool *good)
 {
   const PetscInt total = (PetscInt)head->integer[HEAD_PARTICLES], size = output->size, rank = output->rank;
   Rows           ranks = {.n = 0, .start = 0, .total = (PetscInt)head->integer[HEAD_RANKS], .width = 1};
   PetscInt      *counts;
   PetscInt64     sum = 0;
+  size_t         row = INT_COUNT * sizeof(PetscInt); /* bytes */
 
   PetscFunctionBegin;
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) row += (size_t)Fields[f].width * sizeof(double);
+  *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(PetscInt)));
+  if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
   PetscCall(PetscCalloc1(ranks.total + 1, &counts));
   PetscCall(H5FileRead(h5, "counts", H5FILE_INT, &ranks, counts));
   PetscCallMPI(MPI_Bcast(counts, (PetscMPIInt)ranks.total, MPIU_INT, 0, output->comm));
-  for (PetscInt k = 0; k < ranks.total; k++) sum += counts[k];
-  *good       = (PetscBool)(sum == total);
+  for (PetscInt k = 0; k < ranks.total; k++) {
+    *good = (PetscBool)(*good && counts[k] >= 0);
+    sum += counts[k];
+  }
+  *good       = (PetscBool)(*good && sum == total);
   rows->total = total;
   rows->width = 1;
   rows->n     = total / size + (rank < total % size);
@@ -290,6 +307,7 @@ static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, Pet
 
   PetscFunctionBegin;
   PetscCall(Share(output, h5, head, &rows, good));
+  if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
@@ -301,11 +319,6 @@ static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, Pet
     PetscCall(H5FileRead(h5, IntFieldNames[f], H5FILE_INT, &rows, arrays.integer[f]));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void ScheduleContinue(Schedule *schedule, PetscReal interval, PetscInt64 next, PetscReal time)
-{
-  schedule->next = interval == schedule->interval ? next : ScheduleAfter(schedule, time);
 }
 
 static void HeadUse(Output output, const Head *head, StepState *state)
@@ -330,26 +343,9 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->lost               = (PetscInt)head->integer[HEAD_LOST];
   output->wall_before       = head->real[HEAD_WALL_TIME];
   GaugesSetLevel(output->gauges, head->real[HEAD_LEVEL]);
-  ScheduleContinue(&output->series, head->real[HEAD_SERIES_INTERVAL], head->integer[HEAD_SERIES_NEXT], time);
-  ScheduleContinue(&output->snapshot, head->real[HEAD_SNAPSHOT_INTERVAL], head->integer[HEAD_SNAPSHOT_NEXT], time);
-  ScheduleContinue(&output->checkpoint, head->real[HEAD_CHECKPOINT_INTERVAL], head->integer[HEAD_CHECKPOINT_NEXT],
-                   time);
-}
-
-/* Whether the file lies in the run folder. Collective. */
-static PetscErrorCode InFolder(Output output, const char file[], PetscBool *same)
-{
-  char        path[PETSC_MAX_PATH_LEN], *slash;
-  struct stat here, there;
-
-  PetscFunctionBegin;
-  PetscCall(PetscStrncpy(path, file, sizeof(path)));
-  slash = strrchr(path, '/');
-  if (slash) slash[slash == path] = '\0';
-  *same = (PetscBool)(!stat(slash ? path : ".", &there) && !stat(output->folder, &here) &&
-                      here.st_dev == there.st_dev && here.st_ino == there.st_ino);
-  PetscCallMPI(MPI_Bcast(same, 1, MPIU_BOOL, 0, output->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  output->series.next     = ScheduleAfter(&output->series, time);
+  output->snapshot.next   = ScheduleAfter(&output->snapshot, time);
+  output->checkpoint.next = ScheduleAfter(&output->checkpoint, time);
 }
 
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
@@ -358,13 +354,11 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   FileVerdict verdict = FILE_MISSING;
   H5File      h5;
   Seal        seal;
-  PetscBool   failed, same, good = PETSC_FALSE;
+  PetscBool   failed, strays, good = PETSC_FALSE;
   PetscInt    present;
   char       *scene;
 
   PetscFunctionBegin;
-  PetscCheck(output->ready && output->restarting, output->comm, PETSC_ERR_ORDER,
-             "Call OutputSetUp for a restart first");
   PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));
@@ -378,14 +372,16 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(PetscFree(scene));
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
+  strays = h5.strays;
   PetscCall(H5FileClose(&h5, &failed));
+  PetscCheckUser(
+    !strays, output->comm,
+    "The checkpoint %s cannot be used: data of it lie elsewhere, behind a link or in another file; restart "
+    "from another one.",
+    file);
   PetscCheckUser(good && !failed, output->comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
+  PetscCall(RestartCheckParticles(output, file));
   HeadUse(output, &head, state);
-  PetscCall(InFolder(output, file, &same));
-  if (!same) PetscCall(FolderClear(output));
-  PetscCall(DescribeRun(output, same));
-  PetscCall(SeriesStart(output, same, state->step));
-  if (same) PetscCall(SnapshotScan(output, state->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,7 @@
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Files of a run besides the numbered ones. */
@@ -169,5 +170,20 @@ PetscErrorCode FolderDiscard(Output output, const char name[])
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   if (!output->rank) (void)unlink(path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FolderHolds(Output output, const char file[], PetscBool *same)
+{
+  char        path[PETSC_MAX_PATH_LEN], *slash;
+  struct stat here, there;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(path, file, sizeof(path)));
+  slash = strrchr(path, '/');
+  if (slash) slash[slash == path] = '\0';
+  *same = (PetscBool)(!stat(slash ? path : ".", &there) && !stat(output->folder, &here) &&
+                      here.st_dev == there.st_dev && here.st_ino == there.st_ino);
+  PetscCallMPI(MPI_Bcast(same, 1, MPIU_BOOL, 0, output->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -72,17 +72,18 @@ PetscErrorCode OutputSetFromOptions(Output output)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OutputSetUp(Output output, PetscBool restarting)
+PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState *state)
 {
+  PetscBool same = PETSC_FALSE;
+
   PetscFunctionBegin;
   PetscCall(FolderMake(output));
-  output->ready      = PETSC_TRUE;
-  output->restarting = restarting;
-  if (!restarting) {
-    PetscCall(FolderClear(output));
-    PetscCall(DescribeRun(output, PETSC_FALSE));
-    PetscCall(SeriesStart(output, PETSC_FALSE, 0));
-  }
+  if (restart) PetscCall(FolderHolds(output, restart, &same));
+  if (!same) PetscCall(FolderClear(output));
+  PetscCall(DescribeRun(output, same));
+  PetscCall(SeriesStart(output, same, state->step));
+  if (same) PetscCall(SnapshotScan(output, state->step));
+  output->ready = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

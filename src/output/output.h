@@ -1,7 +1,7 @@
 /* Floor 7: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series and
    the tables of the gauges, the options used.
 
-   Order of calls: Create, SetFromOptions, SetUp, then Restart when the run continues, then at every state Step, and
+   Order of calls: Create, SetFromOptions, Restart when the run continues, SetUp, then at every state Step, and
    Checkpoint when CheckpointDue (and once at the end of the run). */
 #ifndef ISPH_OUTPUT_H
 #define ISPH_OUTPUT_H
@@ -17,10 +17,11 @@ PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output);
    -checkpoint_interval (s), -snapshot_* (what is in them). Refuses (UserError) negative intervals. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
-   a run already unless -output_overwrite, which removes the files of that run; writes options.opts (every option in
-   use, usable with -options_file), version.txt and the head of series.csv. When restarting, only makes the folder:
-   OutputRestart, to be called next, does the rest. Collective. */
-PetscErrorCode OutputSetUp(Output output, PetscBool restarting);
+   another run unless -output_overwrite, which removes the files of that run; writes options.opts (every option in use,
+   usable with -options_file), version.txt and the head of series.csv. restart: the checkpoint of OutputRestart, or
+   NULL; in its own folder the series and the snapshots are cut behind the state and go on. To be called when nothing
+   else can refuse the run. Collective. */
+PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState *state);
 PetscErrorCode OutputView(Output output, PetscViewer viewer);
 /* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written
    twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full.
@@ -41,10 +42,8 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
 void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);
 /* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every
    rank gets the particles it had, in their order; on another number, equal slabs of the file. Refuses (UserError) a
-   missing, truncated, damaged or foreign file, one whose dimension, particle spacing or number of bodies differ from
-   the scene's, and an -output_dir that holds another run unless -output_overwrite. In the folder of the checkpoint the
-   series and the snapshots are cut behind the restart time. Call OutputSetUp(output, PETSC_TRUE) before and CloudResync
-   afterwards. Collective. */
+   missing, truncated, damaged or foreign file, one whose scene is another one, one with contents that no run leaves,
+   and one with data outside of it. Writes nothing. Call OutputSetUp and CloudResync afterwards. Collective. */
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state);
 /* OutputFolder - the run folder. Not collective. */
 const char *OutputFolder(Output output);

@@ -47,8 +47,8 @@ struct _p_Output {
   Cloud          cloud;  /* borrowed */
   Gauges         gauges; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
-  char          *options; /* the user's, one a line, before solvers add defaults of their own */
-  PetscBool      overwrite, ready, restarting, solids; /* solids: they are written */
+  char          *options;                  /* the user's, one a line, before solvers add defaults of their own */
+  PetscBool      overwrite, ready, solids; /* solids: they are written */
   Schedule       series, snapshot, checkpoint;
   SnapshotSetup  content;
   PetscInt       series_step, snapshot_step;                  /* of the last line and the last snapshot; -1: none */
@@ -66,13 +66,17 @@ static inline PetscReal OutputWallTime(Output output)
 
 /* Rounding allowed when a time is compared with a multiple of an interval, in intervals. */
 #define SCHEDULE_ROUNDING 1e-9
+/* The largest number of a multiple: whole numbers up to here are exact as reals. */
+#define SCHEDULE_MOST 9e15
 
 /* ScheduleAfter - the number of the first multiple behind a time (s). ScheduleReached - whether the next multiple has
    come. Not collective. */
 static inline PetscInt64 ScheduleAfter(const Schedule *schedule, PetscReal time)
 {
   if (schedule->interval <= 0) return 0;
-  return (PetscInt64)PetscFloorReal(time / schedule->interval + SCHEDULE_ROUNDING) + 1;
+  return (PetscInt64)PetscFloorReal(
+           PetscMax(-SCHEDULE_MOST, PetscMin(time / schedule->interval + SCHEDULE_ROUNDING, SCHEDULE_MOST))) +
+         1;
 }
 
 static inline PetscBool ScheduleReached(const Schedule *schedule, PetscReal time)
@@ -92,6 +96,8 @@ PetscErrorCode FolderMake(Output output);
 /* FolderClear - refuses (UserError) a folder that holds a run, or removes the files of that run with -output_overwrite.
    Collective. */
 PetscErrorCode FolderClear(Output output);
+/* FolderHolds - whether the file lies in the run folder. Collective. */
+PetscErrorCode FolderHolds(Output output, const char file[], PetscBool *same);
 /* FolderNumbers - the numbers in the names <prefix><digits>.h5 present, ascending, in an array to be freed. Rank 0
    only. */
 PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count, PetscInt **numbers);
@@ -110,6 +116,11 @@ PetscErrorCode DescribeRun(Output output, PetscBool same);
    what differs; an empty one is of an older version and taken, with a line that says so. Collective. */
 PetscErrorCode RestartSceneText(Output output, char **text);
 PetscErrorCode RestartSceneCheck(Output output, const char file[], const char stored[]);
+
+/* --- restart_check.c --- */
+/* RestartCheckParticles - refuses (UserError) particles that no run leaves in a checkpoint: numbers that are not
+   finite, places out of the box, bodies that the scene does not have, identities that occur twice. Collective. */
+PetscErrorCode RestartCheckParticles(Output output, const char file[]);
 
 /* --- table.c: tables of comma-separated values that grow line by line and whose first columns are time and step --- */
 /* TableOpen - opens <folder>/<name> to append, with the head line if it is new. same: the run in the folder is

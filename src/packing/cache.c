@@ -88,59 +88,89 @@ static PetscErrorCode FileName(const char folder[], unsigned long long hash, cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the contents are those of a packing: each id once, bodies that are liquid from the start and all of them,
+   places in the box, from which particles that came to rest may have strayed by the slack of the ghosts. */
+static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const PetscInt body[], const PetscReal x[],
+                       PetscBool seen[])
+{
+  const Domain    domain                   = cloud->domain;
+  const PetscReal margin                   = cloud->slack + domain->spacing;
+  PetscBool       filled[SCENE_MAX_BODIES] = {PETSC_FALSE};
+
+  for (PetscInt k = 0; k < n; k++) {
+    if (id[k] < 0 || id[k] >= n || seen[id[k]] || body[k] < 0 || body[k] >= SceneCount(cloud->scene))
+      return PETSC_FALSE;
+    seen[id[k]]     = PETSC_TRUE;
+    filled[body[k]] = PETSC_TRUE;
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal place = x[DIM * k + d];
+
+      if (d < domain->dim ? !(place >= domain->lower[d] - margin && place <= domain->upper[d] + margin) : place != 0)
+        return PETSC_FALSE;
+    }
+  }
+  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
+    if (filled[b] == BodyEmits(SceneBody(cloud->scene, b))) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 /* Reads all n particles of the file, which holds them in no particular order, and puts them in the order of their ids.
  *good: whether that worked on every rank. Collective. */
-static PetscErrorCode ReadParticles(H5File *h5, PetscInt n, PetscReal x[], PetscInt body[], PetscBool *good)
+static PetscErrorCode ReadParticles(Cloud cloud, H5File *h5, PetscInt n, PetscReal x[], PetscInt body[],
+                                    PetscBool *good)
 {
   Rows       rows = {.n = n, .start = 0, .total = n, .width = 1};
   PetscInt  *id, *body_read;
   PetscReal *x_read;
-  PetscBool  failed;
+  PetscBool *seen, failed;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(n, &id, n, &body_read, DIM * n, &x_read));
+  PetscCall(PetscCalloc4(n, &id, n, &body_read, DIM * n, &x_read, n, &seen));
   PetscCall(H5FileRead(h5, "id", H5FILE_INT, &rows, id));
   PetscCall(H5FileRead(h5, "body", H5FILE_INT, &rows, body_read));
   rows.width = DIM;
   PetscCall(H5FileRead(h5, "position", H5T_NATIVE_DOUBLE, &rows, x_read));
+  h5->failed = (PetscBool)(h5->failed || !Sound(cloud, n, id, body_read, x_read, seen));
   PetscCall(H5FileClose(h5, &failed));
   *good = (PetscBool)!failed;
   for (PetscInt k = 0; k < n && *good; k++) {
     body[id[k]] = body_read[k];
     PetscCall(PetscArraycpy(x + DIM * id[k], x_read + DIM * k, DIM));
   }
-  PetscCall(PetscFree3(id, body_read, x_read));
+  PetscCall(PetscFree4(id, body_read, x_read, seen));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
+PetscErrorCode CacheRead(Cloud cloud, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
                          PetscInt **body)
 {
-  char       name[PETSC_MAX_PATH_LEN];
-  H5File     h5;
-  Seal       seal;
-  PetscInt64 count = 0;
-  PetscBool  good  = PETSC_FALSE;
+  const size_t row = 2 * sizeof(PetscInt) + DIM * sizeof(PetscReal); /* bytes of a particle */
+  char         name[PETSC_MAX_PATH_LEN];
+  H5File       h5;
+  Seal         seal;
+  PetscInt64   count = 0;
+  PetscBool    good  = PETSC_FALSE;
 
   PetscFunctionBegin;
   *n = 0;
   PetscCall(FileName(folder, hash, name));
-  PetscCall(FileCheckSeal(comm, name, &seal));
-  if (seal != SEAL_GOOD) {
-    if (seal == SEAL_WRONG) PetscCall(PetscInfo(NULL, "packing: %s is damaged, it will be made again\n", name));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(H5FileOpen(comm, name, &h5));
-  (void)H5FileGetInt(&h5, "particles", &count);
-  PetscCall(PetscMalloc1(DIM * count, x));
-  PetscCall(PetscMalloc1(count, body));
-  PetscCall(ReadParticles(&h5, (PetscInt)count, *x, *body, &good));
-  if (good)
-    *n = (PetscInt)count;
-  else {
+  PetscCall(FileCheckSeal(cloud->comm, name, &seal));
+  if (seal == SEAL_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (seal == SEAL_GOOD) {
+    PetscCall(H5FileOpen(cloud->comm, name, &h5));
+    (void)H5FileGetInt(&h5, "particles", &count);
+    if (count > PETSC_MAX_INT || !H5FileHolds(&h5, count, row)) count = 0;
+    PetscCall(PetscMalloc1(DIM * count, x));
+    PetscCall(PetscMalloc1(count, body));
+    PetscCall(ReadParticles(cloud, &h5, (PetscInt)count, *x, *body, &good));
+    if (good) {
+      *n = (PetscInt)count;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
     PetscCall(PetscFree(*x));
     PetscCall(PetscFree(*body));
   }
+  PetscCall(PetscInfo(NULL, "packing: %s is damaged, it will be made again\n", name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -128,9 +128,9 @@ PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, Petsc
 PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash);
 /* HashText - the hash continued with a text. Not collective. */
 void HashText(unsigned long long *hash, const char text[]);
-/* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash; n = 0 if there is no sound file. The
-   caller frees by PetscFree. Collective. */
-PetscErrorCode CacheRead(MPI_Comm comm, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
+/* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash for the scene of the cloud; n = 0 if
+   there is no file whose contents are those of a packing. The caller frees by PetscFree. Collective. */
+PetscErrorCode CacheRead(Cloud cloud, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
                          PetscInt **body);
 /* CacheWrite - writes the fluid particles of the swarm, 'count' over all ranks; a folder that cannot be written is no
    error. Collective. */

@@ -57,7 +57,7 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(PackingHash(packing, PETSC_STATIC_ARRAY_LENGTH(numbers), numbers, &p->hash));
-  if (packing->cache[0]) PetscCall(CacheRead(comm, packing->cache, p->hash, &p->n, &p->x, &p->body));
+  if (packing->cache[0]) PetscCall(CacheRead(packing->cloud, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);
   if (rank == 0) PetscCall(PoissonSample(packing, p->skin, &p->n, &p->x, &p->body));

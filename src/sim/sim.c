@@ -127,7 +127,6 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
   if (restarting) {
-    PetscCall(OutputSetUp(sim->output, PETSC_TRUE));
     PetscCall(OutputRestart(sim->output, sim->restart, &sim->state));
     PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
                    "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time,
@@ -147,12 +146,12 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudCommit(sim->cloud, &lost)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
-    if (!sim->dry_run) PetscCall(OutputSetUp(sim->output, PETSC_FALSE));
     PetscCall(BudgetStart(sim));
   }
   if (!sim->dry_run) {
     char path[PETSC_MAX_PATH_LEN];
 
+    PetscCall(OutputSetUp(sim->output, restarting ? sim->restart : NULL, &sim->state));
     PetscCall(PetscSNPrintf(path, sizeof(path), "%s/" JOURNAL_FILE, OutputFolder(sim->output)));
     PetscCall(JournalOpen(sim->comm, path));
   }

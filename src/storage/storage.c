@@ -39,6 +39,8 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   PetscFunctionBegin;
   h5->comm        = comm;
   h5->failed      = PETSC_FALSE;
+  h5->strays      = PETSC_FALSE;
+  h5->length      = 0;
   h5->id          = -1;
   h5->path[0]     = 0;
   h5->compression = 0;
@@ -56,6 +58,7 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
     }
     h5->id = writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
     (void)H5Pclose(access);
+    if (!writing && h5->id >= 0 && H5Fget_filesize(h5->id, &h5->length) < 0) h5->length = 0;
   }
   PetscCall(AllAgree(h5, (PetscBool)(!h5->owns_file || h5->id >= 0), &all));
   if (!all) {
@@ -238,6 +241,36 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a data set is stored in the file itself: in one piece, or in chunks as H5FileWrite makes them. */
+static PetscBool StoredHere(hid_t set)
+{
+  const hid_t        create   = H5Dget_create_plist(set);
+  const H5D_layout_t layout   = H5Pget_layout(create);
+  hsize_t            chunk[2] = {0, 0};
+  PetscBool          here     = (PetscBool)(layout == H5D_CONTIGUOUS && H5Pget_external_count(create) == 0);
+
+  if (layout == H5D_CHUNKED) here = (PetscBool)(H5Pget_chunk(create, 2, chunk) > 0 && chunk[0] <= CHUNK_ROWS);
+  (void)H5Pclose(create);
+  return here;
+}
+
+/* Opens a data set that is in the file itself; negative if there is none. *strays: there is one elsewhere. */
+static hid_t OpenSet(H5File *h5, const char name[], PetscBool *strays)
+{
+  H5L_info_t link;
+  hid_t      set = -1;
+
+  if (h5->id < 0 || H5Lget_info(h5->id, name, &link, H5P_DEFAULT) < 0) return -1;
+  *strays = (PetscBool)(link.type != H5L_TYPE_HARD);
+  if (!*strays) set = H5Dopen2(h5->id, name, H5P_DEFAULT);
+  if (set >= 0 && !StoredHere(set)) {
+    *strays = PETSC_TRUE;
+    (void)H5Dclose(set);
+    set = -1;
+  }
+  return set;
+}
+
 /* Whether a data set has the shape of rows and numbers of the class of type. */
 static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
 {
@@ -257,13 +290,17 @@ static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
 
 PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows *rows, void *values)
 {
-  hid_t     file, memory, set = -1;
-  PetscBool all;
+  PetscBool   strays = PETSC_FALSE, all;
+  const hid_t set    = OpenSet(h5, name, &strays);
+  hid_t       file, memory;
 
   PetscFunctionBegin;
-  if (h5->id >= 0) set = H5Dopen2(h5->id, name, H5P_DEFAULT);
   PetscCall(AllAgree(h5, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
-  if (!all) h5->failed = PETSC_TRUE;
+  if (!all) {
+    h5->failed = PETSC_TRUE;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &strays, 1, MPIU_BOOL, MPI_LOR, h5->comm));
+    h5->strays = (PetscBool)(h5->strays || strays);
+  }
   if (all && rows->n) {
     SelectRows(rows, rows->start, rows->n, &file, &memory);
     H5FileNote(h5, H5Dread(set, type, memory, file, H5P_DEFAULT, values));
@@ -272,6 +309,11 @@ PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows 
   }
   if (set >= 0) (void)H5Dclose(set);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool H5FileHolds(H5File *h5, PetscInt64 rows, size_t bytes)
+{
+  return (PetscBool)(rows >= 0 && (hsize_t)rows <= h5->length / bytes);
 }
 
 void H5FilePutReal(H5File *h5, const char name[], PetscInt n, const PetscReal values[])

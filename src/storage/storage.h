@@ -15,8 +15,10 @@ typedef struct {
   PetscBool   owns_file;                /* this rank touches the file: all ranks when reading, rank 0 when writing */
   char        path[PETSC_MAX_PATH_LEN]; /* where the file goes when it is closed; empty when reading */
   hid_t       id;                       /* HDF5's; negative: could not be made or opened, or another rank's */
+  hsize_t     length;                   /* bytes of the file when it was opened for reading */
   PetscInt    compression;              /* of data sets written from now on, HDF5's deflate level; 0: none */
   PetscBool   failed;                   /* on this rank */
+  PetscBool   strays;                   /* a data set to be read lies elsewhere; the same on every rank */
   H5E_auto2_t handler;                  /* HDF5's error printer, put back when the file is closed */
   void       *client;
 } H5File;
@@ -41,9 +43,12 @@ PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed);
    values [n][width]. Collective. */
 PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows *rows, const void *values,
                            const char unit[], const char meaning[]);
-/* H5FileRead - this rank's rows of a data set into values [n][width]; a data set of another shape is a failure.
-   Collective. */
+/* H5FileRead - this rank's rows of a data set into values [n][width]; a data set of another shape is a failure, and so
+   is one that leads out of the file: links, external storage and virtual data sets are not followed. Collective. */
 PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows *rows, void *values);
+/* H5FileHolds - whether the file is long enough for so many rows of so many bytes: to be asked before room is made for
+   them. Not collective, same answer on all ranks. */
+PetscBool H5FileHolds(H5File *h5, PetscInt64 rows, size_t bytes);
 /* H5FileNote - what HDF5 said of something done to the file: negative is a failure. Not collective. */
 void H5FileNote(H5File *h5, hid_t status);
 /* H5FileHas - whether there is a data set of this name. Not collective. */

@@ -94,6 +94,8 @@ static PetscInt Lines(const char path[])
   return lines;
 }
 
+static const StepState Beginning = {0};
+
 /* A run of STEPS states with a checkpoint at each of the steps 2, 4, 6. */
 static PetscErrorCode WriteRun(void)
 {
@@ -103,7 +105,7 @@ static PetscErrorCode WriteRun(void)
   PetscFunctionBegin;
   PetscCall(RunCreate(RUN_OPTIONS "-snapshot_interval 1e-3 ", &run));
   PetscCall(Fill(&run, Low, 0.3));
-  PetscCall(OutputSetUp(run.output, PETSC_FALSE));
+  PetscCall(OutputSetUp(run.output, NULL, &Beginning));
   for (PetscInt step = 0; step <= STEPS; step++) {
     SetState(&state, step);
     PetscCall(OutputStep(run.output, &state, (PetscBool)(step == STEPS)));
@@ -126,8 +128,8 @@ static PetscErrorCode TryRestart(const char options[], const char file[], Run *r
 {
   PetscFunctionBegin;
   PetscCall(RunCreate(options, run));
-  PetscCall(OutputSetUp(run->output, PETSC_TRUE));
   PetscCall(OutputRestart(run->output, file, state));
+  PetscCall(OutputSetUp(run->output, file, state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,7 +203,7 @@ static PetscErrorCode CheckOtherRanks(void)
   PetscCall(RunCreate(RUN_OPTIONS "-output_overwrite ", &one));
   PetscCall(Fill(&one, Low, 0.3));
   if (!rank) {
-    PetscCall(OutputSetUp(one.output, PETSC_FALSE));
+    PetscCall(OutputSetUp(one.output, NULL, &Beginning));
     PetscCall(OutputCheckpoint(one.output, &state));
   }
   world = PETSC_COMM_WORLD;
@@ -241,7 +243,7 @@ static PetscErrorCode Refused(const char options[], const char file[], const cha
     code = TryRestart(options, file, &run, &state);
   else {
     code = RunCreate(options, &run);
-    if (!code) code = OutputSetUp(run.output, PETSC_FALSE);
+    if (!code) code = OutputSetUp(run.output, NULL, &Beginning);
   }
   RefuseEnd(code, word, name);
   PetscCall(RunDestroy(&run));
@@ -327,7 +329,7 @@ static PetscErrorCode CheckOptions(void)
 
   PetscFunctionBegin;
   PetscCall(RunCreate(RUN_OPTIONS "-output_overwrite -title \"two words\" -shift -20e-3,-1 -flag -negative -3 ", &run));
-  PetscCall(OutputSetUp(run.output, PETSC_FALSE));
+  PetscCall(OutputSetUp(run.output, NULL, &Beginning));
   PetscCall(RunDestroy(&run));
   CHECK(!Exists(FOLDER "/checkpoint_000006.h5") && !Exists(FOLDER "/snapshots.xdmf") && Exists(FOLDER "/damaged.h5"),
         "overwrite removes what a run writes, and no more");

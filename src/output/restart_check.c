@@ -1,0 +1,173 @@
+/* What is checked of the particles of a checkpoint before they are used: a seal that fits says that the file is as it
+   was written, not who wrote it. */
+#include "output_impl.h"
+
+#define FLAW_LENGTH 256
+#define WALL_MARGIN 2 /* kernel supports and spacings: dummies of the walls are nearer to the box */
+
+/* Says what is wrong with a particle, unless something was wrong before. */
+static void Note(char flaw[FLAW_LENGTH], const char format[], ...)
+{
+  va_list arguments;
+
+  if (flaw[0]) return;
+  va_start(arguments, format);
+  (void)vsnprintf(flaw, FLAW_LENGTH, format, arguments);
+  va_end(arguments);
+}
+
+/* Refuses the file on all ranks with what the first of them found. */
+static PetscErrorCode Refuse(Output output, const char file[], char flaw[FLAW_LENGTH])
+{
+  PetscMPIInt own = flaw[0] ? output->rank : output->size, first;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(&own, &first, 1, MPI_INT, MPI_MIN, output->comm));
+  if (first == output->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(flaw, FLAW_LENGTH, MPI_CHAR, first, output->comm));
+  PetscCheckUser(PETSC_FALSE, output->comm, "The checkpoint %s cannot be used: %s; restart from another one.", file,
+                 flaw);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void CheckReals(const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_LENGTH])
+{
+  const int id = (int)arrays->integer[INT_ID][a];
+
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    for (PetscInt c = 0; c < Fields[f].width; c++)
+      if (PetscIsInfOrNanReal(arrays->real[f][Fields[f].width * a + c]))
+        Note(flaw, "the %s of particle %d is not finite", Fields[f].name, id);
+  if (arrays->real[FIELD_DENSITY][a] < 0) Note(flaw, "the density of particle %d is negative", id);
+}
+
+static void CheckKind(Scene scene, const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_LENGTH])
+{
+  const PetscInt id = arrays->integer[INT_ID][a], body = arrays->integer[INT_BODY][a],
+                 layer = arrays->integer[INT_LAYER][a], surface = arrays->integer[INT_SURFACE][a];
+  const PetscBool known = (PetscBool)(body < SceneCount(scene) && body > BODY_SOLID - SceneSolidCount(scene));
+
+  if (id < 0) Note(flaw, "a particle has the id %d", (int)id);
+  if (!known || layer < 0 || (layer == 0) != (body >= 0))
+    Note(flaw, "particle %d is of body %d, layer %d, which this scene does not have", (int)id, (int)body, (int)layer);
+  if (surface < 0 || surface > 2)
+    Note(flaw, "particle %d has the mark %d of the free surface, not 0, 1 or 2", (int)id, (int)surface);
+}
+
+/* Liquid may be a little out of the box: it is put back into it, or taken away, in the next step. */
+static void CheckPlace(Cloud cloud, const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_LENGTH])
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a, *v = arrays->real[FIELD_VELOCITY] + DIM * a;
+  const PetscBool  liquid = (PetscBool)(arrays->integer[INT_LAYER][a] == 0);
+  const PetscReal  wall   = WALL_MARGIN * (KernelSupport(cloud->kernel) + domain->spacing);
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscBool real   = (PetscBool)(d < domain->dim);
+    const PetscReal margin = !liquid ? wall : domain->face[d][0] == FACE_PERIODIC ? 0 : domain->spacing;
+
+    if (real ? x[d] < domain->lower[d] - margin || x[d] > domain->upper[d] + margin : x[d] != 0 || v[d] != 0)
+      Note(flaw, "particle %d is out of the box: %c = %g m", (int)arrays->integer[INT_ID][a], "xyz"[d], (double)x[d]);
+  }
+}
+
+/* What the ranks tell each other: of a particle (child: -1), and which parent a particle 'child' needs. */
+typedef struct {
+  PetscInt id, child, layer, cell;
+} Identity;
+
+static int CompareIdentities(const void *left, const void *right)
+{
+  const Identity *a = (const Identity *)left, *b = (const Identity *)right;
+
+  if (a->id != b->id) return a->id < b->id ? -1 : 1;
+  return a->child < b->child ? -1 : a->child > b->child;
+}
+
+/* Sends each of n to rank id % size; the received ones are to be freed. Collective. */
+static PetscErrorCode Distribute(Output output, PetscInt n, const Identity identity[], PetscInt *received,
+                                 Identity **there)
+{
+  const PetscMPIInt size = output->size;
+  PetscMPIInt      *count, *start, *count_there, *start_there;
+  MPI_Datatype      type;
+  Identity         *sorted;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc4(size, &count, size + 1, &start, size, &count_there, size + 1, &start_there));
+  PetscCall(PetscMalloc1(n, &sorted));
+  for (PetscInt k = 0; k < n; k++) count[identity[k].id % size]++;
+  PetscCallMPI(MPI_Alltoall(count, 1, MPI_INT, count_there, 1, MPI_INT, output->comm));
+  for (PetscMPIInt r = 0; r < size; r++) {
+    start[r + 1]       = start[r] + count[r];
+    start_there[r + 1] = start_there[r] + count_there[r];
+    count[r]           = 0;
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscMPIInt r = identity[k].id % size;
+
+    sorted[start[r] + count[r]++] = identity[k];
+  }
+  *received = start_there[size];
+  PetscCall(PetscMalloc1(*received, there));
+  PetscCallMPI(MPI_Type_contiguous((int)sizeof(Identity), MPI_BYTE, &type));
+  PetscCallMPI(MPI_Type_commit(&type));
+  PetscCallMPI(MPI_Alltoallv(sorted, count, start, type, *there, count_there, start_there, type, output->comm));
+  PetscCallMPI(MPI_Type_free(&type));
+  PetscCall(PetscFree(sorted));
+  PetscCall(PetscFree4(count, start, count_there, start_there));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* No id occurs twice, and the parent of a deeper wall particle is in the top layer and in the same cell, so that both
+   live on the same rank. Collective. */
+static PetscErrorCode CheckIdentities(Output output, const ParticleArrays *arrays, char flaw[FLAW_LENGTH])
+{
+  const Domain domain = output->cloud->domain;
+  Identity    *own, *there, top = {.id = -1};
+  PetscInt     n = 0, received;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(2 * arrays->n, &own));
+  for (PetscInt a = 0; a < arrays->n; a++) {
+    const PetscInt id = arrays->integer[INT_ID][a], layer = arrays->integer[INT_LAYER][a],
+                   cell = DomainCell(domain, arrays->real[FIELD_POSITION] + DIM * a);
+
+    own[n++] = (Identity){.id = id, .child = -1, .layer = layer, .cell = cell};
+    if (layer > 1) own[n++] = (Identity){.id = PetscMax(0, arrays->integer[INT_PARENT][a]), .child = id, .cell = cell};
+  }
+  PetscCall(Distribute(output, n, own, &received, &there));
+  PetscCall(PetscFree(own));
+  if (received) qsort(there, (size_t)received, sizeof(*there), CompareIdentities);
+  for (PetscInt k = 0; k < received; k++) {
+    const PetscBool needed = (PetscBool)(there[k].child >= 0);
+
+    if (!needed && there[k].id == top.id) Note(flaw, "two particles have the id %d", (int)top.id);
+    if (!needed) top = there[k];
+    if (needed && (there[k].id != top.id || top.layer != 1 || there[k].cell != top.cell))
+      Note(flaw, "particle %d of a wall has the parent %d, which is not in front of it", (int)there[k].child,
+           (int)there[k].id);
+  }
+  PetscCall(PetscFree(there));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode RestartCheckParticles(Output output, const char file[])
+{
+  const Cloud    cloud = output->cloud;
+  ParticleArrays arrays;
+  char           flaw[FLAW_LENGTH] = "";
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n && !flaw[0]; a++) {
+    CheckReals(&arrays, a, flaw);
+    CheckKind(cloud->scene, &arrays, a, flaw);
+    CheckPlace(cloud, &arrays, a, flaw);
+  }
+  PetscCall(Refuse(output, file, flaw));
+  PetscCall(CheckIdentities(output, &arrays, flaw));
+  PetscCall(Refuse(output, file, flaw));
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
