@@ -1,12 +1,13 @@
 #!/usr/bin/python3
-"""Files made by somebody else: checkpoints and cached packings whose contents were changed and whose seal was made anew,
-and checkpoints of another scene. On 1 to 4 ranks each run is right, or ends with one sentence before it writes a thing:
-no signal, no trace, no hang, nothing read outside of the file.
+"""Files made by somebody else: checkpoints and cached packings whose contents were changed and whose seal was made
+anew, and checkpoints of another scene. On 1 to 4 ranks each run is right, or ends with one sentence before it writes a
+thing: no signal, no trace, no hang, nothing read outside of the file.
 
     tests/faults/crafted.py [--checkpoints 200] [--packings 40] [--scenes 30]
 
-Without arguments a short part, as in make test; make faults tries as many as above. ISPH=output/sanitized/isph tries the
-program of 'make sanitized'. The last lines tell how many were tried of each, how many ran and how many were refused."""
+Without arguments a short part, as in make test; make faults tries as many as above. ISPH=output/sanitized/isph tries
+the program of 'make sanitized'. The last lines tell how many were tried of each, how many ran, how many were
+refused."""
 import argparse
 import os
 import random
@@ -241,7 +242,8 @@ def shape(file, rng):
 def elsewhere(file, rng):
     """Data behind links and in other files; that they are right does not matter."""
     name = rng.choice(FIELDS + NUMBERS + ("counts",))
-    how = rng.choice(("external link", "soft link", "soft link in a circle", "external storage", "virtual", "big chunk"))
+    how = rng.choice(("external link", "soft link", "soft link in a circle", "external storage", "virtual",
+                      "big chunk"))
     old, other = file[name][:], runs.scratch("other.h5")
     with h5py.File(other, "w") as second:
         second[name] = old
@@ -391,10 +393,12 @@ def packings(number, rng):
 # --- checkpoints of another scene ---
 
 OTHER = (  # options in place of those of the scene, words of the refusal
-    ("-box_upper 1,2", "-box_upper"), ("-box_lower 0,-0.1", "-box_lower"), ("-box_lower 0.4,0 -box_upper 1.4,1", "-box_lower"),
+    ("-box_upper 1,2", "-box_upper"), ("-box_lower 0,-0.1", "-box_lower"),
+    ("-box_lower 0.4,0 -box_upper 1.4,1", "-box_lower"),
     ("-box_upper 1.00001,1", "-box_upper"), ("-box_x wall", "-box_xmin"), ("-box_x open", "-box_xmax"),
     ("-box_x symmetry", "-box_xmin"), ("-box_ymin open", "-box_ymin"), ("-box_ymax wall", "-box_ymax"),
-    ("-bodies drop,film", "-bodies"), ("-bodies film", "bodies"), ("-bodies film,drop,more -more_lower 0.9,0.9", "bodies"),
+    ("-bodies drop,film", "-bodies"), ("-bodies film", "bodies"),
+    ("-bodies film,drop,more -more_lower 0.9,0.9", "bodies"),
     ("-film_density 900", "-film_density"), ("-drop_tension 2", "-drop_tension"), ("-film_upper 1,0.35", "film"),
     ("-drop_radius 0.14", "drop"), ("-drop_center 0.5,0.56", "drop"), ("-drop_shape box -drop_lower 0,.5", "drop"),
     ("-drop_velocity 1,-3", "velocity of drop"), ("-film_velocity 0,0.1", "velocity of film"),
@@ -417,7 +421,7 @@ def scenes(number, rng):
         code, _, err = attempt(SCENE + options + f" -steps_max 1 -restart {good} -output_dir {folder}", 1 + k % 4)
         judge("other scene", options, code, err, "refused", folder, (word,))
     for k, options in enumerate(rng.sample(SAME, min(max(2, number // 3), len(SAME)))):
-        code, _, err = attempt(SCENE + options + f" -steps_max 1 -restart {good} -output_overwrite -output_dir {folder}",
+        code, _, err = attempt(f"{SCENE} {options} -steps_max 1 -restart {good} -output_dir {folder} -output_overwrite",
                                1 + k % 4)
         judge("same scene", options, code, err, "run", folder)
     runs.check(not tally["other scene"]["failed"] and not tally["same scene"]["failed"], "scenes_at_a_restart")

@@ -182,5 +182,14 @@ refused("checkpoint_of_other_box_parallel", GOOD + f"-box_upper 10,10,30 -restar
 swapped = runs.numbered(runs.run(BOX + two, "swapped"), "checkpoint")[-1]
 refused("checkpoint_of_swapped_bodies", BOX + two + f"-bodies b,a -restart {swapped}", ["body 1 of -bodies", "a", "b"])
 refused("checkpoint_is_the_end", GOOD + f"-time_end 1e-9 -restart {checkpoint}", ["-time_end"])
+refused("checkpoint_is_a_pipe", GOOD + f"-restart {pipe}", [pipe, "no readable file"])
 runs.check(checksums(good) == before, "checkpoint_folder_unchanged", "files differ")
+# a restart that is refused leaves the run of its folder as it was: in its own folder, and in another to be overwritten
+early = runs.numbered(runs.run(GOOD + "-checkpoint_interval 1e-9", "early"), "checkpoint")[0]
+for name, folder in (("own", os.path.dirname(early)), ("other", good)):
+    before = checksums(folder)
+    for word, options in (("misspelt", "-gravitty 0,0,-1"), ("too_late", "-time_end 1e-9")):
+        refused(f"restart_{word}_{name}_folder", GOOD + f"{options} -output_overwrite -restart {early}",
+                [options.split()[0]], folder=folder)
+    runs.check(checksums(folder) == before, f"refused_restart_keeps_{name}_folder", "files differ")
 runs.done()

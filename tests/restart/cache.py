@@ -11,7 +11,8 @@ BOX = """-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -box_x wall -bo
  -packing_jitter 0.2 -packing_relaxation_time 0.02 -steps_max 1 -output_overwrite """
 NAMES = ("a", "log_a", "my_options", "snapshot")
 CHANGES = ("-{0}_viscosity 50", "-{0}_velocity 3,0", "-box_ymax_velocity 2,0", "-{0}_upper 1,0.5", "-packing_seed 2",
-           "-gravity 0,-1 -gravity_amplitude 1,0 -gravity_frequency 9", "-kernel_ratio 1.5", "-scheme density_invariant")
+           "-gravity 0,-1 -gravity_amplitude 1,0 -gravity_frequency 9", "-kernel_ratio 1.5",
+           "-scheme density_invariant")
 HARMLESS = "-output_dir {1}/elsewhere -series_interval 1 -snapshot_interval 1 -gauge_points 0.5,0.1 -time_end 9"
 
 
