@@ -26,18 +26,31 @@ static PetscErrorCode Run(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* PetscInitialize sets handlers of signals, of which none may end the program without a word. */
+static PetscErrorCode Initialize(int *argc, char ***argv)
+{
+  PetscErrorCode code;
+
+  InterruptHold();
+  code = PetscInitialize(argc, argv, NULL, help);
+  InterruptWatch();
+  return code;
+}
+
 int main(int argc, char **argv)
 {
-  int code;
+  PetscErrorCode code;
+  int            result;
 
+  ProgramStart();
   if (MPI_Init(&argc, &argv) || UserErrorHandlerPush())
     return 2; /* before the options are read: a missing options file is the user's error too */
-  code = (int)CommandLineCheck(MPI_COMM_WORLD, argc, argv);
-  if (!code) code = (int)PetscInitialize(&argc, &argv, NULL, help);
-  if (!code) {
-    code = (int)Run();
-    (void)PetscFinalize();
-  }
+  PrinterStart();
+  code = CommandLineCheck(MPI_COMM_WORLD, argc, argv);
+  if (!code) code = Initialize(&argc, &argv);
+  if (!code) code = Run();
+  result = ErrorFarewell(code);
+  if (PetscInitializeCalled) (void)PetscFinalize();
   (void)MPI_Finalize();
-  return code ? 1 : 0;
+  return result;
 }

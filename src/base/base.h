@@ -131,6 +131,51 @@ PetscErrorCode UserErrorHandlerPush(void);
 void        ErrorsKeep(PetscBool keep);
 const char *ErrorKept(void);
 
+/* ErrorFarewell - says what has not been said yet of an error that has come up to main, on rank 0, and ends the other
+   ranks if they have not come to the same error: they wait for this one. Returns the exit code. For main, at its end,
+   while MPI is there. */
+int ErrorFarewell(PetscErrorCode code);
+/* RanksMeet - for ranks that may have failed alone: *first: the lowest rank that calls with 'failed', or their number
+   if none does; *all: whether all ranks came within PATIENCE seconds. Ranks that did not fail wait for all. 'meeting':
+   a communicator for this alone, since stuck ranks are in the midst of other messages. Collective in effect. */
+PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first, PetscMPIInt *all);
+
+/* ProgramStart - starts the program's clock, keeps file numbers of closed standard streams taken, and notes from now on
+   the signals that end a program (HUP, INT, QUIT, PIPE, TERM, USR1, XCPU) instead of obeying; one that is ignored stays
+   so, and a second one of a kind ends the program at once. First in main. InterruptHold - keeps them back until
+   InterruptWatch, which notes them again: around PetscInitialize, which sets handlers of its own. Not collective. */
+void ProgramStart(void);
+void InterruptHold(void);
+void InterruptWatch(void);
+/* ProgramSeconds - since ProgramStart (s, wall clock). Not collective. */
+double ProgramSeconds(void);
+/* InterruptLimit - the program shall end after so many seconds; 0: no such limit. InterruptCheck - *reason: why it
+   should end now, or NULL; the same on every rank. Collective. */
+void           InterruptLimit(double seconds);
+PetscErrorCode InterruptCheck(MPI_Comm comm, const char **reason);
+
+/* FormatDuration - "2 h 05 min", "3 min 20 s" or "12 s". Not collective. */
+PetscErrorCode FormatDuration(double seconds, char text[], size_t length);
+/* ProgressInterval - the time between lines of progress (s); 0: none. ProgressBegin - work that may take long begins;
+   left: what there is of the run if it is ended here, a part of a sentence. Texts are borrowed. Not collective.
+   ProgressWork - again and again during the work: prints a line, when one is due, with the share of the work that is
+   done (negative: unknown), and refuses (UserError) to go on when a signal or the limit says so.
+   Collective; work of one rank alone takes PETSC_COMM_SELF. */
+void           ProgressInterval(double seconds);
+void           ProgressBegin(const char what[], const char left[]);
+PetscErrorCode ProgressWork(MPI_Comm comm, PetscReal share, const char format[], ...);
+/* ProgressDue - whether to print a line now; ProgressPrint - prints it. What ProgressWork is made of. Collective. */
+PetscErrorCode ProgressDue(MPI_Comm comm, PetscBool last, PetscBool *due);
+PetscErrorCode ProgressPrint(MPI_Comm comm, PetscReal share, const char format[], ...);
+
+/* PrinterStart - a print after a line that the next one would overwrite begins a new line; and what is printed from
+   here on never fails: when standard output is gone (a closed pipe, a full disk), a line on standard error says so
+   once, and the rest is dropped. PrinterLost - whether that is so. PrinterBreak - ends a line that may be overwritten.
+   Not collective. */
+void      PrinterStart(void);
+void      PrinterBreak(void);
+PetscBool PrinterLost(void);
+
 /* JournalOpen - from here on all that is printed on standard output, and the sentence of a UserError, is added to the
    file as well (rank 0), without lines that a terminal overwrites. JournalClose - ends that. JournalText - adds a text;
    nothing when none is open. Collective, but for JournalText. */

@@ -1,15 +1,22 @@
-/* How bad input is refused: one sentence instead of PETSc's trace. */
+/* How errors are told: bad input by a sentence at once, what else PETSc finds by one at the end of the program, with
+   the calls that led to it instead of PETSc's trace. */
 #include "base.h"
 #include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #define MESSAGE_LENGTH 1024
+#define PATIENCE       10. /* s that a rank which failed waits for the others */
+#define NAP            10  /* ms between two looks */
 
 static PetscBool UserErrorRaised = PETSC_FALSE; /* UserError has printed its sentence and its code is on its way up */
 static PetscBool Keeping         = PETSC_FALSE; /* errors of PETSc's are kept for the caller */
 static char      Kept[MESSAGE_LENGTH];
+static char      Last[MESSAGE_LENGTH];      /* the sentence of the last error, and the calls that led to it */
+static PetscBool Said      = PETSC_FALSE;   /* it has been printed here */
+static MPI_Comm  Farewells = MPI_COMM_NULL; /* where ranks meet that failed */
 
 PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
 {
@@ -28,37 +35,46 @@ PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
 }
 
 /* One line on standard error; what a user typed may hold characters that a terminal would obey. */
-static void Say(const char message[], int length, const char option[])
+static void Say(const char message[])
 {
-  char line[2 * MESSAGE_LENGTH];
+  char line[MESSAGE_LENGTH + 32];
 
-  (void)snprintf(line, sizeof(line), "isph: error: %.*s%s", length, message, option);
+  (void)snprintf(line, sizeof(line), "isph: error: %s", message);
   for (char *c = line; *c; c++)
     if (iscntrl((unsigned char)*c)) *c = '?';
+  PrinterBreak();
   fprintf(stderr, "%s\n", line);
   fflush(stderr);
   JournalText(line);
   JournalText("\n");
+  Said = PETSC_TRUE;
+}
+
+/* Rank 0 speaks for all; the others keep the sentence, in case that rank 0 has no error. */
+static void SayOnce(MPI_Comm comm)
+{
+  PetscMPIInt rank = 0;
+
+  (void)MPI_Comm_rank(comm, &rank);
+  Said = PETSC_FALSE;
+  if (!rank) Say(Last);
 }
 
 PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
 {
-  char        message[MESSAGE_LENGTH];
-  PetscMPIInt rank;
-  va_list     arguments;
+  va_list arguments;
 
   va_start(arguments, format);
-  (void)vsnprintf(message, sizeof(message), format, arguments);
+  (void)vsnprintf(Last, sizeof(Last), format, arguments);
   va_end(arguments);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (!rank) Say(message, (int)strlen(message), "");
+  SayOnce(comm);
   UserErrorRaised = PETSC_TRUE;
   return ISPH_USER_ERROR; /* bare: PetscError() would print a trace */
 }
 
 PetscErrorCode UserErrorSaid(void)
 {
-  UserErrorRaised = PETSC_TRUE;
+  UserErrorRaised = Said = PETSC_TRUE;
   return ISPH_USER_ERROR;
 }
 
@@ -119,16 +135,15 @@ static void FindOption(const char complaint[], char option[], size_t length)
 /* Values of options that PETSc itself cannot read or does not know: one sentence, as for the program's own checks. */
 static PetscBool ReportBadValue(const char function[], PetscErrorCode code, const char message[])
 {
-  PetscMPIInt rank = 0;
-  char        option[256];
+  char option[256];
 
   if (!message || !function) return PETSC_FALSE;
   if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) &&
       strncmp(function, "PetscOptionsInsertFile", 22) && code != PETSC_ERR_ARG_UNKNOWN_TYPE)
     return PETSC_FALSE;
   FindOption(message, option, sizeof(option));
-  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (!rank) Say(message, (int)strcspn(message, "\n"), option);
+  (void)snprintf(Last, sizeof(Last), "%.*s%s", (int)strcspn(message, "\n"), message, option);
+  SayOnce(PETSC_COMM_WORLD);
   return PETSC_TRUE;
 }
 
@@ -142,26 +157,79 @@ static PetscBool ReportMemory(const char function[], PetscErrorCode code)
   if (code != PETSC_ERR_MEM &&
       (!function || (strcmp(function, "PetscMallocAlign") && strcmp(function, "PetscReallocAlign"))))
     return PETSC_FALSE;
-  Say(message, (int)strlen(message), "");
+  Say(message);
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
   if (size > 1) (void)MPI_Abort(PETSC_COMM_WORLD, 1);
   return PETSC_TRUE;
 }
 
-/* An error that starts anew is PETSc's; the repeats of a user error, one a PetscCall on the way up, are not printed. */
+/* An error that starts anew is PETSc's, and so are its repeats, one a PetscCall on the way up: the calls. Those of a
+   user error say nothing. A PetscCall in main, of a test, ends the program. */
 static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                        PetscErrorCode code, PetscErrorType type, const char *message, void *context)
 {
-  if (type == PETSC_ERROR_INITIAL)
+  const char *text = message;
+  size_t      used;
+
+  if (type == PETSC_ERROR_INITIAL) {
     UserErrorRaised =
-      (PetscBool)(ReportMemory(function, code) || ReportBadValue(function, code, message) || Keep(code, message));
-  if (UserErrorRaised) return code;
-  return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, context);
+      (PetscBool)(ReportMemory(function, code) || Keep(code, message) || ReportBadValue(function, code, message));
+    if (UserErrorRaised) return code;
+    if (!text || !*text) (void)PetscErrorMessage(code, &text, NULL);
+    (void)snprintf(Last, sizeof(Last), "PETSc says \"%.*s\" (error %d in %s, line %d of %s",
+                   text ? (int)strcspn(text, "\n") : 0, text ? text : "", (int)code, function, line, file);
+    Said = PETSC_FALSE;
+  } else if (!UserErrorRaised) {
+    used = strlen(Last);
+    (void)snprintf(Last + used, sizeof(Last) - used, " < %s", function);
+  }
+  if (!UserErrorRaised && function && !strcmp(function, "main")) Say(Last);
+  return code;
 }
 
 PetscErrorCode UserErrorHandlerPush(void)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
+  PetscCallMPI(MPI_Comm_dup(MPI_COMM_WORLD, &Farewells));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first, PetscMPIInt *all)
+{
+  const struct timespec nap = {.tv_nsec = NAP * 1000000L};
+  PetscMPIInt           rank, size, own;
+  MPI_Request           request;
+  const double          start = ProgramSeconds();
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(meeting, &rank));
+  PetscCallMPI(MPI_Comm_size(meeting, &size));
+  own = failed ? rank : size;
+  PetscCallMPI(MPI_Iallreduce(&own, first, 1, MPI_INT, MPI_MIN, meeting, &request));
+  *all = 0;
+  if (!failed) {
+    PetscCallMPI(MPI_Wait(&request, MPI_STATUS_IGNORE));
+    *all = 1;
+  }
+  while (!*all && ProgramSeconds() < start + PATIENCE) {
+    PetscCallMPI(MPI_Test(&request, all, MPI_STATUS_IGNORE));
+    if (!*all) (void)nanosleep(&nap, NULL);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int ErrorFarewell(PetscErrorCode code)
+{
+  PetscMPIInt first = 0, all = 1, rank = 0;
+
+  if (code && !UserErrorRaised && Last[0]) (void)snprintf(Last + strlen(Last), sizeof(Last) - strlen(Last), ")");
+  if (code && !Last[0]) (void)snprintf(Last, sizeof(Last), "PETSc could not start or end (error %d)", (int)code);
+  (void)MPI_Comm_rank(Farewells, &rank);
+  if (code && !rank && !Said) Say(Last);
+  if (code) (void)RanksMeet(Farewells, PETSC_TRUE, &first, &all);
+  if (code && rank && !all && !Said) Say(Last);
+  if (!all) (void)MPI_Abort(MPI_COMM_WORLD, 1);
+  (void)MPI_Comm_free(&Farewells);
+  return code ? 1 : 0;
 }

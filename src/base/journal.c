@@ -1,15 +1,18 @@
-/* The journal of a run: what goes to standard output, and the sentence of an error, in a file as well. PETSc prints
-   through a function pointer; here that function writes twice. */
+/* What goes to standard output: it may be lost without harm, and with the sentence of an error it is also kept in a
+   file, the journal of a run. PETSc prints through a function pointer; here that function does both. */
 #include "base.h"
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#define TEXT_LENGTH 8192 /* of one print, bytes; what is longer is cut in the journal */
+#define TEXT_LENGTH 8192 /* of one print, bytes; what is longer takes memory of its own */
 
-static FILE *journal = NULL;
-static PetscErrorCode (*printer)(FILE *, const char[], va_list); /* PETSc's own */
+static FILE     *journal   = NULL;
+static PetscBool lost      = PETSC_FALSE; /* standard output */
+static PetscBool open_line = PETSC_FALSE; /* the next line of progress overwrites the last one */
 
 void JournalText(const char text[])
 {
@@ -18,21 +21,54 @@ void JournalText(const char text[])
   if (strchr(text, '\n')) fflush(journal);
 }
 
-static PetscErrorCode Both(FILE *stream, const char format[], va_list arguments)
+PetscBool PrinterLost(void)
 {
-  char    text[TEXT_LENGTH];
+  return lost;
+}
+
+void PrinterBreak(void)
+{
+  if (!open_line) return;
+  fputs("\n", stdout);
+  fflush(stdout);
+  open_line = PETSC_FALSE;
+}
+
+/* Standard output that cannot be written becomes one that can: PETSc takes a print that fails for an error. */
+static void Write(FILE *stream, const char text[])
+{
+  PetscBool failed;
+
+  if (text[0] != '\r') PrinterBreak();
+  if (stream == stdout) open_line = (PetscBool)(text[0] == '\r' && !strchr(text, '\n'));
+  failed = (PetscBool)(fputs(text, stream) < 0 || fflush(stream));
+
+  if (stream == stdout || stream == stderr) JournalText(text);
+  if (!failed || stream != stdout || lost) return;
+  fprintf(stderr, "isph: standard output is gone (%s); what would be printed is dropped\n", strerror(errno));
+  lost = (PetscBool)(freopen("/dev/null", "w", stdout) != NULL);
+}
+
+static PetscErrorCode Print(FILE *stream, const char format[], va_list arguments)
+{
+  char    text[TEXT_LENGTH], *longer;
   size_t  length;
   va_list copy;
 
   PetscFunctionBegin;
-  if (stream == PETSC_STDOUT && journal) {
-    va_copy(copy, arguments);
-    PetscCall(PetscVSNPrintf(text, sizeof(text), format, &length, copy));
-    va_end(copy);
-    JournalText(text);
-  }
-  PetscCall((*printer)(stream, format, arguments));
+  va_copy(copy, arguments);
+  PetscCall(PetscVSNPrintf(text, sizeof(text), format, &length, arguments));
+  longer = length > sizeof(text) ? malloc(length + 1) : NULL;
+  if (longer) PetscCall(PetscVSNPrintf(longer, length + 1, format, &length, copy));
+  va_end(copy);
+  Write(stream, longer ? longer : text);
+  free(longer);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void PrinterStart(void)
+{
+  PetscVFPrintf = Print;
 }
 
 PetscErrorCode JournalOpen(MPI_Comm comm, const char path[])
@@ -47,8 +83,6 @@ PetscErrorCode JournalOpen(MPI_Comm comm, const char path[])
   if (rank || journal) PetscFunctionReturn(PETSC_SUCCESS);
   journal = fopen(path, "a"); /* a run does not fail for want of its journal */
   if (!journal) PetscFunctionReturn(PETSC_SUCCESS);
-  printer       = PetscVFPrintf;
-  PetscVFPrintf = Both;
   if (gmtime_r(&now, &moment)) strftime(date, sizeof(date), "%Y-%m-%d %H:%M:%S UTC", &moment);
   fprintf(journal, "=== isph %s, %s\n", ISPH_VERSION, date);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -58,7 +92,6 @@ PetscErrorCode JournalClose(void)
 {
   PetscFunctionBegin;
   if (!journal) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscVFPrintf = printer;
   fclose(journal);
   journal = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);

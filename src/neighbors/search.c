@@ -346,7 +346,8 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
         ReserveList(cloud, used, PetscMax(search.most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + search.most));
     found = FindNeighbors(cloud, &search, a, cloud->list + used);
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-               "particle %" PetscInt_FMT " at (%g, %g, %g) has %" PetscInt_FMT " neighbours: particles have clumped",
+               "particle %" PetscInt_FMT " at (%g, %g, %g) m has %" PetscInt_FMT
+               " neighbours: particles have clumped; a smaller -time_cfl or -time_step helps",
                cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
     PadRow(a, found, cloud->list + used, search.s);
     cloud->laplacian_sum[a] = PairFactors(cloud->kernel, search.unit, found, search.s, visit ? w : NULL, slope_over_r2,

@@ -24,6 +24,7 @@ typedef struct {
   PetscReal  deviation, closest;  /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
   PetscReal  travelled;           /* largest displacement of a round, m */
   PetscReal  particles;           /* fluid particles of all ranks */
+  PetscInt   iterations;          /* of all rounds */
   PetscReal *start, *searched;    /* [n_fluid][3] positions at the start of the round and at the last search, m */
 } Optimiser;
 
@@ -167,6 +168,9 @@ static PetscErrorCode Converged(Tao tao, void *context)
   Optimiser *o = (Optimiser *)context;
 
   PetscFunctionBegin;
+  PetscCall(ProgressWork(
+    o->cloud->comm, -1, "iteration %4" PetscInt_FMT "  density deviates by %.2e, %.1e is wanted  closest %.2f spacings",
+    o->iterations++, (double)o->deviation, (double)o->tolerance, (double)(o->closest / o->cloud->domain->spacing)));
   PetscCall(TaoDefaultConvergenceTest(tao, NULL));
   if (o->travelled > TRAVEL_LIMIT * o->cloud->domain->spacing)
     PetscCall(TaoSetConvergedReason(tao, TAO_DIVERGED_USER));
@@ -231,6 +235,7 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(&cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, cloud->comm));
   o.particles = (PetscReal)particles;
+  ProgressBegin("the optimisation of the packing", "no step was computed");
   PetscCall(PetscNew(&o.row));
   o.distance         = target->distance * cloud->domain->spacing;
   target->iterations = 0;

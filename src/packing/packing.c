@@ -250,6 +250,7 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
   PetscCall(PetscMemzero(report, sizeof(*report)));
   PetscCall(PackingCheckMemory(packing));
+  ProgressBegin("the packing", "no step was computed");
   if (packing->ops.setup) PetscCall(packing->ops.setup(packing, report));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));

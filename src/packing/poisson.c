@@ -52,6 +52,7 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   Poisson        *p         = (Poisson *)packing->data;
   const PetscReal numbers[] = {p->distance, p->tolerance, p->skin, p->repulsion};
   const MPI_Comm  comm      = packing->cloud->comm;
+  PetscErrorCode  bad       = PETSC_SUCCESS;
   PetscMPIInt     rank;
 
   PetscFunctionBegin;
@@ -60,8 +61,11 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   if (packing->cache[0]) PetscCall(CacheRead(packing->cloud, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);
-  if (rank == 0) PetscCall(PoissonSample(packing, p->skin, &p->n, &p->x, &p->body));
+  if (rank == 0) bad = PoissonSample(packing, p->skin, &p->n, &p->x, &p->body);
+  if (bad) p->n = -1;
   PetscCallMPI(MPI_Bcast(&p->n, 1, MPIU_INT, 0, comm));
+  PetscCall(bad);
+  if (p->n < 0) return UserErrorSaid();
   if (rank) {
     PetscCall(PetscMalloc1(DIM * p->n, &p->x));
     PetscCall(PetscMalloc1(p->n, &p->body));

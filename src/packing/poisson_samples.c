@@ -22,6 +22,7 @@
 #define FOOT_OFF        0.1  /* the foot of a normal may be so far from the surface */
 #define SUBCELLS        6    /* a direction: the share of a cell inside the body is exact to about a percent */
 #define NOBODY          (-1)
+#define WATCH_AFTER     4096 /* darts: between two looks at the clock */
 
 typedef struct {
   Domain             domain;
@@ -34,8 +35,8 @@ typedef struct {
   /* A grid of cells at least one spacing wide over all bodies; lists of samples through head and next. */
   PetscReal  grid_lower[DIM], cell[DIM];
   PetscInt   cells[DIM], *head, *next;
-  PetscInt   n;
-  PetscReal *x; /* [n][3] m */
+  PetscInt   n, total; /* samples, and those wanted of all bodies */
+  PetscReal *x;        /* [n][3] m */
 } Darts;
 
 /* The next random number. */
@@ -183,18 +184,29 @@ static PetscBool ProjectToSkin(const Darts *darts, PetscReal x[DIM])
                      IsFreeSurface(darts, x, s, normal));
 }
 
+/* The line of progress; this is work of one rank. */
+static PetscErrorCode Watch(const Darts *darts)
+{
+  PetscFunctionBegin;
+  PetscCall(ProgressWork(PETSC_COMM_SELF, (PetscReal)darts->n / PetscMax(1, darts->total),
+                         "%" PetscInt_FMT " of %" PetscInt_FMT " random samples", darts->n, darts->total));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Throws darts into the cells of the grid that the surface of the core may cross. */
-static void SampleSurface(Darts *darts, PetscInt most)
+static PetscErrorCode SampleSurface(Darts *darts, PetscInt most)
 {
   const PetscReal half = 0.5 * Norm(darts->cell);
-  PetscInt        first[DIM], last[DIM], cell[DIM];
+  PetscInt        first[DIM], last[DIM], cell[DIM], looked = 0;
   PetscReal       x[DIM] = {0, 0, 0};
 
+  PetscFunctionBegin;
   darts->radius = FIRST_RADIUS * darts->spacing;
   FindCell(darts, darts->lower, first);
   FindCell(darts, darts->upper, last);
   FindCell(darts, darts->lower, cell);
   do {
+    if (looked++ % (WATCH_AFTER / SURFACE_DARTS) == 0) PetscCall(Watch(darts));
     for (PetscInt d = 0; d < darts->domain->dim; d++) x[d] = darts->grid_lower[d] + (cell[d] + 0.5) * darts->cell[d];
     if (PetscAbsReal(BodyDistance(darts->body, x) + darts->skin) > half) continue;
     for (PetscInt dart = 0; dart < SURFACE_DARTS && darts->n < most; dart++) {
@@ -203,11 +215,13 @@ static void SampleSurface(Darts *darts, PetscInt most)
       if (ProjectToSkin(darts, x) && IsFree(darts, x)) AddSample(darts, x);
     }
   } while (CellNext(first, last, cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Throws darts into the core until there are 'most' samples or no hope. */
-static void SampleVolume(Darts *darts, PetscInt most)
+static PetscErrorCode SampleVolume(Darts *darts, PetscInt most)
 {
+  PetscFunctionBegin;
   darts->radius = FIRST_RADIUS * darts->spacing;
   while (darts->n < most) {
     const PetscInt missing = most - darts->n, batch = VOLUME_DARTS * missing + VOLUME_DARTS_0;
@@ -216,6 +230,7 @@ static void SampleVolume(Darts *darts, PetscInt most)
     for (PetscInt dart = 0; dart < batch && darts->n < most; dart++) {
       PetscReal x[DIM] = {0, 0, 0};
 
+      if (dart % WATCH_AFTER == 0) PetscCall(Watch(darts));
       for (PetscInt d = 0; d < darts->domain->dim; d++)
         x[d] = darts->lower[d] + Draw(darts) * (darts->upper[d] - darts->lower[d]);
       if (!InCore(darts, x)) continue;
@@ -229,6 +244,7 @@ static void SampleVolume(Darts *darts, PetscInt most)
     darts->radius = FIRST_RADIUS * darts->spacing;
     if (darts->skin < SKIN_SMALLEST * darts->spacing) break;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The share of cell 'at' of those of these edges (m) from the body's lower corner on that is inside the body. */
@@ -321,7 +337,7 @@ PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, Petsc
 {
   const Scene scene = packing->cloud->scene;
   Darts       darts = {.domain = packing->cloud->domain, .seed = (unsigned long long)packing->seed};
-  PetscInt    wanted[SCENE_MAX_BODIES], total = 0;
+  PetscInt    wanted[SCENE_MAX_BODIES];
 
   PetscFunctionBegin;
   darts.spacing    = darts.domain->spacing;
@@ -329,18 +345,18 @@ PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, Petsc
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     SelectBody(&darts, SceneBody(scene, b));
     wanted[b] = (PetscInt)PetscFloorReal(CountParticles(&darts) + 0.5);
-    total += wanted[b];
+    darts.total += wanted[b];
   }
-  PetscCall(GridCreate(&darts, scene, total));
-  PetscCall(PetscMalloc1(total, body));
+  PetscCall(GridCreate(&darts, scene, darts.total));
+  PetscCall(PetscMalloc1(darts.total, body));
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     const PetscInt before = darts.n;
 
     SelectBody(&darts, SceneBody(scene, b));
-    SampleSurface(&darts, before + wanted[b]);
+    PetscCall(SampleSurface(&darts, before + wanted[b]));
     PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " samples, %" PetscInt_FMT " on the surface\n",
                         BodyName(darts.body), wanted[b], darts.n - before));
-    SampleVolume(&darts, before + wanted[b]);
+    PetscCall(SampleVolume(&darts, before + wanted[b]));
     PetscCall(PetscInfo(NULL, "packing %s: %" PetscInt_FMT " samples at least %g spacings apart, skin %g\n",
                         BodyName(darts.body), darts.n - before, (double)(darts.radius / darts.spacing),
                         (double)(darts.skin / darts.spacing)));

@@ -124,6 +124,7 @@ static PetscErrorCode Try(Sim sim, PetscReal *step_time)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < TRIAL_STEPS && state.time < sim->time_end; k++) {
     if (k == 1) PetscCall(PetscTime(&start));
+    PetscCall(ProgressWork(sim->comm, (PetscReal)k / TRIAL_STEPS, "trial step"));
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &state, &failed, why, sizeof(why)));
     PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
     done = k;
@@ -238,6 +239,7 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscReal  step_time = 0;
 
   PetscFunctionBegin;
+  ProgressBegin("the dry run", "nothing is lost");
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
   PetscCall(Picture(sim));
   PetscCall(Try(sim, &step_time));

@@ -125,7 +125,11 @@ PetscErrorCode Relax(Sim sim)
       if (!arrays.integer[INT_LAYER][a]) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));
     PetscCall(ParticlesClose(sim->particles, &arrays));
     PetscCall(CloudResync(sim->cloud));
+    ProgressBegin("the relaxation of the packing", "no step of the run was computed");
     while (state.time < sim->relaxation_time && speed > sim->relaxation_speed) {
+      PetscCall(ProgressWork(sim->comm, state.time / sim->relaxation_time,
+                             "t = %8.3f ms  step %6" PetscInt_FMT "  dt = %8.3g s", (double)state.time * 1e3,
+                             state.step, (double)state.time_step));
       PetscCall(StepperAdvance(sim->stepper, sim->relaxation_time, PETSC_FALSE, &state, &failed, why, sizeof(why)));
       PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s",
                      state.step, why);

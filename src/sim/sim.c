@@ -33,8 +33,9 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(OptionReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "[0, inf)",
                        &sim->progress_interval));
   PetscCall(OptionReal("-wall_clock_limit",
-                       "wall-clock time after which the run writes a checkpoint and ends (s); 0: none", "[0, inf)",
-                       &sim->wall_clock_limit));
+                       "wall-clock time from the start of the program, set-up included, after which the run writes a "
+                       "checkpoint and ends (s); 0: none",
+                       "[0, inf)", &sim->wall_clock_limit));
   PetscCall(OptionReal("-packing_relaxation_time",
                        "time for which the packing comes to rest before the run, without body force (s)", "[0, inf)",
                        &sim->relaxation_time));
@@ -46,6 +47,8 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                        "rms speed (m/s) below which the relaxation ends before its time; 0: never", "[0, inf)",
                        &sim->relaxation_speed));
   PetscOptionsEnd();
+  ProgressInterval((double)sim->progress_interval);
+  InterruptLimit((double)sim->wall_clock_limit);
   PetscCall(MonitorSetFromOptions(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,6 +129,7 @@ PetscErrorCode SimSetUp(Sim sim)
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
+  PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
   if (restarting) {
     PetscCall(OutputRestart(sim->output, sim->restart, &sim->state));
     PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
@@ -211,17 +215,32 @@ static PetscBool DivergenceWanted(Sim sim, PetscInt steps)
                      OutputSeriesDue(sim->output, soon));
 }
 
+/* interrupted: what ended the run, or NULL; said on standard error where nobody reads standard output any more. */
+static PetscErrorCode SayHowToContinue(Sim sim, const char *interrupted)
+{
+  const char *folder = OutputFolder(sim->output);
+  FILE       *stream = PrinterLost() ? stderr : PETSC_STDOUT;
+  char        checkpoint[OUTPUT_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  if (!interrupted && sim->progress_interval == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  OutputCheckpointName(sim->state.step, checkpoint);
+  if (interrupted)
+    PetscCall(PetscFPrintf(sim->comm, stream, "ended by %s at %g s\n", interrupted, (double)sim->state.time));
+  PetscCall(PetscFPrintf(sim->comm, stream, "Results are in %s; continue with%s -restart %s/%s\n", folder,
+                         interrupted ? "" : " a later -time_end and", folder, checkpoint));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SimRun(Sim sim)
 {
   Progress    progress    = {0};
   PetscBool   last        = PETSC_FALSE;
   PetscInt    steps       = 0;
   const char *interrupted = NULL;
-  char        checkpoint[OUTPUT_NAME_LENGTH];
 
   PetscFunctionBegin;
   PetscCall(ProgressStart(sim, &progress));
-  PetscCall(InterruptWatch());
   if (!sim->restart[0]) PetscCall(WriteOutput(sim, PETSC_FALSE));
   PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
   while (!last) {
@@ -238,20 +257,16 @@ PetscErrorCode SimRun(Sim sim)
                      (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
     PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
-    PetscCall(InterruptCheck(sim, &progress, &interrupted));
+    PetscCall(InterruptCheck(sim->comm, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
     PetscCall(ProgressStep(sim, &progress, last));
     PetscCall(MonitorStep(sim));
-    if (interrupted) PetscCall(PetscPrintf(sim->comm, "ended by %s at %g s\n", interrupted, (double)sim->state.time));
   }
-  OutputCheckpointName(sim->state.step, checkpoint);
-  if (interrupted || sim->progress_interval > 0)
-    PetscCall(PetscPrintf(sim->comm, "Results are in %s; continue with%s -restart %s/%s\n", OutputFolder(sim->output),
-                          interrupted ? "" : " a later -time_end and", OutputFolder(sim->output), checkpoint));
+  PetscCall(SayHowToContinue(sim, interrupted));
   PetscCall(PetscLogStagePop());
-  if (SpectrumWanted(sim->spectrum)) {
+  if (SpectrumWanted(sim->spectrum) && !interrupted) {
     SpectrumStep step = {.iterations = sim->state.iterations, .viscosity = StepperViscosity(sim->stepper)};
 
     PetscCall(StepperPredict(sim->stepper, &sim->state, &step.dt));

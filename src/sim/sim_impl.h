@@ -33,14 +33,11 @@ struct _p_Sim {
 
 /* The progress line. */
 typedef struct {
-  double    started, printed, kept; /* s: when the run started, a line was printed, one that stays was */
+  double    started; /* s, on the program's clock */
   PetscReal start_time;
   PetscInt  start_step, iterations;
-  PetscBool terminal;
 } Progress;
 
-/* FormatDuration - "2 h 05 min", "3 min 20 s" or "12 s". Not collective. */
-PetscErrorCode FormatDuration(double seconds, char text[], size_t length);
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.
  * Collective. */
@@ -62,10 +59,6 @@ PetscErrorCode DumpFinish(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);
-/* InterruptWatch - from now on signals that end a program are noted instead. Not collective. */
-PetscErrorCode InterruptWatch(void);
-/* InterruptCheck - *reason: why the run should end now, or NULL; the same on every rank. Collective. */
-PetscErrorCode InterruptCheck(Sim sim, const Progress *progress, const char **reason);
 /* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective.
  */
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);

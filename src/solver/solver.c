@@ -3,9 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PATIENCE 10.  /* s that a rank which failed waits for the others */
-#define NAP      1e-2 /* s between two looks */
-#define TEXT     512
+#define TEXT 512
 
 static MPI_Comm Meeting = MPI_COMM_NULL; /* of its own: stuck ranks are in the midst of other messages */
 
@@ -41,32 +39,6 @@ static PetscErrorCode Choices(const char prefix[], char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The lowest rank that failed, or the number of ranks; whether all ranks came to tell. */
-static PetscErrorCode Meet(PetscBool failed, PetscMPIInt *first, PetscMPIInt *all)
-{
-  PetscMPIInt    rank, size, own;
-  MPI_Request    request;
-  PetscLogDouble start, now;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(Meeting, &rank));
-  PetscCallMPI(MPI_Comm_size(Meeting, &size));
-  own = failed ? rank : size;
-  PetscCallMPI(MPI_Iallreduce(&own, first, 1, MPI_INT, MPI_MIN, Meeting, &request));
-  PetscCall(PetscTime(&start));
-  *all = 0;
-  if (!failed) {
-    PetscCallMPI(MPI_Wait(&request, MPI_STATUS_IGNORE));
-    *all = 1;
-  }
-  for (now = start; !*all && now < start + PATIENCE;) {
-    PetscCallMPI(MPI_Test(&request, all, MPI_STATUS_IGNORE));
-    if (!*all) PetscCall(PetscSleep(NAP));
-    PetscCall(PetscTime(&now));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode code)
 {
   const char *prefix = strcmp(equation, "viscous") ? "" : "viscous_";
@@ -80,7 +52,7 @@ PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode 
     PetscCall(PetscRegisterFinalize(FinalizePackage));
   }
   PetscCallMPI(MPI_Comm_size(Meeting, &size));
-  PetscCall(Meet((PetscBool)(code != 0), &first, &all));
+  PetscCall(RanksMeet(Meeting, (PetscBool)(code != 0), &first, &all));
   if (all && first == size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrncpy(said, ErrorKept(), sizeof(said)));
   if (all) PetscCallMPI(MPI_Bcast(said, sizeof(said), MPI_CHAR, first, Meeting));

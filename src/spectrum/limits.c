@@ -15,6 +15,7 @@ static PetscErrorCode ApplyViscosity(Mat shell, Vec x, Vec y)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(shell, &s));
   cloud = s->cloud;
+  PetscCall(ProgressWork(cloud->comm, -1, "a product of the viscosity"));
   PetscCall(PetscArrayzero(cloud->field[FIELD_VELOCITY], DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
   PetscCall(VecGetArrayRead(x, &u));
@@ -52,6 +53,7 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
   Vec           b, p;
 
   PetscFunctionBegin;
+  PetscCall(ProgressWork(cloud->comm, -1, "a response of the surface tension"));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) largest = PetscMax(largest, Norm(displacement + DIM * a));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   scale = DISPLACEMENT * cloud->domain->spacing / PetscMax(largest, PETSC_SMALL * cloud->domain->spacing);

@@ -133,6 +133,15 @@ static PetscErrorCode CreateShell(Operators *o, PetscErrorCode (*apply)(Mat, Vec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A monitor of CG. */
+static PetscErrorCode Watch(KSP ksp, PetscInt iterations, PetscReal residual, void *context)
+{
+  PetscFunctionBegin;
+  PetscCall(ProgressWork(PetscObjectComm((PetscObject)ksp), -1,
+                         "iteration %" PetscInt_FMT " of a tight solve, residual %.1e", iterations, (double)residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CG with the preconditioner of the run, tight, watching its Lanczos process. */
 static PetscErrorCode CreateTightSolver(KSP model, KSP *ksp)
 {
@@ -149,6 +158,7 @@ static PetscErrorCode CreateTightSolver(KSP model, KSP *ksp)
   PetscCall(KSPSetNormType(*ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetTolerances(*ksp, INNER_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 100000));
   PetscCall(KSPSetComputeSingularValues(*ksp, PETSC_TRUE));
+  PetscCall(KSPMonitorSet(*ksp, Watch, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -43,6 +43,7 @@ PetscErrorCode SpectrumRun(Spectrum s, const SpectrumStep *step)
   PetscCall(PetscMalloc1(DIM * cloud->n_owned, &s->place));
   PetscCall(PetscArraycpy(s->place, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   PetscCall(PetscPrintf(cloud->comm, "Spectrum\n"));
+  ProgressBegin("the spectrum", "the run before it is complete");
   PetscCall(PressureSetUp(s->pressure, step->dt));
   PetscCall(SpectrumPoisson(s, step->iterations));
   PetscCall(SpectrumLimits(s, step->dt));

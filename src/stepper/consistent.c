@@ -30,6 +30,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionBegin;
   PetscCall(CloudBegin(cloud));
   if (scheme->centered) PetscCall(StepDrift(stepper, dt, trial));
+  if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StepSearch(stepper, viscous));
   PetscCall(TrialDiagnose(stepper, trial));
   PetscCall(StepForces(stepper, dt, cloud->rest_density, viscous, trial));

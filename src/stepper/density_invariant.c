@@ -19,14 +19,26 @@
   "the scheme as printed needs -packing_type poisson, and where liquid meets liquid at speed may need "                \
   "-pressure_closure "                                                                                                 \
   "full_diagonal"
+/* Stage one may go so many times as far as a step, since stage two takes some of it back. */
+#define PREDICTED_RATIO 2
 
-/* r^F = r^n + dt v^F, ghosts included; r^n goes to start ([n_owned][3], m). */
-static PetscErrorCode Predict(Cloud cloud, PetscReal dt, PetscReal start[])
+/* r^F = r^n + dt v^F, ghosts included; r^n goes to start ([n_owned][3], m). The trial's displacement is that of a step
+   which goes too far, or 0. */
+static PetscErrorCode Predict(Stepper stepper, PetscReal dt, PetscReal start[], StepTrial *trial)
 {
-  PetscReal       *r      = cloud->field[FIELD_POSITION];
+  const Cloud      cloud = stepper->cloud;
+  PetscReal       *r = cloud->field[FIELD_POSITION], *largest = &trial->largest[LARGEST_DISPLACEMENT];
   const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR];
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) *largest = PetscMax(*largest, dt * Norm(v_star + DIM * a));
+  *largest /= PREDICTED_RATIO;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  if (StepTooFar(stepper, trial)) {
+    *largest *= PREDICTED_RATIO;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *largest = 0;
   PetscCall(PetscArraycpy(start, r, DIM * cloud->n_owned));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += dt * v_star[k]; /* Eq. (2) */
   PetscCall(CloudMoved(cloud));
@@ -59,8 +71,8 @@ static PetscErrorCode DensityInvariantStep(Stepper stepper, PetscReal dt, StepTr
   PetscCall(StepForces(stepper, dt, cloud->field[FIELD_DENSITY], PETSC_FALSE, trial));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &start));
-  PetscCall(Predict(cloud, dt, start));
-  PetscCall(Correct(stepper, dt, start, trial));
+  PetscCall(Predict(stepper, dt, start, trial));
+  if (!StepTooFar(stepper, trial)) PetscCall(Correct(stepper, dt, start, trial));
   PetscCall(CloudRestoreWork(cloud, &start));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -96,7 +96,8 @@ struct _p_Stepper {
   void          *scheme; /* data of the scheme */
   TimeStepLimits limits;
   TrialLimits    trial;
-  StepBounds     bounds; /* of the last step size chosen */
+  StepBounds     bounds;  /* of the last step size chosen */
+  PetscReal      fastest; /* m/s, of all the liquid, at that time */
   Viscosity      viscosity;
   SurfaceTest    surface_test;
   Viscous        viscous;
@@ -112,6 +113,14 @@ struct _p_Stepper {
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
   PetscReal force_time;       /* when forces act, in steps after the start of the step */
 };
+
+/* StepTooFar - whether the trial has moved a particle further than a step may: then neighbours need not be looked for,
+   nor would they be found. The same on every rank where the displacement is. */
+static inline PetscBool StepTooFar(Stepper stepper, const StepTrial *trial)
+{
+  return (PetscBool) !(trial->largest[LARGEST_DISPLACEMENT] <=
+                       stepper->trial.displacement * stepper->cloud->domain->spacing);
+}
 
 /* Each scheme's creation: defaults of stepper and pressure, its data and operations. Not collective. */
 PetscErrorCode SchemeCreate_Consistent(Stepper stepper);

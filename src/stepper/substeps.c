@@ -3,18 +3,15 @@
 
 PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
-  Cloud            cloud    = stepper->cloud;
-  PetscReal       *r        = cloud->field[FIELD_POSITION];
-  const PetscReal *v        = cloud->field[FIELD_VELOCITY];
-  PetscReal        largest2 = 0;
+  Cloud            cloud = stepper->cloud;
+  PetscReal       *r     = cloud->field[FIELD_POSITION];
+  const PetscReal *v     = cloud->field[FIELD_VELOCITY];
 
   PetscFunctionBegin;
+  trial->largest[LARGEST_DISPLACEMENT] = 0.5 * dt * stepper->fastest;
+  if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) r[k] += 0.5 * dt * v[k];
-    largest2 = PetscMax(largest2, Dot(v + DIM * a, v + DIM * a));
-  }
-  trial->largest[LARGEST_DISPLACEMENT] = 0.5 * dt * PetscSqrtReal(largest2);
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
   PetscCall(CloudMoved(cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -136,8 +136,9 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
 
   PetscFunctionBegin;
   PetscCall(FindExtremes(stepper->cloud, (PetscBool)(state->step == 0), extreme));
-  stepper->bounds = FindBounds(stepper, extreme);
-  step            = ChooseStep(stepper, state);
+  stepper->bounds  = FindBounds(stepper, extreme);
+  stepper->fastest = PetscMax(extreme[FASTEST], extreme[FASTEST_SPRAY]);
+  step             = ChooseStep(stepper, state);
   /* Avoid a tiny last step, whose pressure would be noise over dt: the last step takes what round-off has left in the
      sum of a million steps, and of steps that may be chosen the last two share what is left. */
   if (left <= step * (1 + LAST_LONGER))

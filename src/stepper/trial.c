@@ -74,6 +74,7 @@ static PetscErrorCode ExplainSolver(Stepper stepper, PetscReal dt, const StepTri
 PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial, char why[], size_t length)
 {
   const TrialLimits *limits = &stepper->trial;
+  const char        *knob   = stepper->limits.fixed > 0 ? "-time_step" : "-time_cfl";
   const PetscReal    moved  = trial->largest[LARGEST_DISPLACEMENT] / stepper->cloud->domain->spacing,
                   at_hand   = limits->at_hand * trial->sum[SUM_MASS];
 
@@ -83,13 +84,13 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
     PetscCall(ExplainSolver(stepper, dt, trial, why, length));
   else if (trial->largest[LARGEST_BROKEN] > 0)
     PetscCall(PetscSNPrintf(why, length,
-                            "positions or velocities are not numbers any more (step %g s): try a smaller -time_cfl",
-                            (double)dt));
+                            "positions or velocities are not numbers any more (step %g s): try a smaller %s",
+                            (double)dt, knob));
   else if (moved > limits->displacement)
     PetscCall(PetscSNPrintf(why, length,
                             "a particle would move %.3g spacings in one step of %g s, more than -displacement_max %g: "
-                            "try a smaller -time_cfl",
-                            (double)moved, (double)dt, (double)limits->displacement));
+                            "try a smaller %s",
+                            (double)moved, (double)dt, (double)limits->displacement, knob));
   else if (trial->largest[LARGEST_DENSITY] > limits->density)
     PetscCall(PetscSNPrintf(why, length,
                             "the density reaches %.3g times the rest density, more than -density_max %g: particles "

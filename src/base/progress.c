@@ -1,0 +1,99 @@
+/* The lines of progress of the run and of all long work before and after it: on a terminal each overwrites the last
+   one, in a file they get rarer. */
+#include "base.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define KEEP        0.02 /* of the time so far: lines that stay are at least so far apart */
+#define SILENCE     10   /* s: but in a file no further */
+#define LINE_LENGTH 256
+
+static struct {
+  const char *what, *left;                    /* the work, and what of the run there is if it is ended */
+  double      interval, began, printed, kept; /* s; the last three on the program's clock */
+  PetscBool   open;                           /* the last line may be overwritten */
+} Work = {"the set-up", "no step was computed", 2, 0, 0, 0, PETSC_FALSE};
+
+void ProgressInterval(double seconds)
+{
+  Work.interval = seconds;
+}
+
+PetscErrorCode FormatDuration(double seconds, char text[], size_t length)
+{
+  const int whole = (int)PetscMin(seconds + 0.5, 1e8);
+
+  PetscFunctionBegin;
+  if (whole >= 3600)
+    PetscCall(PetscSNPrintf(text, length, "%d h %02d min", whole / 3600, whole / 60 % 60));
+  else if (whole >= 60)
+    PetscCall(PetscSNPrintf(text, length, "%d min %02d s", whole / 60, whole % 60));
+  else
+    PetscCall(PetscSNPrintf(text, length, "%d s", whole));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ProgressBegin(const char what[], const char left[])
+{
+  Work.what  = what;
+  Work.left  = left;
+  Work.began = ProgramSeconds();
+}
+
+PetscErrorCode ProgressDue(MPI_Comm comm, PetscBool last, PetscBool *due)
+{
+  const double    now      = ProgramSeconds();
+  const PetscBool terminal = (PetscBool)isatty(STDOUT_FILENO);
+  double          rare     = KEEP * (now - Work.began);
+  PetscMPIInt     what[2];
+
+  PetscFunctionBegin;
+  if (!terminal) rare = PetscMin(rare, SILENCE);
+  what[1] = last || now - Work.kept >= PetscMax(Work.interval, rare);
+  what[0] = Work.interval > 0 && (last || now - Work.printed >= Work.interval) && (terminal || what[1]);
+  PetscCallMPI(MPI_Bcast(what, 2, MPI_INT, 0, comm)); /* clocks differ between ranks */
+  *due = what[0] ? PETSC_TRUE : PETSC_FALSE;
+  if (!what[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  Work.open    = (PetscBool)(terminal && !what[1]);
+  Work.printed = now;
+  if (what[1]) Work.kept = now;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ProgressPrint(MPI_Comm comm, PetscReal share, const char format[], ...)
+{
+  const double seconds = ProgramSeconds() - Work.began;
+  char         text[LINE_LENGTH], left[64] = "";
+  va_list      arguments;
+
+  PetscFunctionBegin;
+  va_start(arguments, format);
+  (void)vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  PetscCall(FormatDuration(seconds * (1 / PetscMax((double)share, 1e-9) - 1), left, sizeof(left)));
+  if (share >= 0)
+    (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "  %3d %%  to go %s", (int)(100 * share), left);
+  PetscCall(PetscPrintf(comm, "%s%s%s", isatty(STDOUT_FILENO) ? "\r" : "", text, Work.open ? "   " : "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ProgressWork(MPI_Comm comm, PetscReal share, const char format[], ...)
+{
+  const char *reason;
+  char        text[LINE_LENGTH];
+  PetscBool   due;
+  va_list     arguments;
+
+  PetscFunctionBegin;
+  PetscCall(InterruptCheck(comm, &reason));
+  PetscCheckUser(!reason, comm, "ended by %s during %s: %s", reason, Work.what, Work.left);
+  PetscCall(ProgressDue(comm, PETSC_FALSE, &due));
+  if (!due) PetscFunctionReturn(PETSC_SUCCESS);
+  va_start(arguments, format);
+  (void)vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  PetscCall(ProgressPrint(comm, share, "%s: %s", Work.what, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
