@@ -7,7 +7,7 @@
 #   make long-run                   a million steps of a small scene: nothing drifts
 #   make mutants                    small bugs put in one at a time: which ones the tests see; MUTANT=NAME, JOBS=1
 #   make test-ci                    make test with the compiler's sanitizers besides
-#   make faults, make fuzz          kills, full disks, damaged files; mutated options: how many tried, survived, refused
+#   make faults, make fuzz          kills, signals, full disks, damaged files; mutated options: how many tried, survived, refused
 #   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
 #   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
 #   make tradeoff CASE=central_force        error and CPU time of each choice; tradeoff-readme: in tests/tradeoff/
@@ -168,8 +168,9 @@ reference:
 	@$(PYTHON) tests/verify/reference.py $(CASE)
 
 # Runs stopped, disks filled, files damaged, options mutated: all of it; make test has a short part of each.
-faults: isph
+faults: isph $(BUILD)/tests/unit/test_errors
 	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
+	@$(PYTHON) tests/faults/signals.py --all
 
 extremes: isph
 	@$(PYTHON) tests/extremes/extremes.py --all

@@ -36,6 +36,19 @@ static const char *const known[] = {
 #include "names.h"
 };
 
+PetscErrorCode RefuseTraps(MPI_Comm comm)
+{
+  PetscBool trap = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetBool(NULL, NULL, "-fp_trap", &trap, NULL));
+  if (trap) PetscCall(PetscSetFPTrap(PETSC_FP_TRAP_OFF));
+  PetscCheckUser(!trap, comm,
+                 "-fp_trap cannot be used: loops over pairs also compute what they then drop, among it divisions by "
+                 "zero");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
 {
   PetscInt n;

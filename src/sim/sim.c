@@ -83,6 +83,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   MPI_Comm comm = sim->comm;
 
   PetscFunctionBegin;
+  PetscCall(RefuseTraps(comm));
   PetscCall(DumpStart(sim));
   PetscCall(PetscOptionsHasHelp(NULL, stop));
   PetscCall(CheckScene(sim));

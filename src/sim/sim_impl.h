@@ -59,6 +59,8 @@ PetscErrorCode DumpFinish(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);
+/* RefuseTraps - a UserError for -fp_trap. Collective. */
+PetscErrorCode RefuseTraps(MPI_Comm comm);
 /* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective.
  */
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);

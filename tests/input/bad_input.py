@@ -85,6 +85,7 @@ refused("densities_too_far_apart", BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 
         ["-b_density", "-density_ratio_max"])
 for late in ("-log_vieww", "-infoo x", "-options_lefft"):
     refused(f"unknown_option_of_petsc_{late}", GOOD + late, [late.split()[0]])
+refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
 refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
 refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])
 refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
