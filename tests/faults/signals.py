@@ -137,9 +137,10 @@ def pipes():
     short = SCENE.replace("-time_end 1000", "-time_end 0.05")
     for what, output in (("full", "> /dev/full"), ("closed", ">&-"), ("both closed", ">&- 2>&-")):
         folder = runs.scratch(f"output_{what.replace(' ', '_')}")
-        process = subprocess.run(["bash", "-c", f"{runs.PROGRAM} {short} -output_dir {folder} {output}".replace("\n", " ")],
-                                 cwd=runs.ROOT, env=runs.environment(), stdin=subprocess.DEVNULL, check=False,
-                                 stderr=subprocess.PIPE, universal_newlines=True, timeout=SECONDS)
+        command = f"{runs.PROGRAM} {short} -output_dir {folder} {output}".replace("\n", " ")
+        process = subprocess.run(["bash", "-c", command], cwd=runs.ROOT,
+                                 env=runs.environment(), stdin=subprocess.DEVNULL, check=False, stderr=subprocess.PIPE,
+                                 universal_newlines=True, timeout=SECONDS)
         good = process.returncode == 0 and runs.series(folder)["time"][-1] > 0.049
         count(f"lost output, {what}", "continued" if good else "failed", f"code {process.returncode}: {process.stderr}")
 
@@ -148,8 +149,8 @@ def ignored(name):
     """A signal whose disposition was inherited as ignored does nothing, before PETSc starts and after."""
     for moment in ("set-up", "step"):
         folder = runs.scratch(f"ignored_{name}_{moment}")
-        process = launch(SCENE.replace("-time_end 1000", "-time_end 0.3") + f" -output_dir {folder}", restore_signals=False,
-                         preexec_fn=lambda: signal.signal(getattr(signal, f"SIG{name}"), signal.SIG_IGN))
+        process = launch(SCENE.replace("-time_end 1000", "-time_end 0.3") + f" -output_dir {folder}",
+                         restore_signals=False, preexec_fn=lambda: signal.signal(getattr(signal, f"SIG{name}"), signal.SIG_IGN))
         for pid in wait(process, 1, moment, folder):
             os.kill(pid, getattr(signal, f"SIG{name}"))
         code, _, err = end(process)
