@@ -149,6 +149,77 @@ static PetscErrorCode TestRefused(const char options[], const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A solver that says that it gives up is believed: it tries twice, and leaves the pressure alone. */
+static PetscErrorCode TestGivesUp(void)
+{
+  PressureResult result;
+  PetscReal      changed = 0;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCall(Open("-ksp_max_it 2 -ksp_rtol 1e-10", &s));
+  PetscCall(PressureSolve(s.pressure, DT, &result));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    changed = PetscMax(changed, PetscAbsReal(s.cloud->field[FIELD_PRESSURE][a] - 1));
+  CHECK(SolverFailed(&result.solver) && result.solver.reason == KSP_DIVERGED_ITS && !result.solver.lied &&
+          result.solver.iterations == 4 && SetupMax(changed) == 0,
+        "solver that gives up");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The preconditioner is made anew every third time where the user says so. */
+static PetscErrorCode TestInterval(void)
+{
+  PressureResult result;
+  PetscInt       rebuilt = 0;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCall(Open("-pressure_rebuild_interval 3 -pressure_rebuild_growth 100", &s));
+  for (PetscInt k = 0; k < 7; k++) {
+    PetscCall(PressureSolve(s.pressure, DT, &result));
+    rebuilt |= result.rebuilt << k;
+  }
+  CHECK_CLOSE(rebuilt, 1 + (1 << 3) + (1 << 6), 0, "preconditioner is made anew at its interval");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The density error that a solve leaves is dt^2 times the residual over the mass of the row (here 1), its root mean
+   square the one reported, its largest the one that -pressure_density_tolerance bounds. */
+static PetscErrorCode TestDensityError(const char options[], PetscReal bound, const char name[])
+{
+  PressureResult     result;
+  const PetscScalar *rhs;
+  PetscReal         *p, *y, sum = 0, largest = 0, rows;
+  KSP                ksp;
+  Vec                b;
+  Setup              s;
+
+  PetscFunctionBegin;
+  PetscCall(Open(options, &s));
+  PetscCall(PressureSolve(s.pressure, DT, &result));
+  PetscCall(PressureSolver(s.pressure, &ksp, &b));
+  PetscCall(PetscMalloc2(s.cloud->n_rows, &p, s.cloud->n_rows, &y));
+  PetscCall(PetscArraycpy(p, s.cloud->field[FIELD_PRESSURE], s.cloud->n_rows));
+  PetscCall(PressureMultiply(s.pressure, p, y));
+  PetscCall(VecGetArrayRead(b, &rhs));
+  for (PetscInt r = 0; r < s.cloud->n_rows; r++) {
+    const PetscReal error = DT * DT * PetscAbsReal(rhs[r] - y[r]);
+
+    sum += error * error;
+    largest = PetscMax(largest, error);
+  }
+  PetscCall(VecRestoreArrayRead(b, &rhs));
+  PetscCall(PetscFree2(p, y));
+  rows = SetupSum((PetscReal)s.cloud->n_rows);
+  CHECK_CLOSE(result.density / PetscSqrtReal(SetupSum(sum) / rows), 1, 1e-6, name);
+  CHECK(!SolverFailed(&result.solver) && SetupMax(largest) <= bound, name);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* It is right, to 'tolerance', also after the particles have moved. */
 static PetscErrorCode TestRight(const char options[], PetscReal tolerance, const char name[])
 {
@@ -172,6 +243,8 @@ static PetscErrorCode TestRight(const char options[], PetscReal tolerance, const
   CHECK(!SolverFailed(&result[0].solver) && !SolverFailed(&result[1].solver) &&
           PetscMax(residual[0], residual[1]) <= tolerance,
         name);
+  if (result[0].solver.iterations == 1 && !Calls)
+    CHECK(result[1].solver.iterations == 1, "direct solver needs no second attempt");
   if (Calls) CHECK(Calls == 3, "start value is not given again"); /* from it, from zero, from zero */
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -193,6 +266,10 @@ int main(int argc, char **argv)
   PetscCall(TestRight("-ksp_type tfqmr -pc_type jacobi -ksp_rtol 1e-8", 1.1e-8, "tfqmr"));
   PetscCall(TestRight("-ksp_type gmres -ksp_norm_type preconditioned -ksp_rtol 1e-6", 1.1e-6, "gmres in its own norm"));
   PetscCall(TestRight("-ksp_rtol 1e-16", 1e-11, "cg to the rounding"));
+  PetscCall(TestGivesUp());
+  PetscCall(TestInterval());
+  PetscCall(TestDensityError("-ksp_rtol 1e-4", PETSC_MAX_REAL, "density error of a solve"));
+  PetscCall(TestDensityError("-ksp_rtol 0.9 -pressure_density_tolerance 1e-7", 1.1e-7, "density tolerance of a solve"));
   if (size == 1) {
     PetscCall(TestRight("-ksp_type preonly -pc_type lu", 1e-11, "factor of this step"));
     PetscCall(TestRight("-ksp_type preonly -pc_type cholesky", 1e-11, "cholesky factor of this step"));

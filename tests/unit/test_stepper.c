@@ -99,6 +99,44 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Every particle for itself: no shift is longer than the cap, on the surface it is along it, and a linear velocity is
+   the same function of the place as before. */
+static PetscErrorCode CheckPlain(PetscReal cap)
+{
+  const Shifting  plain       = {PETSC_TRUE, PETSC_FALSE, 2, cap};
+  const PetscReal G[DIM][DIM] = {{0.3, -0.7, 0}, {0.2, -0.3, 0}, {0, 0, 0}};
+  PetscReal       longest = 0, wrong = 0, off = 0;
+  Setup           s;
+  Cloud           cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(FLAT "-a_shape sphere ", &s));
+  cloud = s.cloud;
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    for (PetscInt d = 0; d < DIM; d++)
+      cloud->field[FIELD_VELOCITY_NEW][DIM * a + d] = Dot(G[d], cloud->field[FIELD_POSITION] + DIM * a);
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_NEW], PETSC_TRUE, 0, NULL,
+                                cloud->field[FIELD_VELOCITY_GRADIENT], cloud->field[FIELD_VELOCITY_JUMP]));
+  PetscCall(Shift(cloud, &plain, DT));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION_NEW] + DIM * a, *before = cloud->field[FIELD_POSITION] + DIM * a;
+    const PetscReal  dr[DIM] = {x[0] - before[0], x[1] - before[1], x[2] - before[2]};
+
+    longest = PetscMax(longest, Norm(dr));
+    if (cloud->integer[INT_SURFACE][a])
+      off = PetscMax(off, PetscAbsReal(Dot(dr, cloud->field[FIELD_NORMAL] + DIM * a)));
+    for (PetscInt d = 0; d < DIM && cloud->field[FIELD_LAMBDA][a] > MOMENT_MINIMUM; d++)
+      wrong = PetscMax(wrong, PetscAbsReal(cloud->field[FIELD_VELOCITY_NEW][DIM * a + d] - Dot(G[d], x)));
+  }
+  CHECK_CLOSE(SetupMax(longest) / cap, cap < 0.1 ? 1 : 0.5, cap < 0.1 ? 1e-12 : 0.49, "plain_shift_is_capped");
+  CHECK_CLOSE(SetupMax(off), 0, 1e-12, "plain_shift_of_the_surface_is_along_it");
+  CHECK_CLOSE(SetupMax(wrong), 0, 1e-12, "plain_shift_keeps_a_linear_velocity");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Whatever the source of the pressure is, a step sums the speeds that its shifting reads. */
 static PetscErrorCode CheckSpeeds(const char options[], const char label[])
 {
@@ -129,6 +167,8 @@ int main(int argc, char **argv)
   PetscCall(CheckShift(TWO, PETSC_TRUE, "two_liquids"));
   PetscCall(CheckShift(FLAT "-a_shape sphere ", PETSC_TRUE, "flat"));
   PetscCall(CheckShift(ROUND, PETSC_FALSE, "periodic"));
+  PetscCall(CheckPlain(0.002));
+  PetscCall(CheckPlain(0.2));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
   PetscCall(PetscFinalize());

@@ -1,0 +1,271 @@
+/* The sources of the pressure, its right-hand side, what the options of closure and gradient do: from fields that are
+   set by hand, against the formulas. Lengths in spacings. Runs on any number of ranks. */
+#include "setup.h"
+#include "check.h"
+
+#define DT 1e-3 /* s */
+#define H  1.3  /* smoothing length */
+/* two liquids over each other on a floor, 900 and 600 kg/m3 */
+#define POOL                                                                                                           \
+  "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 8,20 -box_x periodic -box_ymin wall -packing_jitter 0 -bodies "   \
+  "a,b -a_density 900 -a_upper 8,3 -b_lower 0,3 -b_upper 8,6 -b_density 600 "
+#define DROP                                                                                                           \
+  "-dimension 2 -spacing 1 -box_lower -9,-9 -box_upper 9,9 -packing_jitter 0.2 -bodies a -a_shape sphere -a_radius 6 " \
+  "-a_density 900 -pressure_relaxation_time 1e30 -ksp_rtol 1e-12 "
+#define ROUND                                                                                                          \
+  "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 9,9 -box_x periodic -box_y periodic -packing_jitter 0.2 -bodies " \
+  "a -a_density 900 -pressure_regularization 0.3 -pressure_pairing_moving 0.25 -pressure_pairing_loaded 0.5 "
+
+static PetscErrorCode Open(const char options[], const char source[], const char closure[], const char gradient[],
+                           Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, s));
+  PetscCall(SetupMoments(s));
+  PetscCall(PetscArrayzero(s->cloud->field[FIELD_CAPILLARY], s->cloud->n_owned));
+  PetscCall(PetscArrayzero(s->cloud->field[FIELD_CAPILLARY_SLOPE], DIM * s->cloud->n_owned));
+  PetscCall(PetscArrayzero(s->cloud->field[FIELD_DIVERGENCE], s->cloud->n_owned));
+  PetscCall(PressureCreate(s->cloud, &s->pressure));
+  PetscCall(PressureSetTypes(s->pressure, source, closure, gradient, PETSC_FALSE));
+  PetscCall(PressureSetFromOptions(s->pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The cubic spline in two dimensions at the distance r. */
+static PetscReal Spline(PetscReal r)
+{
+  const PetscReal q = r / H, norm = 10 / (7 * PETSC_PI * H * H);
+
+  return norm * (q < 1 ? 1 - 1.5 * q * q + 0.75 * q * q * q : q < 2 ? 0.25 * (2 - q) * (2 - q) * (2 - q) : 0);
+}
+
+/* The sum of V W on a full lattice; the integral of W over a line. */
+static PetscReal LatticeSum(void)
+{
+  PetscReal sum = 0;
+
+  for (PetscInt i = -3; i <= 3; i++)
+    for (PetscInt j = -3; j <= 3; j++) sum += Spline(PetscSqrtReal((PetscReal)(i * i + j * j)));
+  return sum;
+}
+
+static PetscReal LineIntegral(void)
+{
+  PetscReal sum = 0;
+
+  for (PetscInt k = -2600; k < 2600; k++) sum += 1e-3 * Spline(PetscAbsReal(1e-3 * (k + 0.5)));
+  return sum;
+}
+
+/* Of the relative compressions -2 .. 2 percent, by number. */
+static PetscReal Compression(PetscInt id)
+{
+  return 0.01 * (id % 5 - 2);
+}
+
+/* Eq. (8) from densities; walls push only. The rows of the equation have the mass of their particle over that of the
+   first liquid's. */
+static PetscErrorCode TestDensity(void)
+{
+  const PetscScalar *b;
+  PetscReal         *rhs, fluid = 0, walls = 0, rows = 0;
+  Mat                A;
+  Vec                right;
+  Setup              s;
+
+  PetscFunctionBegin;
+  PetscCall(Open(POOL, SOURCE_DENSITY, CLOSURE_FULL, GRADIENT_SYMMETRIC, &s));
+  for (PetscInt a = 0; a < s.cloud->n_total; a++)
+    s.cloud->field[FIELD_DENSITY][a] = s.cloud->rest_density[a] * (1 + Compression(s.cloud->integer[INT_ID][a]));
+  PetscCall(PetscMalloc1(s.cloud->n_rows, &rhs));
+  PetscCall(PressureSource(s.pressure, DT, rhs));
+  PetscCall(PressureAssemble(s.pressure, DT, &A, &right));
+  PetscCall(VecGetArrayRead(right, &b));
+  for (PetscInt a = 0; a < s.cloud->n_rows; a++) {
+    const PetscReal compression = Compression(s.cloud->integer[INT_ID][a]);
+    const PetscInt  body        = s.cloud->integer[INT_BODY][a];
+
+    if (a < s.cloud->n_fluid) {
+      fluid = PetscMax(fluid, PetscAbsReal(rhs[a] - compression / (DT * DT)));
+      rows  = PetscMax(rows, PetscAbsReal(b[a] - rhs[a] * (body ? 600. / 900. : 1)));
+    } else
+      walls = PetscMax(walls, PetscAbsReal(rhs[a] - PetscMax(0, compression) / (DT * DT)));
+  }
+  PetscCall(VecRestoreArrayRead(right, &b));
+  PetscCall(PetscFree(rhs));
+  CHECK_CLOSE(SetupMax(fluid), 0, 1e-6, "density_source_of_the_fluid"); /* of 2e4 1/s2 */
+  CHECK_CLOSE(SetupMax(walls), 0, 1e-6, "density_source_of_walls_pushes_only");
+  CHECK_CLOSE(SetupMax(rows), 0, 1e-6, "rows_have_the_mass_of_their_liquid");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The row of the top wall particle whose number is 'parent'. */
+static PetscInt RowOf(Cloud cloud, PetscInt parent)
+{
+  for (PetscInt r = cloud->n_fluid; r < cloud->n_rows; r++)
+    if (cloud->integer[INT_ID][r] == parent) return r;
+  return -1;
+}
+
+/* A divergence of id 1/s and the density term: e = F - rho/(rho_0 S), repaired in the time T. Walls add up the
+   divergence of their layers. T is 0.02 s, or four steps. */
+static PetscErrorCode TestDivergence(PetscBool steps)
+{
+  const PetscReal T = steps ? 4 * DT : 0.02, S = LatticeSum(), plane = LineIntegral();
+  /* lambda, normal over that of a plane surface, rho/rho_0, and e */
+  const PetscReal kinds[5][4] = {{1, 0, 1.02, 1 - 1.02 / S},
+                                 {0.5, 0, 0.9, 1 - 0.9 / S},
+                                 {0.5, 1, 0.4, 0.5 - 0.4 / S},
+                                 {0.25, 1, 0.4, 0},
+                                 {0.25, 1, 0.8, 0.5 - 0.8 / S}};
+  PetscReal      *rhs, *due, fluid = 0, walls = 0;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(Open(steps ? POOL "-pressure_relaxation_time 1e-9 -pressure_relaxation_steps 4"
+                       : POOL "-pressure_relaxation_time 0.02 -pressure_relaxation_steps 4",
+                 SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, &s));
+  PetscCall(PetscCalloc2(s.cloud->n_rows, &rhs, s.cloud->n_rows, &due));
+  for (PetscInt a = 0; a < s.cloud->n_owned; a++) {
+    const PetscInt   id   = s.cloud->integer[INT_ID][a];
+    const PetscReal *kind = kinds[id % 5];
+
+    s.cloud->field[FIELD_DIVERGENCE][a]       = id;
+    s.cloud->field[FIELD_LAMBDA][a]           = kind[0];
+    s.cloud->field[FIELD_NORMAL][DIM * a]     = 0.6 * kind[1] * plane;
+    s.cloud->field[FIELD_NORMAL][DIM * a + 1] = -0.8 * kind[1] * plane;
+    s.cloud->field[FIELD_DENSITY][a]          = kind[2] * s.cloud->rest_density[a];
+    if (a < s.cloud->n_fluid)
+      due[a] = -id / DT - kind[3] / (DT * T);
+    else
+      due[a < s.cloud->n_rows ? a : RowOf(s.cloud, s.cloud->integer[INT_PARENT][a])] -= id / DT;
+  }
+  PetscCall(PressureSource(s.pressure, DT, rhs));
+  for (PetscInt r = 0; r < s.cloud->n_rows; r++) {
+    PetscReal *worst = r < s.cloud->n_fluid ? &fluid : &walls;
+
+    *worst = PetscMax(*worst, PetscAbsReal(rhs[r] - due[r]) * DT * T);
+  }
+  PetscCall(PetscFree2(rhs, due));
+  CHECK_CLOSE(SetupMax(fluid), 0, 2e-4, steps ? "divergence_source_in_steps" : "divergence_source"); /* of a table */
+  CHECK_CLOSE(SetupMax(walls), 0, 1e-9, "divergence_source_of_walls_adds_their_layers");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A drop under the same capillary pressure everywhere has this pressure, and nothing moves. */
+static PetscErrorCode TestCapillary(const char closure[], const char gradient[])
+{
+  const PetscReal sigma_kappa = 3; /* Pa */
+  PressureResult  result;
+  PetscReal       worst = 0, push = 0, *acceleration;
+  char            name[96];
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(Open(DROP, SOURCE_DIVERGENCE, closure, gradient, &s));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_CAPILLARY][a] = sigma_kappa;
+  PetscCall(PressureSolve(s.pressure, DT, &result));
+  PetscCall(CloudGetWork(s.cloud, DIM, &acceleration));
+  PetscCall(PressureAcceleration(s.pressure, acceleration));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    worst = PetscMax(worst, PetscAbsReal(s.cloud->field[FIELD_PRESSURE][a] - sigma_kappa));
+    push  = PetscMax(push, Norm(acceleration + DIM * a));
+  }
+  PetscCall(CloudRestoreWork(s.cloud, &acceleration));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%s_drop_under_capillary_pressure", closure, gradient));
+  CHECK_CLOSE(SetupMax(worst), 0, 1e-8, name);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%s_drop_at_rest", closure, gradient));
+  CHECK_CLOSE(SetupMax(push), 0, 1e-8, name); /* of 3 Pa/(900 kg/m3 d0) */
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the closure adds to the rows, A 1, summed over all. */
+static PetscErrorCode Added(const char options[], PetscReal *sum)
+{
+  char       text[512];
+  PetscReal *one, *row;
+  Mat        A;
+  Vec        b;
+  Setup      s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(text, sizeof(text), DROP "%s", options));
+  PetscCall(Open(text, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, &s));
+  PetscCall(PressureAssemble(s.pressure, DT, &A, &b));
+  PetscCall(PetscMalloc2(s.cloud->n_rows, &one, s.cloud->n_rows, &row));
+  for (PetscInt r = 0; r < s.cloud->n_rows; r++) one[r] = 1;
+  PetscCall(PressureMultiply(s.pressure, one, row));
+  *sum = 0;
+  for (PetscInt r = 0; r < s.cloud->n_rows; r++) *sum += row[r];
+  *sum = SetupSum(*sum);
+  PetscCall(PetscFree2(one, row));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestClosureOptions(void)
+{
+  PetscReal one, two, none, least;
+
+  PetscFunctionBegin;
+  PetscCall(Added("-pressure_closure_factor 1 -pressure_closure_least 0", &one));
+  PetscCall(Added("-pressure_closure_factor 2 -pressure_closure_least 0", &two));
+  PetscCall(Added("-pressure_closure_lambda 0 -pressure_closure_least 0", &none));
+  PetscCall(Added("-pressure_closure_lambda 0 -pressure_closure_least 1", &least));
+  CHECK_CLOSE(two / one, 2, 1e-12, "closure_factor");
+  CHECK_CLOSE(none / one, 0, 1e-12, "closure_lambda");
+  CHECK(least > 1e-3 * one, "closure_least");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -(G + q n + r (c - n))/rho of a linear pressure G.x inside, with the sums n and c by hand: q = 2 c h |G|; r is a
+   quarter of q, half of it where a body force makes the pressure. g: m/s2. */
+static PetscErrorCode TestGradient(PetscReal g, PetscReal against, const char name[])
+{
+  const PetscReal G[DIM] = {400, -300, 0}, n[DIM] = {0.03, -0.01, 0}, c[DIM] = {0.01, 0.05, 0}, q = 2 * 0.3 * H * 500;
+  char            text[512];
+  PetscReal       worst = 0, *acceleration;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(text, sizeof(text), ROUND "-gravity 0,%g", (double)-g));
+  PetscCall(Open(text, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, &s));
+  for (PetscInt a = 0; a < s.cloud->n_total; a++) {
+    s.cloud->field[FIELD_PRESSURE][a] = Dot(G, s.cloud->field[FIELD_POSITION] + DIM * a);
+    for (PetscInt d = 0; d < DIM; d++) {
+      s.cloud->field[FIELD_NORMAL][DIM * a + d]   = n[d];
+      s.cloud->field[FIELD_CROWDING][DIM * a + d] = c[d];
+    }
+    s.cloud->integer[INT_SURFACE][a] = 0;
+  }
+  PetscCall(CloudGetWork(s.cloud, DIM, &acceleration));
+  PetscCall(PressureAcceleration(s.pressure, acceleration));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    for (PetscInt d = 0; d < DIM; d++)
+      worst = PetscMax(worst,
+                       PetscAbsReal(acceleration[DIM * a + d] + (G[d] + q * n[d] + against * q * (c[d] - n[d])) / 900));
+  PetscCall(CloudRestoreWork(s.cloud, &acceleration));
+  CHECK_CLOSE(SetupMax(worst), 0, 1e-10, name);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(TestDensity());
+  PetscCall(TestDivergence(PETSC_FALSE));
+  PetscCall(TestDivergence(PETSC_TRUE));
+  PetscCall(TestCapillary(CLOSURE_DOUBLED, GRADIENT_SYMMETRIC));
+  PetscCall(TestCapillary(CLOSURE_FULL, GRADIENT_SYMMETRIC));
+  PetscCall(TestCapillary(CLOSURE_FULL, GRADIENT_CORRECTED));
+  PetscCall(TestClosureOptions());
+  PetscCall(TestGradient(0, 0.25, "gradient_in_motion"));
+  PetscCall(TestGradient(9.81, 0.5, "gradient_loaded"));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}

@@ -1,0 +1,439 @@
+/* The size of the time step, what a trial of a step measures and refuses, the guards at walls, the work of the forces:
+   against the formulas, from states that are set by hand. Runs on any number of ranks. */
+#include "../../src/pressure/pressure_impl.h"
+#include "../../src/stepper/stepper_impl.h"
+#include "setup.h"
+#include "check.h"
+
+#define D0  0.1  /* spacing, m */
+#define H   0.13 /* smoothing length, m */
+#define RHO 800. /* kg/m3 */
+#define BLOCK                                                                                                          \
+  "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -packing_jitter 0 -bodies a -a_upper 1,1 -a_density 800 "   \
+  "-a_velocity 1,0 "
+#define QUIET BLOCK "-a_viscosity 0 "
+
+static PetscErrorCode MakeStepper(Setup *s, Stepper *stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(PressureCreate(s->cloud, &s->pressure));
+  PetscCall(StepperCreate(s->cloud, s->tension, s->pressure, stepper));
+  PetscCall(StepperSetFromOptions(*stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- size of the step --- */
+
+/* The step of a block that moves at 5 m/s, after one of 'previous' (s), with 'left' (s) to go; the particle with id 0
+   is spray of 50 m/s if 'spray' says so. */
+static PetscErrorCode Step(const char options[], PetscReal previous, PetscReal left, PetscBool spray, PetscReal *dt,
+                           PetscBool *implicit)
+{
+  const StepState state = {.time = 3, .step = 7, .previous_time_step = previous};
+  ParticleArrays  arrays;
+  Stepper         stepper;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal fast = spray && arrays.integer[INT_ID][a] == 0 ? 10 : 1;
+
+    arrays.real[FIELD_VELOCITY][DIM * a]     = 3 * fast;
+    arrays.real[FIELD_VELOCITY][DIM * a + 1] = -4 * fast;
+    arrays.real[FIELD_LAMBDA][a]             = fast > 1 ? 0.1 : 1;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(StepSize(stepper, &state, 3 + left, dt));
+  *implicit = stepper->viscous.implicit;
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestStep(void)
+{
+  const struct {
+    const char *name, *options;
+    PetscReal   previous, left;
+    PetscBool   spray;
+    PetscReal   due;
+    PetscBool   implicit;
+  } cases[] = {
+    {"speed", QUIET "-time_cfl 0.3", 1, 9, PETSC_FALSE, 0.3 * H / 5, PETSC_FALSE},
+    {"growth", QUIET "-time_growth 1.5", 1e-4, 9, PETSC_FALSE, 1.5e-4, PETSC_FALSE},
+    {"largest", QUIET "-time_step_max 1e-3", 1, 9, PETSC_FALSE, 1e-3, PETSC_FALSE},
+    {"smallest", QUIET "-time_step_min 8e-3", 1, 9, PETSC_FALSE, 8e-3, PETSC_FALSE},
+    {"fixed", QUIET "-time_step 0.1", 1, 0.15, PETSC_FALSE, 0.1, PETSC_FALSE},
+    {"viscosity", BLOCK "-a_viscosity 8000 -viscosity_solver explicit -time_viscous_limit 0.1", 1, 9, PETSC_FALSE,
+     0.1 * H * H * RHO / 8000, PETSC_FALSE},
+    {"implicit viscosity", BLOCK "-a_viscosity 8000 -viscosity_step_ratio 20", 1, 9, PETSC_FALSE,
+     20 * 0.08 * H * H * RHO / 8000, PETSC_TRUE},
+    {"viscosity that is small", BLOCK "-a_viscosity 8", 1, 9, PETSC_FALSE, 0.2 * H / 5, PETSC_FALSE},
+    {"tension", QUIET "-a_tension 7e4 -time_capillary_limit 0.5", 1, 9, PETSC_FALSE,
+     0.5 * PetscSqrtReal(RHO * H * H * H / (2 * PETSC_PI * 7e4)), PETSC_FALSE},
+    {"force", QUIET "-gravity 0,-1000 -time_force_limit 0.05", 1, 9, PETSC_FALSE, 0.05 * PetscSqrtReal(H / 1000),
+     PETSC_FALSE},
+    {"spray", QUIET "-displacement_max 0.4 -time_spray_share 0.5", 1, 9, PETSC_TRUE, 0.5 * 0.4 * D0 / 50, PETSC_FALSE},
+    {"last", QUIET, 1, 0.2 * H / 5 * 1.0005, PETSC_FALSE, 0.2 * H / 5 * 1.0005, PETSC_FALSE},
+    {"last two", QUIET, 1, 0.2 * H / 5 * 1.5, PETSC_FALSE, 0.2 * H / 5 * 0.75, PETSC_FALSE},
+    {"sound", QUIET "-scheme weakly_compressible -sound_speed 95 -sound_cfl 0.3", 1, 9, PETSC_FALSE, 0.3 * H / 100,
+     PETSC_FALSE},
+  };
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(cases); k++) {
+    PetscReal dt       = 0;
+    PetscBool implicit = PETSC_FALSE;
+    char      name[64];
+
+    PetscCall(Step(cases[k].options, cases[k].previous, cases[k].left, cases[k].spray, &dt, &implicit));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "step: %s", cases[k].name));
+    CHECK_CLOSE(dt / cases[k].due, 1, 1e-12, name);
+    CHECK_CLOSE(implicit, cases[k].implicit, 0, name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Velocity and energy of a scene: a speed of 5 m/s, 1 m to fall within the body and 4 m in the box at 10 m/s2, and
+   tension. */
+static PetscErrorCode TestScales(void)
+{
+  const PetscReal capillary = 70 / (RHO * H);
+  Stepper         stepper;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(QUIET "-a_velocity 3,-4 -gravity 0,-10 -a_tension 70 -pressure_relaxation_ratio 2", &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  CHECK_CLOSE(StepperReferenceVelocity(stepper), PetscSqrtReal(25 + 10 + capillary), 1e-12, "scene: velocity");
+  CHECK_CLOSE(StepperEnergyAtHand(stepper), 12.5 + 40 + capillary, 1e-12, "scene: energy at hand");
+  CHECK_CLOSE(s.pressure->relaxation_time, 2 * H / PetscSqrtReal(35 + capillary), 1e-12, "scene: relaxation time");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- trial --- */
+
+/* Whether a trial is refused, with these numbers on top of those of a good one. */
+static PetscErrorCode Refused(Stepper stepper, TrialLargest which, PetscReal value, PetscReal kinetic,
+                              const char word[], const char name[])
+{
+  StepTrial trial = {.sum[SUM_MASS] = 2, .sum[SUM_KINETIC] = kinetic};
+  char      why[512];
+
+  PetscFunctionBegin;
+  if (which < LARGEST_COUNT) trial.largest[which] = value;
+  PetscCall(TrialCheck(stepper, 1e-3, &trial, why, sizeof(why)));
+  CHECK(word ? strstr(why, word) != NULL : !why[0], name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestRefused(void)
+{
+  Stepper stepper;
+  Setup   s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(QUIET "-a_velocity 2,0 -displacement_max 0.4 -density_max 1.5 -energy_max 3", &s));
+  PetscCall(MakeStepper(&s, &stepper)); /* 2 J/kg at hand, so 12 J for 2 kg */
+  PetscCall(Refused(stepper, LARGEST_DISPLACEMENT, 0.39 * D0, 11.9, NULL, "trial: a good one"));
+  PetscCall(Refused(stepper, LARGEST_DISPLACEMENT, 0.41 * D0, 0, "-displacement_max", "trial: too far"));
+  PetscCall(Refused(stepper, LARGEST_DENSITY, 1.49, 0, NULL, "trial: dense"));
+  PetscCall(Refused(stepper, LARGEST_DENSITY, 1.51, 0, "-density_max", "trial: too dense"));
+  PetscCall(Refused(stepper, LARGEST_BROKEN, 1, 0, "not numbers", "trial: not a number"));
+  PetscCall(Refused(stepper, LARGEST_COUNT, 0, 12.1, "-energy_max", "trial: too much energy"));
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sums of a trial from densities, flags and normals set by hand: particles with an even number are inside, those with
+   an odd one, and those at corners, where the divergence is not exact, on the surface. Two liquids of 800 and 400
+   kg/m3. */
+static PetscErrorCode TestSums(void)
+{
+  StepTrial trial  = {.diagnose = PETSC_TRUE};
+  PetscReal inside = 0, tension = 0, mass = 0;
+  Stepper   stepper;
+  Setup     s;
+  Cloud     cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(
+    "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -packing_jitter 0.1 -bodies a,b "
+    "-a_upper 1,1 -a_density 800 -a_velocity 1,0 -a_tension 0.5 -b_lower 1,0 -b_upper 2,1 -b_density 400 -b_tension "
+    "0.25 ",
+    &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(SetupMoments(&s));
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+
+    cloud->integer[INT_SURFACE][a] = cloud->integer[INT_ID][a] % 2 || cloud->field[FIELD_LAMBDA][a] <= MOMENT_MINIMUM;
+    cloud->field[FIELD_DENSITY][a] = 1.02 * cloud->rest_density[a];
+    cloud->field[FIELD_NORMAL][DIM * a]       = 3;
+    cloud->field[FIELD_NORMAL][DIM * a + 1]   = -4;
+    cloud->field[FIELD_VELOCITY][DIM * a]     = 2 * x[0] - x[1];
+    cloud->field[FIELD_VELOCITY][DIM * a + 1] = 5 * x[1] + 8 * x[0];
+    if (a >= cloud->n_fluid) continue;
+    inside += !cloud->integer[INT_SURFACE][a];
+    tension += cloud->integer[INT_SURFACE][a] ? cloud->integer[INT_BODY][a] ? 0.25 : 0.5 : 0;
+    mass += D0 * D0 * (cloud->integer[INT_BODY][a] ? 400 : 800);
+  }
+  PetscCall(TrialDiagnose(stepper, &trial));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->field[FIELD_VELOCITY][k] = 2;
+  PetscCall(TrialReduce(stepper, &trial));
+  inside  = SetupSum(inside);
+  tension = SetupSum(tension);
+  mass    = SetupSum(mass);
+  CHECK(inside > 90 && inside <= 100, "sums: about half is inside");
+  CHECK_CLOSE(trial.sum[SUM_INSIDE], inside, 0, "sums: particles inside");
+  CHECK_CLOSE(trial.sum[SUM_DENSITY] / inside, 1.02, 1e-12, "sums: density");
+  CHECK_CLOSE(trial.sum[SUM_DENSITY2] / inside, 4e-4, 1e-12, "sums: square of the density error");
+  CHECK_CLOSE(trial.sum[SUM_DIVERGENCE2] / inside, 49, 1e-8, "sums: square of the divergence");
+  CHECK_CLOSE(trial.sum[SUM_SURFACE_ENERGY], tension * 2 * 5 * D0 * D0, 1e-12, "sums: surface energy");
+  CHECK_CLOSE(trial.sum[SUM_MASS], 1200, 1e-9, "sums: mass");
+  CHECK_CLOSE(mass, 1200, 1e-9, "sums: mass of two liquids");
+  CHECK_CLOSE(trial.sum[SUM_KINETIC], 1200 * 6, 1e-8, "sums: kinetic energy"); /* 12/2 m2/s2 */
+  CHECK_CLOSE(trial.largest[LARGEST_DENSITY], 1.02, 1e-12, "sums: largest density");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- guard --- */
+
+/* A particle at (x, y) with velocity (u, v), and where it must be and go after the guard of a quarter spacing. */
+typedef struct {
+  PetscReal before[4], after[4];
+} Guarded;
+
+static PetscErrorCode TestGuard(void)
+{
+  /* walls at x = 0 and 4, mirrors at y = 0 and 4, a solid disc of 0.5 m about (2, 2) */
+  static const Guarded cases[] = {
+    {{0.01, 1, -1, 3}, {0.025, 1, 0, 3}}, {{0.01, 1, 1, 3}, {0.025, 1, 1, 3}},
+    {{3.99, 1, 1, 3}, {3.975, 1, 0, 3}},  {{3.99, 1, -1, 3}, {3.975, 1, -1, 3}},
+    {{1, -0.01, 3, -1}, {1, 0.01, 3, 1}}, {{1, 4.02, 3, 1}, {1, 3.98, 3, -1}},
+    {{2.51, 2, -1, 3}, {2.525, 2, 0, 3}}, {{2.51, 2, 1, 3}, {2.525, 2, 1, 3}},
+    {{2, 1.49, 3, 1}, {2, 1.475, 3, 0}},  {{0.03, 0.01, -1, -1}, {0.03, 0.01, -1, -1}},
+    {{2.53, 2, -1, 3}, {2.53, 2, -1, 3}},
+  };
+  const PetscInt n                                              = PETSC_STATIC_ARRAY_LENGTH(cases);
+  PetscReal      points[DIM * PETSC_STATIC_ARRAY_LENGTH(cases)] = {0}, *x, *v, worst = 0;
+  Setup          s;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    points[DIM * k]     = 0.5 + 0.25 * (k % 4); /* somewhere in the box */
+    points[DIM * k + 1] = 0.5 + 0.25 * (k / 4);
+  }
+  PetscCall(SetupFill("-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -box_x wall -box_y symmetry -bodies a "
+                      "-a_upper 1.2,4 -solids disc -disc_shape sphere -disc_center 2,2 -disc_radius 0.5",
+                      n, points, 0, &s));
+  x = s.cloud->field[FIELD_POSITION];
+  v = s.cloud->field[FIELD_VELOCITY];
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    for (PetscInt d = 0; d < 2; d++) {
+      const Guarded *c = &cases[s.cloud->integer[INT_ID][a]];
+
+      x[DIM * a + d] = c->before[d];
+      v[DIM * a + d] = c->before[2 + d];
+    }
+  PetscCall(WallGuard(s.cloud, 0.025, x, v));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    for (PetscInt d = 0; d < 2; d++) {
+      const Guarded  *c = &cases[s.cloud->integer[INT_ID][a]];
+      const PetscReal error =
+        PetscMax(PetscAbsReal(x[DIM * a + d] - c->after[d]), PetscAbsReal(v[DIM * a + d] - c->after[2 + d]));
+
+      if (error > 1e-9)
+        printf("  case %d: %g %g, %g\n", (int)s.cloud->integer[INT_ID][a], x[DIM * a], x[DIM * a + 1], v[DIM * a + d]);
+      worst = PetscMax(worst, error);
+    }
+  CHECK_CLOSE(SetupMax(worst), 0, 1e-9, "guard"); /* the normal of a solid is a difference of distances */
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- forces and sub-steps --- */
+
+/* Sum of m v.(v* - v) of the fluid. */
+static PetscReal Work(Cloud cloud)
+{
+  PetscReal sum = 0;
+
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
+    sum += cloud->volume[k / DIM] * cloud->rest_density[k / DIM] * cloud->field[FIELD_VELOCITY][k] *
+           (cloud->field[FIELD_VELOCITY_STAR][k] - cloud->field[FIELD_VELOCITY][k]);
+  return SetupSum(sum);
+}
+
+/* Viscosity and tension of Cahn and Hilliard do the work that the velocities change by, to first order. */
+static PetscErrorCode TestWork(void)
+{
+  const PetscReal dt        = 1e-6;
+  const char     *options[] = {BLOCK "-a_viscosity 20", QUIET "-a_tension 0.5 -tension_type cahn_hilliard"};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) {
+    StepTrial trial = {0};
+    Stepper   stepper;
+    Setup     s;
+
+    PetscCall(SetupPack(options[k], &s));
+    PetscCall(MakeStepper(&s, &stepper));
+    PetscCall(SetupMoments(&s));
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+      const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a;
+
+      s.cloud->field[FIELD_VELOCITY][DIM * a]     = x[0] + x[0] * x[0];
+      s.cloud->field[FIELD_VELOCITY][DIM * a + 1] = 2 * x[1] - x[1] * x[1];
+    }
+    PetscCall(CloudUpdate(s.cloud, FIELD_VELOCITY));
+    PetscCall(StepForces(stepper, dt, s.cloud->rest_density, PETSC_FALSE, &trial));
+    trial.sum[SUM_VISCOUS_WORK] = SetupSum(trial.sum[SUM_VISCOUS_WORK]);
+    trial.sum[SUM_TENSION_WORK] = SetupSum(trial.sum[SUM_TENSION_WORK]);
+    CHECK(PetscAbsReal(Work(s.cloud)) > 1e-9, "work: there is some");
+    CHECK_CLOSE(trial.sum[k ? SUM_TENSION_WORK : SUM_VISCOUS_WORK] / Work(s.cloud), 1, 1e-6,
+                k ? "work of tension" : "work of viscosity");
+    CHECK_CLOSE(trial.sum[k ? SUM_VISCOUS_WORK : SUM_TENSION_WORK], 0, 0, "work of what is not there");
+    PetscCall(StepperDestroy(&stepper));
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A disc of radius R that grows with v = x: length of the edge 2 pi R, inflow -2 pi R^2 dt, the integral of sigma kappa
+   2 pi sigma, the work -2 pi sigma R dt. */
+static PetscErrorCode TestCapillaryWork(void)
+{
+  const PetscReal dt = 1e-3, sigma = 0.5, R = 1.6;
+  StepTrial       trial = {0};
+  PetscReal       sum[SUM_COUNT];
+  Stepper         stepper;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack("-dimension 2 -spacing 0.1 -box_lower -3,-3 -box_upper 3,3 -packing_jitter 0.1 -bodies a "
+                      "-a_shape sphere -a_radius 1.6 -a_viscosity 0 -a_tension 0.5",
+                      &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscArraycpy(s.cloud->field[FIELD_VELOCITY], s.cloud->field[FIELD_POSITION], DIM * s.cloud->n_total));
+  PetscCall(StepForces(stepper, dt, s.cloud->rest_density, PETSC_FALSE, &trial));
+  for (PetscInt k = 0; k < SUM_COUNT; k++) sum[k] = SetupSum(trial.sum[k]);
+  CHECK_CLOSE(sum[SUM_AREA] / (2 * PETSC_PI * R), 1, 0.08, "edge of a disc"); /* 2 V |n| stands for it */
+  CHECK_CLOSE(sum[SUM_INFLOW] / (-2 * PETSC_PI * R * R * dt), 1, 0.1, "inflow of a disc that grows");
+  CHECK_CLOSE(sum[SUM_CAPILLARY_AREA] / (2 * PETSC_PI * sigma), 1, 0.1, "capillary pressure on its edge");
+  CHECK_CLOSE(sum[SUM_TENSION_WORK] / (-2 * PETSC_PI * sigma * R * dt), 1, 0.12, "work of its tension");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One particle in a box that is shaken: the force of the middle of the step acts. */
+static PetscErrorCode TestShaken(void)
+{
+  const PetscReal x[DIM] = {1, 1, 0}, dt = 0.01;
+  StepState       state = {.time = 0.05, .step = 1, .previous_time_step = dt};
+  PetscReal       u     = -1;
+  PetscBool       failed;
+  char            why[512];
+  ParticleArrays  arrays;
+  Stepper         stepper;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupFill("-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -bodies a -a_viscosity 0 "
+                      "-gravity_amplitude 3,0 -gravity_frequency 2 -time_step 0.01 -energy_max 0",
+                      1, x, 0, &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(StepperAdvance(stepper, 1, PETSC_FALSE, &state, &failed, why, sizeof(why)));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  if (arrays.n) u = arrays.real[FIELD_VELOCITY][0];
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  CHECK_CLOSE(SetupMax(u), dt * 3 * PetscSinReal(2 * PETSC_PI * 2 * 0.055), 1e-12, "shaken particle");
+  CHECK_CLOSE(state.time, 0.06, 1e-15, "shaken particle: time");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A linear pressure accelerates by -grad p/rho, a step moves by the mean of both velocities, a position that is not a
+   number is found. */
+static PetscErrorCode TestSubsteps(void)
+{
+  const PetscReal dt    = 1e-3;
+  StepTrial       trial = {0};
+  PetscReal       kick = 0, drift = 0, *from;
+  Stepper         stepper;
+  Setup           s;
+  Cloud           cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(QUIET "-a_velocity 1,0 -pressure_gradient corrected -pressure_regularization 0", &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(SetupMoments(&s));
+  cloud = s.cloud;
+  PetscCall(PetscMalloc1(DIM * cloud->n_owned, &from));
+  PetscCall(PetscArraycpy(from, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    cloud->field[FIELD_PRESSURE][a]                = 400 * cloud->field[FIELD_POSITION][DIM * a + 1];
+    cloud->field[FIELD_VELOCITY_STAR][DIM * a]     = 3;
+    cloud->field[FIELD_VELOCITY_STAR][DIM * a + 1] = 2;
+    cloud->field[FIELD_VELOCITY_STAR][DIM * a + 2] = 0;
+    cloud->field[FIELD_VELOCITY][DIM * a]          = 1;
+    cloud->integer[INT_SURFACE][a]                 = 0;
+  }
+  PetscCall(StepKick(stepper, dt));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *v = cloud->field[FIELD_VELOCITY_NEW] + DIM * a;
+
+    if (cloud->field[FIELD_LAMBDA][a] > MOMENT_MINIMUM)
+      kick = PetscMax(kick, PetscMax(PetscAbsReal(v[0] - 3), PetscAbsReal(v[1] - 2 + dt * 400 / RHO)));
+  }
+  CHECK_CLOSE(SetupMax(kick), 0, 1e-12, "kick by a linear pressure");
+  for (PetscInt half = 0; half < 2; half++) {
+    PetscCall(StepDriftOn(stepper, dt, from, (PetscBool)half));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+      const PetscReal moved = cloud->field[FIELD_POSITION_NEW][DIM * a] - from[DIM * a];
+
+      drift = PetscMax(drift, PetscAbsReal(moved - 0.5 * dt * (cloud->field[FIELD_VELOCITY_NEW][DIM * a] + 1 - half)));
+    }
+  }
+  CHECK_CLOSE(SetupMax(drift), 0, 1e-15, "drift with the mean velocity");
+  PetscCall(StepGuard(stepper, from, &trial));
+  CHECK(SetupMax(trial.largest[LARGEST_BROKEN]) == 0 && SetupMax(trial.largest[LARGEST_DISPLACEMENT]) > 1e-3,
+        "all positions are numbers");
+  if (cloud->n_fluid) cloud->field[FIELD_POSITION_NEW][1] = NAN;
+  PetscCall(StepGuard(stepper, from, &trial));
+  CHECK(SetupMax(trial.largest[LARGEST_BROKEN]) == 1, "a position that is not a number");
+  PetscCall(PetscFree(from));
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(TestStep());
+  PetscCall(TestScales());
+  PetscCall(TestRefused());
+  PetscCall(TestSums());
+  PetscCall(TestGuard());
+  PetscCall(TestWork());
+  PetscCall(TestCapillaryWork());
+  PetscCall(TestShaken());
+  PetscCall(TestSubsteps());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
