@@ -157,7 +157,8 @@ def run_all(mutants, jobs):
             row = examine(m, tree, original, seconds)
         finally:
             trees.put(tree)
-        print(f"{row['fate']:9}{row['folder']}: {row['bug']} ({row['name']}, {row['seconds']} s) {row['by']}", flush=True)
+        print(f"{row['fate']:9}{row['folder']}: {row['bug']} ({row['name']}, {row['seconds']} s) {row['by']}",
+              flush=True)
         return row
 
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
