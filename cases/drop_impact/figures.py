@@ -100,7 +100,7 @@ def figure_1(folder, times, quarter, path):
         row[0].imshow(surface.picture(liquid, EYE, PANEL), interpolation="antialiased")
         above = ABOVE["height"] * 1e3 / 2
         wide = above * PANEL[0] / PANEL[1]
-        row[1].imshow(surface.picture(liquid, ABOVE, PANEL, drop_alone=True), extent=(-wide, wide, -above, above),
+        row[1].imshow(surface.picture(liquid, ABOVE, PANEL, pale=True), extent=(-wide, wide, -above, above),
                       interpolation="antialiased")
         draw_section(row[2], liquid)
         for panel in row:

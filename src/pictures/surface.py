@@ -16,7 +16,8 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
 
 FILTER = 0.6  # standard deviation of the Gaussian, spacings
 LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
-DROP_LEVEL = 0.2  # of the drop's volume fraction, when it is drawn alone: it is often thinner than a spacing
+LAYER_SHARE = 0.35  # of that average: what is drawn in the drop's full colour, two thirds of a layer of particles
+SPREAD = 1.2  # spacings: what the drop's share is averaged over where it is thinner than a particle
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
 SMOOTHING = 25  # iterations of the mesh filter
@@ -25,6 +26,7 @@ WIDE = 1.5e-3  # m: reach of the shade in hollows
 
 FILM_COLOR = np.array([0.07, 0.35, 0.63])
 DROP_COLOR = np.array([0.93, 0.36, 0.09])
+PALE_COLOR = np.array([0.55, 0.60, 0.66])  # the film, in pictures of where the drop's liquid is
 ZENITH, HORIZON, GROUND = np.array([0.52, 0.70, 0.90]), np.array([0.95, 0.97, 1.0]), np.array([0.30, 0.36, 0.42])
 
 
@@ -123,9 +125,14 @@ class Liquid:
         flags[flags] = sample(field, self.places(self.points[flags])) < level
         return flags
 
-    def drop_share(self, points):
-        """The drop's part of the liquid at points (m), sharpened for the eye: 0 film, 1 drop."""
+    def drop_share(self, points, spread=False):
+        """The drop's part of the liquid at points (m): 0 film, 1 drop. Sharpened for the eye, or, with spread, the mean
+        of the surroundings: a layer one particle thick has gaps, and its mean tells how much of it there is."""
         places = self.places(points)
+        if spread:
+            width = SPREAD * self.spacing / self.cell
+            drop, every = (sample(blur(field, width), places) for field in (self.drop, self.all))
+            return np.clip(drop / np.maximum(every, 1e-6) / LAYER_SHARE, 0, 1)
         share = sample(self.drop, places) / np.maximum(sample(self.all, places), 1e-6)
         share = np.clip((share - 0.3) / 0.4, 0, 1)
         return share * share * (3 - 2 * share)
@@ -183,20 +190,13 @@ def spheres(centers, radius):
     return points, np.tile(unit, (len(centers), 1)), (cells + offsets).reshape(-1, 3)
 
 
-def surface(liquid, drop_alone):
-    """Points, normals, triangles and drop shares of the liquid's surface, or of the drop's alone."""
-    if drop_alone:
-        field, level, flags = liquid.drop, DROP_LEVEL, liquid.is_drop
-    else:
-        field, level, flags = liquid.block, LEVEL, np.ones(len(liquid.points), bool)
-    mesh = triangles(field, level, liquid.origin, liquid.cell)
-    loose = liquid.lonely(field, level, flags)
+def surface(liquid, spread=False):
+    """Points, normals, triangles and drop shares (spread: see drop_share) of the liquid's surface."""
+    mesh = triangles(liquid.block, LEVEL, liquid.origin, liquid.cell)
+    loose = liquid.lonely(liquid.block, LEVEL, np.ones(len(liquid.points), bool))
     balls = spheres(liquid.points[loose], liquid.spacing * (3 / (4 * np.pi)) ** (1 / 3))
-    if drop_alone:
-        share = np.ones(len(mesh[0]) + len(balls[0]))
-    else:
-        own = np.repeat(liquid.is_drop[loose].astype(float), len(balls[0]) // max(1, loose.sum()))
-        share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1]), own])
+    own = np.repeat(liquid.is_drop[loose].astype(float), len(balls[0]) // max(1, loose.sum()))
+    share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1], spread), own])
     return (np.concatenate([mesh[0], balls[0]]), np.concatenate([mesh[1], balls[1]]),
             np.concatenate([mesh[2], balls[2] + len(mesh[0])]), share)
 
@@ -290,17 +290,18 @@ def render(points, cells, rgb, camera, size, lines=()):
     return image[::-1, :, :3].copy()
 
 
-def picture(liquid, camera, size, drop_alone=False):
-    """Renders the surface: an array [height][width][3] of bytes.
+def picture(liquid, camera, size, pale=False):
+    """Renders the surface: an array [height][width][3] of bytes. pale: the film is, so that the drop's liquid shows.
 
     camera: position, focus, up (m), and either 'angle' (degrees, perspective) or 'height' (m, parallel projection).
     """
-    points, normals, cells, share = surface(liquid, drop_alone)
+    points, normals, cells, share = surface(liquid, pale)
     eye, focus = np.array(camera["position"], float), np.array(camera["focus"], float)
     toward = eye - points if "angle" in camera else np.broadcast_to(eye - focus, points.shape)
     toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    base = FILM_COLOR + share[:, None] * (DROP_COLOR - FILM_COLOR)
-    shade = np.ones(len(points)) if drop_alone else liquid.shade(points, normals)
+    film = PALE_COLOR if pale else FILM_COLOR
+    base = film + share[:, None] * (DROP_COLOR - film)
+    shade = liquid.shade(points, normals)
     rgb = colors(points, normals, base, shade, toward)
 
     return render(points, cells, rgb, camera, size)
