@@ -8,7 +8,8 @@
 #   make mutants                    small bugs put in one at a time: which ones the tests see; MUTANT=NAME, JOBS=1
 #   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, signals, full disks, damaged files; mutated options: how many tried, survived, refused
-#   make paper                      the main case at the paper's spacing, a quarter of the box, with its figures
+#   make paper, make paper-printed  the main case at the paper's spacing, with its figures: default scheme, scheme as
+#                                   printed; SPEED=242: slower; BOX=whole: the whole box.  make seeds: five packings
 #   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
 #   make tradeoff CASE=central_force        error and CPU time of each choice; tradeoff-readme: in tests/tradeoff/
 #   make solver-sweep               every solver of PETSc's: right or refused in a sentence; table in tests/solvers/
@@ -82,13 +83,27 @@ run: packages
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
-# The main case at the paper's spacing, a quarter of the box, 60 ms: some ten minutes on two cores, then its figures.
-paper: packages
+# The main case at the paper's spacing, 60 ms, then its figures: a quarter of the box (some ten minutes on two cores) or
+# with BOX=whole all of it (an hour or two); SPEED=242: the slower impact; paper-printed: the scheme as printed (hours).
+# FLAGS="-wall_clock_limit 3600" ends it with a checkpoint, FLAGS="-restart FILE" continues from that.
+SPEED = 313
+BOX   = quarter
+PAPER = $(if $(filter-out 313 242,$(SPEED)),$(error SPEED=$(SPEED): 313 or 242 (cm/s)))$(if $(filter-out quarter whole,$(BOX)),$(error \
+  BOX=$(BOX): quarter or whole))-options_file cases/drop_impact/case.opts $(if $(filter 242,$(SPEED)),-options_file cases/drop_impact/speed_242.opts) \
+  $(if $(filter quarter,$(BOX)),-options_file options/quarter.opts)
+PLACE = $(if $(filter 242,$(SPEED)),_242)$(if $(filter whole,$(BOX)),_whole)
+paper: PRESET = paper
+paper-printed: PRESET = printed
+paper paper-printed: packages
 	$(MAKE) isph
-	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
-	  -output_dir $(RUN)_paper -output_overwrite
-	$(PYTHON) cases/drop_impact/figures.py $(RUN)_paper
-	$(PYTHON) cases/drop_impact/compare.py $(RUN)_paper
+	$(MPI) mpiexec -n 2 ./isph $(PAPER) $(if $(filter printed,$(PRESET)),-options_file options/paper.opts) \
+	  -output_dir $(RUN)_$(PRESET)$(PLACE) $(if $(findstring -restart,$(FLAGS)),,-output_overwrite) $(FLAGS)
+	$(PYTHON) cases/drop_impact/figures.py $(RUN)_$(PRESET)$(PLACE)
+	$(PYTHON) cases/drop_impact/compare.py $(RUN)_$(PRESET)$(PLACE)
+
+# The main case from five packings at 0.5 and 0.35 mm, both speeds: mean and spread, half an hour on two cores.
+seeds: isph
+	@$(PYTHON) cases/drop_impact/seeds.py --readme --jobs $(JOBS)
 
 # Speed of the step over sizes, ranks, states and preconditioners: table and chart in output/bench/.
 SIZE = quick
@@ -226,6 +241,6 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
 
-.PHONY: solver-sweep paper bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
+.PHONY: solver-sweep paper paper-printed seeds bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs mutants mutants-readme compare-solvers tradeoff tradeoff-readme identical options-reference

@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+"""The main case (a quarter of the box) from several random packings: what is a trend and what is chance.
+
+    seeds.py [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
+
+Runs that output/drop_impact_seeds/ holds to their end are not run again. Writes seeds.csv (mean and standard deviation
+of the curves) and curves_seeds.png beside this file, and prints a table; --readme puts it into README.md.
+"""
+import argparse
+import csv
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+import compare
+import rundata
+from check import curve, half
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.join(HERE, "..", "..")
+sys.path.insert(0, os.path.join(ROOT, "tests"))
+import runs  # noqa: E402
+
+OUTPUT = os.path.join(ROOT, "output", "drop_impact_seeds")
+FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/speed_242.opts"}
+END = 60e-3  # s
+TIMES = np.arange(0, END + 1e-9, 0.5e-3)  # s: of seeds.csv
+COLUMNS = ("crown_height", "crater_depth", "crater_diameter", "jet_height", "kinetic_energy")
+LABELS = {"crown_height": "crown height H (mm)", "crater_depth": "crater depth D (mm)",
+          "crater_diameter": "crater diameter $\\phi$ (mm)"}
+
+
+def folder_of(speed, spacing, seed):
+    return os.path.join(OUTPUT, f"{speed}_{spacing}_{seed}")
+
+
+def finished(folder):
+    try:
+        return max(rundata.read_series(folder)["time"]) >= END - 1e-9
+    except rundata.RunError:
+        return False
+
+
+def run(speed, spacing, seed):
+    """Runs one packing, unless its run is there."""
+    folder = folder_of(speed, spacing, seed)
+    if not finished(folder):
+        options = (f"-options_file cases/drop_impact/case.opts -options_file options/quarter.opts {FILES[speed]} "
+                   f"-spacing {spacing}e-3 -packing_seed {seed} -snapshot_interval 0 -checkpoint_interval 0")
+        subprocess.run([runs.PROGRAM, *options.split(), "-output_dir", folder, "-output_overwrite",
+                        "-progress_interval", "0"], cwd=ROOT, env=runs.environment(), check=True,
+                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    print(folder, flush=True)
+    return rundata.read_series(folder)
+
+
+def on(table, name, times):
+    """A column at these times; nan where it has no value."""
+    samples = np.array(compare.pairs(table, name)).reshape(-1, 2)
+    return np.interp(times, samples[:, 0], samples[:, 1], left=np.nan, right=np.nan) if len(samples) else times * np.nan
+
+
+def figures_of(table, reference):
+    """The numbers of one run that the table gives: {name: (value, format)}."""
+    depth, right = curve(table, "crater_depth"), curve(reference, "crater_depth")
+    width, right_width = curve(table, "crater_diameter"), curve(reference, "crater_diameter")
+    crown = compare.maximum(table, "crown_height", *compare.CROWN_SPAN)
+    return {"largest error of D, %": 100 * np.abs(depth - right).max() / right.max(),
+            "largest error of phi, %": 100 * np.abs(width / right_width - 1).max(),
+            **{f"D at {t} ms, mm": 1e3 * compare.at(table, "crater_depth", 1e-3 * t) for t in (5, 10, 15)},
+            **{f"phi at {t} ms, mm": 1e3 * compare.at(table, "crater_diameter", 1e-3 * t) for t in (5, 10, 15)},
+            "H, largest, mm": 1e3 * crown[0], "its time, ms": 1e3 * crown[1],
+            **{f"kinetic energy at {t} ms, uJ": 1e6 * compare.at(table, "kinetic_energy", 1e-3 * t)
+               for t in (2, 5, 10, 15)},
+            "half depth, ms": 1e3 * half(table), "jet passes the level, ms": 1e3 * compare.jet_rise(table),
+            "jet at 60 ms, mm": 1e3 * compare.at(table, "jet_height", END - 1e-9)}
+
+
+def write_table(results):
+    """Mean and standard deviation of every set of runs, beside the reference."""
+    text = ""
+    for speed in dict.fromkeys(speed for speed, _ in results):
+        reference = rundata.read_reference(float(speed))
+        wanted = figures_of(reference, reference)
+        sets = {spacing: [figures_of(table, reference) for table in tables]
+                for (s, spacing), tables in results.items() if s == speed}
+        text += f"\n| {speed} m/s | " + " | ".join(f"{spacing} mm" for spacing in sets) + " | reference |\n"
+        text += "|---" * (len(sets) + 2) + "|\n"
+        for name in wanted:
+            cells = []
+            for rows in sets.values():
+                values = [row[name] for row in rows]
+                cells.append(f"{np.mean(values):.3g} +- {np.std(values, ddof=1):.2g}")
+            right = "" if "error" in name or not np.isfinite(wanted[name]) else f"{wanted[name]:.3g}"
+            text += f"| {name} | " + " | ".join(cells) + f" | {right} |\n"
+    return text
+
+
+def write_curves(results, path):
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        file.write("# Mean and standard deviation over packing seeds of the drop impact, a quarter of the box; SI; by "
+                   "seeds.py\n")
+        writer = csv.writer(file)
+        writer.writerow(["speed", "spacing", "time", *(f"{c}_{k}" for c in COLUMNS for k in ("mean", "spread"))])
+        for (speed, spacing), tables in results.items():
+            values = np.array([[on(table, c, TIMES) for c in COLUMNS] for table in tables])
+            mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
+            for k, time in enumerate(TIMES):
+                row = [f"{x:.5g}" for pair in zip(mean[:, k], spread[:, k]) for x in pair]
+                writer.writerow([speed, f"{spacing}e-3", f"{time:.5g}", *row])
+
+
+def draw(results, path):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    speeds = list(dict.fromkeys(speed for speed, _ in results))
+    figure, axes = plt.subplots(3, len(speeds), figsize=(6.2 * len(speeds), 8.6), sharex=True, squeeze=False,
+                                gridspec_kw=dict(hspace=0.08, wspace=0.16))
+    for column, speed in enumerate(speeds):
+        reference = rundata.read_reference(float(speed))
+        for row, (name, label) in enumerate(LABELS.items()):
+            panel = axes[row][column]
+            panel.plot(1e3 * TIMES, 1e3 * on(reference, name, TIMES), color="black", lw=1.6,
+                       label="reference (axisymmetric VOF)")
+            for k, ((_, spacing), tables) in enumerate((key, t) for key, t in results.items() if key[0] == speed):
+                values = 1e3 * np.array([on(table, name, TIMES) for table in tables])
+                mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
+                panel.plot(1e3 * TIMES, mean, color=f"C{k}", lw=1.6, label=f"{spacing} mm, {len(tables)} packings")
+                panel.fill_between(1e3 * TIMES, mean - spread, mean + spread, color=f"C{k}", alpha=0.25, lw=0)
+            panel.set(ylabel=label, ylim=(0, None), xlim=(0, 60))
+            panel.grid(color="0.9", lw=0.8)
+            panel.spines[["top", "right"]].set_visible(False)
+        axes[0][column].set_title(f"{speed} m/s")
+        axes[0][column].legend(frameon=False, fontsize=9)
+        axes[-1][column].set_xlabel("time after contact (ms)")
+    figure.savefig(path, dpi=110, bbox_inches="tight", pad_inches=0.06)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--speed", nargs="+", choices=FILES, default=list(FILES), help="m/s")
+    parser.add_argument("--spacing", nargs="+", default=["0.5", "0.35"], metavar="MM")
+    parser.add_argument("--seeds", type=int, default=5, help="number of packings")
+    parser.add_argument("--jobs", type=int, default=2, help="runs at a time")
+    parser.add_argument("--readme", action="store_true", help="put the table into README.md")
+    arguments = parser.parse_args()
+    keys = [(speed, spacing) for speed in arguments.speed for spacing in arguments.spacing]
+    jobs = [(*key, seed) for key in keys for seed in range(1, arguments.seeds + 1)]
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        tables = list(pool.map(lambda job: run(*job), jobs))
+    results = {key: [table for job, table in zip(jobs, tables) if job[:2] == key] for key in keys}
+    write_curves(results, os.path.join(HERE, "seeds.csv"))
+    draw(results, os.path.join(HERE, "curves_seeds.png"))
+    text = write_table(results)
+    print(text)
+    if arguments.readme:
+        runs.replace(os.path.join(HERE, "README.md"), "seeds", text + "\n")
+
+
+if __name__ == "__main__":
+    with rundata.polite("seeds.py"):
+        main()
