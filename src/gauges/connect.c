@@ -20,7 +20,7 @@ static void JoinNeighbors(Cloud cloud, PetscReal distance, PetscInt parent[])
 
   for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = a;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       const PetscInt  b      = cloud->list[k];
       const PetscReal r[DIM] = {x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]};
 

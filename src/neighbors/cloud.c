@@ -87,7 +87,7 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
     PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->solid_normal));
-  PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt), &cloud->first));
+  PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt64), &cloud->first));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->laplacian_sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,6 +149,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION],
                       cloud->reach + cloud->slack + cloud->distance_outside, &ghosts));
+  PetscCall(ParticlesCheckRoom(cloud->comm, (PetscInt64)cloud->n_owned + ghosts));
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(HaloUpdateInt(cloud->halo, cloud->integer[f]));
@@ -288,6 +289,19 @@ PetscErrorCode CloudMoved(Cloud cloud)
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   } else
     PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudCheckUnknowns(MPI_Comm comm, PetscInt n, PetscInt width, const char what[])
+{
+  PetscInt64 unknowns = (PetscInt64)width * n;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &unknowns, 1, MPIU_INT64, MPI_SUM, comm));
+  PetscCheckUser(unknowns <= PETSC_MAX_INT, comm,
+                 "%s has %" PetscInt64_FMT " unknowns, and this build of PETSc can number %" PetscInt_FMT
+                 ": take a larger -spacing, or a PETSc configured with 64-bit indices",
+                 what, unknowns, PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

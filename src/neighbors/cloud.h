@@ -40,7 +40,8 @@ typedef struct _p_Cloud {
     *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
   /* The neighbours of particle a < n_owned are list[first[a] .. first[a+1]), local indices, without the particle
      itself. pairs.h shows how to write loops over them. */
-  PetscInt *first, *list, list_capacity;
+  PetscInt64 *first, list_capacity; /* a rank may have more pairs than 32 bits count */
+  PetscInt   *list;
   /* Factors of the pairs, in the order of the list, at the positions of the last search; the same for both particles of
      a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f. laplacian: the pair's weight in a
      Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, and 0 between two wall particles. It is rounded to
@@ -98,6 +99,10 @@ PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[]);
    with the next migration. Particles that left through an open face are removed; their number on all ranks is added to
    *lost. Collective. */
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
+
+/* CloudCheckUnknowns - refuses (UserError) 'width' unknowns for each fluid particle of n on this rank if PETSc cannot
+   number those of all ranks; what: needs them, for the sentence. Collective. */
+PetscErrorCode CloudCheckUnknowns(MPI_Comm comm, PetscInt n, PetscInt width, const char what[]);
 
 /* CloudGetWork - an array with room for [n_total][width] numbers and a vector behind them, contents undefined, for the
    use of one function, which gives it back with CloudRestoreWork. The arrays are kept for the next caller. Ghosts

@@ -45,6 +45,10 @@ typedef struct {
   PetscReal f[ROW_CAPACITY + VEC8];
 } PairRow;
 
+/* CloudListRoom - the pairs that CloudSearch makes room for when 'used' are stored, 'rows' rows are to come and none
+   has more than 'most'. Not collective. */
+PetscInt64 CloudListRoom(PetscInt64 used, PetscInt rows, PetscInt most);
+
 /* PairRowLoadGeometry - n, index, dx, dy, dz and r2 of particle a's row from positions x ([n_total][3], m). Not
    collective. */
 static inline void PairRowLoadGeometry(Cloud cloud, const PetscReal *restrict x, PetscInt a, PairRow *restrict row)
@@ -52,7 +56,7 @@ static inline void PairRowLoadGeometry(Cloud cloud, const PetscReal *restrict x,
   const PetscInt *restrict index = cloud->list + cloud->first[a];
   const PetscReal xa = x[3 * a], ya = x[3 * a + 1], za = x[3 * a + 2];
 
-  row->n     = cloud->first[a + 1] - cloud->first[a];
+  row->n     = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
   row->index = index;
   SIMD_LOOP()
   for (PetscInt k = 0; k < row->n; k++) {
@@ -82,7 +86,8 @@ static inline void PairRowLoadGeometry(Cloud cloud, const PetscReal *restrict x,
    factors of these pairs are zero. Not collective. */
 static inline void PairRowLoadFactors(Cloud cloud, PetscInt a, PairRow *row)
 {
-  const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first;
+  const PetscInt64 first     = cloud->first[a];
+  const PetscInt   n         = (PetscInt)(cloud->first[a + 1] - first);
   const float *restrict from = cloud->slope + first;
 
   row->n     = n;

@@ -208,15 +208,21 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
 }
 #endif
 
-/* Makes room for 'more' pairs behind the 'used' ones. */
-static PetscErrorCode ReserveList(Cloud cloud, PetscInt used, PetscInt more)
+PetscInt64 CloudListRoom(PetscInt64 used, PetscInt rows, PetscInt most)
 {
+  return used + PetscMax(most, used / 8 + (PetscInt64)ROW_GUESS * rows) + most;
+}
+
+/* Makes room for so many pairs. */
+static PetscErrorCode ReserveList(Cloud cloud, PetscInt64 pairs)
+{
+  const size_t room = (size_t)pairs;
+
   PetscFunctionBegin;
-  if (used + more <= cloud->list_capacity) PetscFunctionReturn(PETSC_SUCCESS);
-  cloud->list_capacity = used + more;
-  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(PetscInt), &cloud->list));
-  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(float), &cloud->slope));
-  PetscCall(PetscRealloc(cloud->list_capacity * sizeof(uint16_t), &cloud->laplacian));
+  cloud->list_capacity = pairs;
+  PetscCall(PetscRealloc(room * sizeof(PetscInt), &cloud->list));
+  PetscCall(PetscRealloc(room * sizeof(float), &cloud->slope));
+  PetscCall(PetscRealloc(room * sizeof(uint16_t), &cloud->laplacian));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -328,7 +334,7 @@ static inline PetscInt FindNeighbors(Cloud cloud, const Search *search, PetscInt
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
-  PetscInt         used = 0;
+  PetscInt64       used = 0; /* pairs */
   float            w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES];
   Search           search;
 
@@ -342,8 +348,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
     PetscInt found;
 
     if (used + search.most > cloud->list_capacity)
-      PetscCall(
-        ReserveList(cloud, used, PetscMax(search.most, used / 8 + ROW_GUESS * (cloud->n_owned - a)) + search.most));
+      PetscCall(ReserveList(cloud, CloudListRoom(used, cloud->n_owned - a, search.most)));
     found = FindNeighbors(cloud, &search, a, cloud->list + used);
     PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "particle %" PetscInt_FMT " at (%g, %g, %g) m has %" PetscInt_FMT

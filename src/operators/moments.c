@@ -104,7 +104,7 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
                   scale = V * scales->scale_f;
-  const PetscInt *list = cloud->list + cloud->first[a], n = cloud->first[a + 1] - cloud->first[a];
+  const PetscInt *list = cloud->list + cloud->first[a], n = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
   const float    *slope = cloud->slope + cloud->first[a];
   const Vec8x3    p = Vec8x3Set(x + DIM * a), own = Vec8x3Set(v + DIM * a);
   const Vec8      zero = Vec8Set(0), ratio = Vec8Set(scales->ratio), weight = Vec8Set(CLUMP_WEIGHT);

@@ -33,7 +33,7 @@ static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], Pe
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = x + DIM * a;
   const PetscInt   dim = cloud->domain->dim;
 
-  for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscReal *q        = x + DIM * cloud->list[k];
     const PetscReal  r[DIM]   = {q[0] - p[0], q[1] - p[1], q[2] - p[2]},
                     t[DIM]    = {r[0] - s * n[0], r[1] - s * n[1], r[2] - s * n[2]};
@@ -80,7 +80,7 @@ static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, PetscReal distance, cons
 {
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, near2 = PetscSqr(distance);
 
-  for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscInt   b    = cloud->list[k];
     const PetscReal *y    = cloud->field[FIELD_POSITION] + DIM * b;
     const PetscReal  r[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};

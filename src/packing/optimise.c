@@ -239,7 +239,8 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
   PetscCall(PetscNew(&o.row));
   o.distance         = target->distance * cloud->domain->spacing;
   target->iterations = 0;
-  cloud->slack       = PetscMax(slack, SLACK * cloud->domain->spacing);
+  PetscCall(CloudCheckUnknowns(cloud->comm, cloud->n_fluid, cloud->domain->dim, "the packing (-packing_type)"));
+  cloud->slack = PetscMax(slack, SLACK * cloud->domain->spacing);
   PetscCall(CloudResync(cloud));
   do { /* a line search that failed gets another chance without the memory of LMVM */
     PetscCall(Round(&o, &remaining, &done, &reason));

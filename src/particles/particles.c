@@ -10,12 +10,16 @@ const char *const IntFieldMeanings[INT_COUNT] = {STORED_INTS(MEANING_INT)};
 /* The swarm may grow by this many particles before it must allocate again. */
 #define SWARM_BUFFER 1024
 
+/* DMSwarmMigrate (3.18) counts the bytes of a message in an int, and a particle has fewer than so many. */
+#define PARTICLE_BYTES 256
+
 struct _p_Particles {
   MPI_Comm  comm;
   Domain    domain; /* borrowed */
   DM        swarm;
   PetscBool balance_surface;
-  PetscInt  global; /* expected global number, checked after each migration */
+  PetscInt  global;  /* expected global number, checked after each migration */
+  PetscInt  portion; /* most particles in one message */
 };
 
 PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
@@ -24,8 +28,9 @@ PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&p));
-  p->comm   = domain->comm;
-  p->domain = domain;
+  p->comm    = domain->comm;
+  p->domain  = domain;
+  p->portion = PETSC_MPI_INT_MAX / PARTICLE_BYTES;
   PetscCall(DMCreate(p->comm, &p->swarm));
   PetscCall(DMSetType(p->swarm, DMSWARM));
   PetscCall(PetscObjectSetName((PetscObject)p->swarm, "particles"));
@@ -64,6 +69,18 @@ PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ParticlesCheckRoom(MPI_Comm comm, PetscInt64 n)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPIU_INT64, MPI_MAX, comm));
+  PetscCheckUser(n <= PETSC_MAX_INT / NUMBERS_A_PARTICLE, comm,
+                 "a rank would hold %" PetscInt64_FMT " particles with its ghosts, more than the %" PetscInt_FMT
+                 " whose fields this build of PETSc can index: take more ranks, or a PETSc configured with 64-bit "
+                 "indices",
+                 n, PETSC_MAX_INT / NUMBERS_A_PARTICLE);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ParticlesAppend(Particles particles, PetscInt count)
 {
   PetscInt       n;
@@ -71,6 +88,7 @@ PetscErrorCode ParticlesAppend(Particles particles, PetscInt count)
 
   PetscFunctionBegin;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &n));
+  PetscCall(ParticlesCheckRoom(particles->comm, (PetscInt64)n + count));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, n + count, SWARM_BUFFER));
   PetscCall(ParticlesOpen(particles, &arrays));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
@@ -157,26 +175,55 @@ PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ParticlesMigrate(Particles particles)
+PetscErrorCode ParticlesSetPortion(Particles particles, PetscInt portion)
+{
+  PetscFunctionBegin;
+  particles->portion = portion;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes into the swarm where each particle goes, at most a portion to any other rank. *left: whether there are more,
+   on any rank. */
+static PetscErrorCode ChooseRanks(Particles particles, PetscBool *left)
 {
   ParticleArrays arrays;
-  PetscMPIInt    size, *rank;
-  PetscInt       global;
+  PetscMPIInt    size, me, *rank, more = 0;
+  PetscInt      *sent;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(particles->comm, &size));
+  PetscCallMPI(MPI_Comm_rank(particles->comm, &me));
+  PetscCall(PetscCalloc1(size, &sent));
+  PetscCall(ParticlesOpen(particles, &arrays));
+  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    rank[a] = particles->domain->cell_rank[DomainCell(particles->domain, arrays.real[FIELD_POSITION] + DIM * a)];
+    if (rank[a] == me || sent[rank[a]]++ < particles->portion) continue;
+    rank[a] = me;
+    more    = 1;
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(ParticlesClose(particles, &arrays));
+  PetscCall(PetscFree(sent));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &more, 1, MPI_INT, MPI_MAX, particles->comm));
+  *left = (PetscBool)(more > 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ParticlesMigrate(Particles particles)
+{
+  PetscMPIInt size;
+  PetscInt    global;
+  PetscBool   left;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(particles->comm, &size));
   if (size == 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MIGRATE), 0, 0, 0, 0));
-  PetscCall(ParticlesOpen(particles, &arrays));
-  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
-  for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
-
-    rank[a] = particles->domain->cell_rank[DomainCell(particles->domain, x)];
-  }
-  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
-  PetscCall(ParticlesClose(particles, &arrays));
-  PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+  do {
+    PetscCall(ChooseRanks(particles, &left));
+    PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+  } while (left);
   PetscCall(ParticlesGlobalSize(particles, &global));
   PetscCheck(global == particles->global, particles->comm, PETSC_ERR_PLIB,
              "migration changed the number of particles from %" PetscInt_FMT " to %" PetscInt_FMT, particles->global,

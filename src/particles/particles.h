@@ -88,6 +88,11 @@ PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer);
 /* ParticlesAppend - makes room for count more particles on this rank, at the end; their fields are zero, to be filled
    through ParticlesOpen (also id, body, layer, parent). Collective. */
 PetscErrorCode ParticlesAppend(Particles particles, PetscInt count);
+/* ParticlesCheckRoom - refuses (UserError) if n, own particles and ghosts of a rank, are more on any rank than
+   PETSC_MAX_INT over NUMBERS_A_PARTICLE: the indices of whatever has up to so many numbers a particle then fit a
+   PetscInt, with some spare room. Collective. */
+#define NUMBERS_A_PARTICLE 32
+PetscErrorCode ParticlesCheckRoom(MPI_Comm comm, PetscInt64 n);
 /* ParticlesOpen / ParticlesClose - the one accessor. Between the two no other call on the swarm is allowed. Not
  * collective. */
 PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays);
@@ -99,6 +104,9 @@ PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[]);
 /* ParticlesMigrate - sends every particle to the rank that owns its cell (deep wall particles live with their parent,
    whose nearest cell is the same) and checks that none was lost. Collective. */
 PetscErrorCode ParticlesMigrate(Particles particles);
+/* ParticlesSetPortion - the most particles that ParticlesMigrate sends to a rank at once, for tests; by default those
+   whose bytes fit an int. Not collective. */
+PetscErrorCode ParticlesSetPortion(Particles particles, PetscInt portion);
 /* ParticlesBalanceSurface - whether work near the free surface is to be divided evenly too. Not collective. */
 PetscErrorCode ParticlesBalanceSurface(Particles particles, PetscBool surface);
 /* ParticlesImbalance - largest over mean number a rank, of particles and (if it is divided too) of particles on or near

@@ -94,13 +94,14 @@ static PetscErrorCode NumberColumns(Pressure pressure)
 /* Room for the entries of the longest row. */
 static PetscErrorCode RowEntriesCreate(Pressure pressure, RowEntries *e)
 {
-  const PetscInt *first = pressure->cloud->first, n = pressure->cloud->n_rows;
-  const Columns  *c       = &pressure->columns;
-  PetscInt        longest = 0;
+  const PetscInt64 *first   = pressure->cloud->first;
+  const PetscInt    n       = pressure->cloud->n_rows;
+  const Columns    *c       = &pressure->columns;
+  PetscInt64        longest = 0;
 
   PetscFunctionBegin;
   for (PetscInt r = 0; r < n; r++) {
-    PetscInt pairs = first[r + 1] - first[r];
+    PetscInt64 pairs = first[r + 1] - first[r];
 
     for (PetscInt k = c->child_first[r]; k < c->child_first[r + 1]; k++)
       pairs += first[c->child[k] + 1] - first[c->child[k]];
@@ -115,13 +116,13 @@ static PetscErrorCode RowEntriesCreate(Pressure pressure, RowEntries *e)
 static inline void AddPairs(Pressure pressure, PetscInt a, PetscInt r, RowEntries *e)
 {
   const Cloud     cloud = pressure->cloud;
-  const PetscInt *layer = cloud->integer[INT_LAYER], *of = pressure->columns.of, end = cloud->first[a + 1];
+  const PetscInt *layer = cloud->integer[INT_LAYER], *of = pressure->columns.of;
   const PetscReal scale   = pressure->weight_scale;
   const PetscBool wall    = (PetscBool)(layer[a] > 0);
   PetscInt *restrict slot = e->slot, *restrict column = e->column, count = e->count;
   PetscReal *restrict weight = e->weight;
 
-  for (PetscInt k = cloud->first[a]; k < end; k++) {
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscInt  b = cloud->list[k], c = of[b];
     const PetscReal K = scale * PairWeight(pressure, k);
 
@@ -160,11 +161,24 @@ static PetscErrorCode ReserveEntries(PetscInt count, PetscInt *capacity, PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MatrixStarts(PetscInt n, PetscInt start[], PetscBool *have_room)
+{
+  PetscInt64 sum = 0;
+
+  for (PetscInt r = 0; r < n; r++) {
+    sum += start[r + 1];
+    start[r + 1] = (PetscInt)PetscMin(sum, (PetscInt64)PETSC_MAX_INT);
+  }
+  *have_room = (PetscBool)(sum <= (PetscInt64)PETSC_MAX_INT - PETSC_MAX_INT / SPARE_ENTRIES);
+}
+
 /* First pass: where each row begins. The pattern is symmetric, so entry (r, c) may count for row c, which is where the
    second pass writes it. */
 static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s, RowEntries *e)
 {
   const PetscInt n = pressure->cloud->n_rows;
+  PetscBool      own, other;
+  PetscMPIInt    room;
 
   PetscFunctionBegin;
   if (n + 1 > s->rows_capacity) {
@@ -185,10 +199,15 @@ static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s, RowEntries
       else
         s->oi[r + 1]++;
   }
-  for (PetscInt r = 0; r < n; r++) {
-    s->i[r + 1] += s->i[r];
-    s->oi[r + 1] += s->oi[r];
-  }
+  MatrixStarts(n, s->i, &own);
+  MatrixStarts(n, s->oi, &other);
+  room = own && other ? 1 : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_INT, MPI_MIN, pressure->cloud->comm));
+  PetscCheckUser(room, pressure->cloud->comm,
+                 "the pressure matrix of a rank has more entries than this build of PETSc can number, which is "
+                 "%" PetscInt_FMT ": take more ranks, a -pc_type that needs no entries (" PCTWOLEVEL ", " PCJACOBI
+                 "), or a PETSc configured with 64-bit indices",
+                 PETSC_MAX_INT);
   PetscCall(ReserveEntries(s->i[n], &s->capacity, &s->j, &s->a));
   PetscCall(ReserveEntries(s->oi[n], &s->o_capacity, &s->oj, &s->oa));
   PetscFunctionReturn(PETSC_SUCCESS);

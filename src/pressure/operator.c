@@ -32,8 +32,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density,
                   reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
-  const PetscInt count      = cloud->first[cloud->n_owned];
-  PetscReal      scale_w, scale_f, inverse_h2;
+  const PetscInt64 count    = cloud->first[cloud->n_owned];
+  PetscReal        scale_w, scale_f, inverse_h2;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
@@ -49,7 +49,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
     const PetscReal rho_a = density[a], rest_a = rest[a];
 
     SIMD_LOOP()
-    for (PetscInt k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       const PetscInt  b   = cloud->list[k];
       const PetscReal sum = rho_a + density[b];
 
@@ -77,15 +77,16 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 /* The sum of the weights of particle a's pairs, without those with its own image. */
 static PetscReal WeightSum(Pressure pressure, PetscInt a)
 {
-  Cloud           cloud = pressure->cloud;
-  const PetscInt *id = cloud->integer[INT_ID], end = cloud->first[a + 1];
-  PetscReal       sum = 0;
+  Cloud            cloud = pressure->cloud;
+  const PetscInt  *id    = cloud->integer[INT_ID];
+  const PetscInt64 end   = cloud->first[a + 1];
+  PetscReal        sum   = 0;
 
   if (a < cloud->n_fluid && MayMeetItself(cloud, a)) {
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += id[cloud->list[k]] == id[a] ? 0 : PairWeight(pressure, k);
+    for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += id[cloud->list[k]] == id[a] ? 0 : PairWeight(pressure, k);
   } else if (pressure->mixed_density) {
     SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = cloud->first[a]; k < end; k++) sum += pressure->pair_weight[k];
+    for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += pressure->pair_weight[k];
   } else
     sum = (PetscReal)cloud->laplacian_sum[a];
   return sum;
@@ -184,8 +185,9 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
 /* The same sum over all pairs of particle a. */
 static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[])
 {
-  const Cloud    cloud = pressure->cloud;
-  const PetscInt first = cloud->first[a], n = cloud->first[a + 1] - first, *index = cloud->list + first;
+  const Cloud      cloud = pressure->cloud;
+  const PetscInt64 first = cloud->first[a];
+  const PetscInt   n = (PetscInt)(cloud->first[a + 1] - first), *index = cloud->list + first;
 
   PairsPrefetch(index, n);
   if (pressure->mixed_density)

@@ -66,7 +66,8 @@ struct _p_Pressure {
   PetscBool  mixed_density; /* densities differ: the pairs' weights are pair_weight, not the cloud's laplacian */
   float     *pair_weight;
   PetscReal *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
-  PetscInt   rows_capacity, weight_capacity;
+  PetscInt   rows_capacity;
+  PetscInt64 weight_capacity;
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
   PetscReal  dt;            /* s, of the right-hand side */
 
@@ -97,7 +98,7 @@ struct _p_Pressure {
 };
 
 /* The weight of pair k of the cloud's list, in units of weight_scale. */
-static inline PetscReal PairWeight(Pressure pressure, PetscInt k)
+static inline PetscReal PairWeight(Pressure pressure, PetscInt64 k)
 {
   return pressure->mixed_density ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];
 }
@@ -110,6 +111,10 @@ static inline PetscInt ParentRow(Pressure pressure, PetscInt a)
 
 /* RowsNumber - numbers the rows if the cloud's layout is new. Collective. */
 PetscErrorCode RowsNumber(Pressure pressure);
+/* MatrixStarts - turns the numbers of entries of the n rows, start[1 .. n], into their starts and the end of the last.
+   PETSc keeps them as PetscInt, so more entries on a rank are refused (UserError): have_room is false. Not collective.
+ */
+void MatrixStarts(PetscInt n, PetscInt start[], PetscBool *have_room);
 /* MatrixAssemble - the matrix of OperatorSetUp with its entries into store s. Collective. */
 PetscErrorCode MatrixAssemble(Pressure pressure, MatrixStore *s);
 PetscErrorCode MatrixStoreReset(MatrixStore *s);

@@ -169,6 +169,7 @@ PetscErrorCode SpectrumLimits(Spectrum s, PetscReal dt)
   PetscReal nu = 0;
 
   PetscFunctionBegin;
+  PetscCall(CloudCheckUnknowns(s->cloud->comm, s->cloud->n_fluid, DIM, "-spectrum"));
   PetscCall(PetscPrintf(s->cloud->comm, "  explicit terms, against the time step %.4g s\n", (double)dt));
   for (PetscInt b = 0; b < SceneCount(s->cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(s->cloud->scene, b));

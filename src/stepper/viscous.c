@@ -138,6 +138,7 @@ static PetscErrorCode CreateSolver(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(Reset(viscous));
   viscous->layout = cloud->layout;
+  PetscCall(CloudCheckUnknowns(cloud->comm, cloud->n_fluid, DIM, "implicit viscosity (-viscosity_solver)"));
   PetscCall(MatCreateShell(cloud->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, stepper, &viscous->A));
   PetscCall(MatShellSetOperation(viscous->A, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(viscous->A, MATOP_GET_DIAGONAL, (void (*)(void))Diagonal));
@@ -248,9 +249,9 @@ static PetscErrorCode Attempt(Viscous *viscous, SolverReport *report)
 
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report)
 {
-  Cloud          cloud   = stepper->cloud;
-  Viscous       *viscous = &stepper->viscous;
-  const PetscInt pairs   = cloud->n_fluid ? cloud->first[cloud->n_fluid] : 0;
+  Cloud            cloud   = stepper->cloud;
+  Viscous         *viscous = &stepper->viscous;
+  const PetscInt64 pairs   = cloud->n_fluid ? cloud->first[cloud->n_fluid] : 0;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));

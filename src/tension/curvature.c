@@ -448,9 +448,9 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
    their neighbours for TakeMean. The depth is in its column. */
 static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal capillary[])
 {
-  Liquid  *liquid = &tension->liquid;
-  PetscInt used   = 0; /* weights */
-  Around   around = {.cell = -1};
+  Liquid    *liquid = &tension->liquid;
+  PetscInt64 used   = 0; /* weights */
+  Around     around = {.cell = -1};
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
@@ -463,7 +463,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscRea
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
     if (used + around.n > tension->weight_capacity) {
       tension->weight_capacity = 2 * (used + around.n);
-      PetscCall(PetscRealloc(tension->weight_capacity * sizeof(float), &tension->weight));
+      PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(float), &tension->weight));
     }
     SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + used, &m);
     PrepareFit(tension, &m, &tension->fit[p]);
@@ -477,9 +477,9 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscRea
    the ghosts are current, and its slope. After FindCurvature, with the same particles. */
 static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
 {
-  Liquid  *liquid = &tension->liquid;
-  PetscInt used   = 0; /* weights */
-  Around   around = {.cell = -1};
+  Liquid    *liquid = &tension->liquid;
+  PetscInt64 used   = 0; /* weights */
+  Around     around = {.cell = -1};
 
   PetscFunctionBegin;
   LiquidLoad(liquid, VALUE_COLUMN, 1, value);

@@ -155,7 +155,7 @@ struct _p_Tension {
   NormalFit *fit;                            /* [fit_capacity], by place in the sorted liquid */
   PetscInt   fit_capacity;
   float     *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
-  PetscInt   weight_capacity;
+  PetscInt64 weight_capacity;
 };
 
 #define CHUNK 512 /* collected candidates that a loop takes at once: their arrays fit into the first cache */

@@ -56,9 +56,10 @@ static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscB
     }
     nodes *= g->cells[d] + 1;
   }
-  PetscCheck(nodes < PETSC_MAX_INT, g->comm, PETSC_ERR_SUP,
-             "The grid over all points would have %g nodes; PETSc with 64-bit indices could number them",
-             (double)nodes);
+  PetscCheckUser(nodes < PETSC_MAX_INT, g->comm,
+                 "the grid of the two-level preconditioner would have %.3g nodes, more than this build of PETSc can "
+                 "number: take a larger -pc_twolevel_ratio, or a PETSc configured with 64-bit indices",
+                 (double)nodes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -363,10 +364,11 @@ PetscErrorCode CoarseGridProlongAdd(CoarseGrid g, Vec coarse, Vec fine)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the stencil of corner i holds corner j. */
-static inline PetscInt StencilPlace(PetscInt i, PetscInt j)
+/* Where the stencil of corner i, which is this node, holds corner j. */
+static inline PetscInt64 StencilPlace(PetscInt node, PetscInt i, PetscInt j)
 {
-  return ((j >> 2 & 1) - (i >> 2 & 1) + 1) * 9 + ((j >> 1 & 1) - (i >> 1 & 1) + 1) * 3 + (j & 1) - (i & 1) + 1;
+  return (PetscInt64)GRID_STENCIL * node + ((j >> 2 & 1) - (i >> 2 & 1) + 1) * 9 +
+         ((j >> 1 & 1) - (i >> 1 & 1) + 1) * 3 + (j & 1) - (i & 1) + 1;
 }
 
 /* What cell c, which holds so many points, adds to the stencils. Each of its 2^(dim-1) edges in a direction stands for
@@ -376,13 +378,13 @@ static void AddCell(CoarseGrid g, PetscInt c, PetscReal points, PetscReal energy
   const PetscInt *corner = g->corner + GRID_CORNERS * c;
 
   for (PetscInt i = 0; i < GRID_CORNERS; i++)
-    for (PetscInt j = 0; j < GRID_CORNERS; j++) node[GRID_STENCIL * corner[i] + StencilPlace(i, j)] = corner[j];
+    for (PetscInt j = 0; j < GRID_CORNERS; j++) node[StencilPlace(corner[i], i, j)] = corner[j];
   for (PetscInt i = 0; i < 1 << g->dim; i++)
     for (PetscInt d = 0; d < g->dim; d++) {
       const PetscReal k = energy * points / (g->h[d] * g->h[d] * (1 << (g->dim - 1)));
 
-      stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i)] += k;
-      stencil[GRID_STENCIL * corner[i] + StencilPlace(i, i ^ 1 << d)] -= k;
+      stencil[StencilPlace(corner[i], i, i)] += k;
+      stencil[StencilPlace(corner[i], i, i ^ 1 << d)] -= k;
     }
 }
 
@@ -403,8 +405,7 @@ static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const
     corner = g->corner + GRID_CORNERS * g->cell[a];
     CornerWeights(g->t + DIM * a, w);
     for (PetscInt i = 0; i < 1 << g->dim; i++)
-      for (PetscInt j = 0; j < 1 << g->dim; j++)
-        stencil[GRID_STENCIL * corner[i] + StencilPlace(i, j)] += surplus[a] * w[i] * w[j];
+      for (PetscInt j = 0; j < 1 << g->dim; j++) stencil[StencilPlace(corner[i], i, j)] += surplus[a] * w[i] * w[j];
   }
 }
 
@@ -415,21 +416,22 @@ PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal 
   PetscInt  *node, columns[GRID_STENCIL];
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(GRID_STENCIL * g->n_nodes, &stencil));
-  PetscCall(PetscMalloc1(GRID_STENCIL * g->n_nodes, &node));
+  PetscCall(PetscCalloc1((size_t)GRID_STENCIL * (size_t)g->n_nodes, &stencil));
+  PetscCall(PetscMalloc1((size_t)GRID_STENCIL * (size_t)g->n_nodes, &node));
   FillStencils(g, point_energy, point_volume, surplus, stencil, node);
   PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL,
                          GRID_STENCIL, NULL, A));
   PetscCall(
     MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may go beyond the guess */
   for (PetscInt k = 0; k < g->n_nodes; k++) {
-    PetscScalar values[GRID_STENCIL];
-    PetscInt    n = 0;
+    const PetscInt64 first = (PetscInt64)GRID_STENCIL * k;
+    PetscScalar      values[GRID_STENCIL];
+    PetscInt         n = 0;
 
     for (PetscInt s = 0; s < GRID_STENCIL; s++) {
-      if (stencil[GRID_STENCIL * k + s] == 0) continue;
-      columns[n]  = g->number[node[GRID_STENCIL * k + s]];
-      values[n++] = stencil[GRID_STENCIL * k + s];
+      if (stencil[first + s] == 0) continue;
+      columns[n]  = g->number[node[first + s]];
+      values[n++] = stencil[first + s];
     }
     PetscCall(MatSetValues(*A, 1, &g->number[k], n, columns, values, ADD_VALUES));
   }

@@ -386,6 +386,39 @@ static PetscErrorCode TestFarApart(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Particles that go to other ranks in many portions all arrive. */
+static PetscErrorCode TestPortions(void)
+{
+  PetscReal      x[DIM * PARTICLES] = {0};
+  PetscInt       wrong              = 0, bodies;
+  PetscMPIInt    rank;
+  ParticleArrays arrays;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(SetupOpen("-dimension 2 -box_lower 0,0 -box_upper 25,27 -spacing 1 -bodies a", &s));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : PARTICLES));
+  for (PetscInt k = 0; k < DIM * PARTICLES; k++) x[k] = k % DIM < 2 ? 25 * RandomUnit(12, (unsigned long long)k) : 0;
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
+  for (PetscInt a = 0; a < arrays.n; a++) arrays.integer[INT_BODY][a] = a;
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(ParticlesSetPortion(s.particles, 17));
+  PetscCall(ParticlesMigrate(s.particles));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal *at = arrays.real[FIELD_POSITION] + DIM * a, *was = x + DIM * arrays.integer[INT_BODY][a];
+
+    wrong += s.domain->cell_rank[DomainCell(s.domain, at)] != rank || at[0] != was[0] || at[1] != was[1];
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(ParticlesGlobalSize(s.particles, &bodies));
+  CHECK(SetupSum((PetscReal)wrong) == 0 && bodies == PARTICLES, "migration_in_portions");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -399,6 +432,7 @@ int main(int argc, char **argv)
   PetscCall(TestBox("symmetry_2d", 2, "-box_x symmetry -box_y symmetry", 0));
   PetscCall(TestBox("mixed_2d", 2, "-box_x periodic -box_ymin wall -box_ymax symmetry", 3));
   PetscCall(TestFarApart());
+  PetscCall(TestPortions());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
