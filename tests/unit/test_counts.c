@@ -177,8 +177,8 @@ static PetscErrorCode TestRefusals(void)
 
 int main(int argc, char **argv)
 {
-  PetscCall(UserErrorHandlerPush());
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(UserErrorHandlerPush());
   PetscCall(TestFarList());
   TestSizes();
   PetscCall(TestRefusals());
