@@ -63,12 +63,13 @@ typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
 /* The implicit viscosity, viscous.c. */
 typedef struct {
   ViscousSolver solver;
-  PetscReal     ratio;    /* largest step over the explicit limit */
-  PetscBool     implicit; /* in this step */
-  PetscReal     dt;       /* s, of the system being solved */
-  PetscReal    *pair;     /* [pairs of the fluid] coefficients */
-  PetscInt64    capacity; /* of pair */
-  PetscInt      layout;   /* the local order the solver was made for */
+  PetscReal     ratio;                            /* largest step over the explicit limit */
+  PetscBool     implicit;                         /* in this step */
+  PetscReal     dt;                               /* s, of the system being solved */
+  PetscReal    *pair;                             /* [pairs of the fluid] coefficients */
+  PetscInt64    capacity;                         /* of pair */
+  PetscInt      layout;                           /* the local order the solver was made for */
+  PetscInt      held_count, held_capacity, *held; /* fluid particles inside emitters, which keep their velocity */
   KSP           ksp;
   Mat           A;
   Vec           x, b; /* velocities of the fluid, [n_fluid][3] */

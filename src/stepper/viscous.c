@@ -31,10 +31,37 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* u ([n_owned][3]): velocities of the fluid, from x, or zero if that is NULL; of walls their own if 'walls', else zero.
- */
-static PetscErrorCode Load(Cloud cloud, Vec x, PetscBool walls, PetscReal u[])
+/* Lists the liquid inside emitters. It moves with their velocity, as a wall does: were it free in this solve, which a
+   long step ends near rest relative to its neighbours, the liquid that has left would drag it along, and tear. */
+static PetscErrorCode FindHeld(Stepper stepper)
 {
+  Cloud    cloud   = stepper->cloud;
+  Viscous *viscous = &stepper->viscous;
+
+  PetscFunctionBegin;
+  viscous->held_count = 0;
+  if (!SceneEmits(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (cloud->n_fluid > viscous->held_capacity) {
+    viscous->held_capacity = cloud->n_fluid;
+    PetscCall(PetscFree(viscous->held));
+    PetscCall(PetscMalloc1(viscous->held_capacity, &viscous->held));
+  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    Body body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
+
+    if (BodyEmits(body) && BodyDistance(body, cloud->field[FIELD_POSITION] + DIM * a) < 0)
+      viscous->held[viscous->held_count++] = a;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* u ([n_owned][3]): velocities of the fluid, from x, or zero if that is NULL; of walls and held liquid their own if
+   'walls', else zero. */
+static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls, PetscReal u[])
+{
+  const Cloud        cloud   = stepper->cloud;
+  const Viscous     *viscous = &stepper->viscous;
+  const PetscReal   *v       = cloud->field[FIELD_VELOCITY];
   const PetscScalar *values;
 
   PetscFunctionBegin;
@@ -45,8 +72,10 @@ static PetscErrorCode Load(Cloud cloud, Vec x, PetscBool walls, PetscReal u[])
     PetscCall(VecRestoreArrayRead(x, &values));
   }
   if (walls)
-    PetscCall(PetscArraycpy(u + DIM * cloud->n_fluid, cloud->field[FIELD_VELOCITY] + DIM * cloud->n_fluid,
-                            DIM * (cloud->n_owned - cloud->n_fluid)));
+    PetscCall(
+      PetscArraycpy(u + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
+  for (PetscInt h = 0; h < viscous->held_count; h++)
+    for (PetscInt k = DIM * viscous->held[h]; k < DIM * (viscous->held[h] + 1); k++) u[k] = walls ? v[k] : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,7 +87,7 @@ static PetscErrorCode ApplyViscosity(Stepper stepper, Vec x, PetscBool walls, Pe
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &u));
-  PetscCall(Load(cloud, x, walls, u));
+  PetscCall(Load(stepper, x, walls, u));
   PetscCall(OperatorsViscosityApply(cloud, &stepper->viscosity, stepper->viscous.pair, u, out));
   PetscCall(CloudRestoreWork(cloud, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -70,7 +99,19 @@ static inline PetscReal Mass(Cloud cloud, PetscInt a)
   return cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
 }
 
-/* y = m (x - dt V x), walls at rest. */
+/* Makes the rows of held liquid y = m x; x: NULL for that of 1. */
+static void HoldRows(Stepper stepper, const PetscReal x[], PetscReal y[])
+{
+  const Viscous *viscous = &stepper->viscous;
+
+  for (PetscInt h = 0; h < viscous->held_count; h++) {
+    const PetscInt a = viscous->held[h];
+
+    for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) y[k] = Mass(stepper->cloud, a) * (x ? x[k] : 1);
+  }
+}
+
+/* y = m (x - dt V x), walls and held liquid at rest. */
 static PetscErrorCode Multiply(Mat A, Vec x, Vec y)
 {
   Stepper            stepper;
@@ -86,6 +127,7 @@ static PetscErrorCode Multiply(Mat A, Vec x, Vec y)
   PetscCall(VecGetArrayRead(x, &u));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) out[k] = Mass(cloud, a) * (u[k] - stepper->viscous.dt * out[k]);
+  HoldRows(stepper, u, out);
   PetscCall(VecRestoreArrayWrite(y, &out));
   PetscCall(VecRestoreArrayRead(x, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -104,6 +146,7 @@ static PetscErrorCode Diagonal(Mat A, Vec diagonal)
   PetscCall(OperatorsViscosityDiagonal(cloud, &stepper->viscosity, stepper->viscous.pair, d));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) d[k] = Mass(cloud, a) * (1 - stepper->viscous.dt * d[k]);
+  HoldRows(stepper, NULL, d);
   PetscCall(VecRestoreArrayWrite(diagonal, &d));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -123,6 +166,7 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(Reset(&stepper->viscous));
   PetscCall(PetscFree(stepper->viscous.pair));
+  PetscCall(PetscFree(stepper->viscous.held));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,7 +210,7 @@ PetscErrorCode ViscousPrepare(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* b = m (v* + dt V(0; velocity of walls)), x = v, the start value. */
+/* b = m (v* + dt V(0; velocity of walls and held liquid)), x = v, the start value. */
 static PetscErrorCode RightHandSide(Stepper stepper)
 {
   Cloud            cloud   = stepper->cloud;
@@ -179,6 +223,7 @@ static PetscErrorCode RightHandSide(Stepper stepper)
   PetscCall(ApplyViscosity(stepper, NULL, PETSC_TRUE, b));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) b[k] = Mass(cloud, a) * (v_star[k] + viscous->dt * b[k]);
+  HoldRows(stepper, cloud->field[FIELD_VELOCITY], b);
   PetscCall(VecRestoreArrayWrite(viscous->b, &b));
   PetscCall(VecGetArrayWrite(viscous->x, &x));
   PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY], DIM * cloud->n_fluid));
@@ -262,6 +307,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
     PetscCall(PetscMalloc1(viscous->capacity, &viscous->pair));
   }
   viscous->dt = dt;
+  PetscCall(FindHeld(stepper));
   PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
   PetscCall(RightHandSide(stepper));
   report->iterations = 0;
@@ -270,7 +316,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
     PetscCall(VecSet(viscous->x, 0));
     PetscCall(Attempt(viscous, report));
   }
-  PetscCall(Load(cloud, viscous->x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
+  PetscCall(Load(stepper, viscous->x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
