@@ -1,0 +1,100 @@
+/* Surface tension: walls stand for liquid in the stress of Cahn and Hilliard; the options of the curvature model act.
+   Lengths in spacings. Runs on any number of ranks. */
+#include "../../src/tension/tension_impl.h"
+#include "setup.h"
+#include "check.h"
+
+#define PLANE   "-dimension 2 -spacing 1 -box_x periodic -packing_jitter 0 -bodies a -a_tension 1 -a_upper 6,6 "
+#define LAYERS  6
+#define ELLIPSE "-dimension 2 -spacing 1 -box_lower -12,-12 -box_upper 12,12 -bodies a -a_tension 1 -a_shape ellipsoid "
+
+/* The stress along the surface of the layers at heights 0.5 to 5.5, N/m2. */
+static PetscErrorCode Stress(const char options[], PetscReal layer[LAYERS])
+{
+  PetscReal *stress;
+  Setup      s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscMalloc1(6 * s.cloud->n_owned, &stress));
+  PetscCall(CahnHilliardStress(s.tension, s.cloud, stress));
+  for (PetscInt k = 0; k < LAYERS; k++) layer[k] = -PETSC_MAX_REAL;
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscInt k = (PetscInt)PetscFloorReal(s.cloud->field[FIELD_POSITION][DIM * a + 1]);
+
+    if (k >= 0 && k < LAYERS) layer[k] = PetscMax(layer[k], stress[6 * a]);
+  }
+  for (PetscInt k = 0; k < LAYERS; k++) layer[k] = SetupMax(layer[k]);
+  PetscCall(PetscFree(stress));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A film on a floor has the stress of the upper part of a deeper one; so has its mirror image under a ceiling. */
+static PetscErrorCode TestFloor(void)
+{
+  const char ch[] = "-tension_type cahn_hilliard -tension_band 2 ";
+  char       options[512];
+  PetscReal  deep[LAYERS], wall[LAYERS], error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options), PLANE "-box_lower -6,-20 -box_upper 6,30 -a_lower -6,-10 %s", ch));
+  PetscCall(Stress(options, deep));
+  PetscCall(PetscSNPrintf(options, sizeof(options), PLANE "-box_lower -6,0 -box_upper 6,30 -box_ymin wall %s", ch));
+  PetscCall(Stress(options, wall));
+  for (PetscInt k = 0; k < LAYERS; k++) error = PetscMax(error, PetscAbsReal(wall[k] - deep[k]));
+  CHECK_CLOSE(error / deep[LAYERS - 1], 0, 0.02, "floor_stands_for_liquid"); /* integrals for sums over a lattice */
+  PetscCall(PetscSNPrintf(options, sizeof(options), PLANE "-box_lower -6,-20 -box_upper 6,6 -box_ymax wall %s", ch));
+  PetscCall(Stress(options, wall));
+  error = 0;
+  for (PetscInt k = 0; k < LAYERS; k++) error = PetscMax(error, PetscAbsReal(wall[k]));
+  CHECK_CLOSE(error / deep[LAYERS - 1], 0, 0.02, "ceiling_stands_for_liquid"); /* no surface is near */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sum over the particles of the capillary pressure under an option, and of its square, Pa and Pa2. */
+static PetscErrorCode Capillary(const char radii[], const char option[], PetscReal sum[2])
+{
+  char  options[512];
+  Setup s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options), ELLIPSE "-a_radii %s %s", radii, option));
+  PetscCall(SetupPack(options, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  sum[0] = sum[1] = 0;
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    sum[0] += s.cloud->field[FIELD_CAPILLARY][a];
+    sum[1] += PetscSqr(s.cloud->field[FIELD_CAPILLARY][a]);
+  }
+  for (PetscInt k = 0; k < 2; k++) sum[k] = SetupSum(sum[k]);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Two values of an option give different pressures. */
+static PetscErrorCode TestOption(const char radii[], const char one[], const char other[])
+{
+  PetscReal a[2], b[2];
+
+  PetscFunctionBegin;
+  PetscCall(Capillary(radii, one, a));
+  PetscCall(Capillary(radii, other, b));
+  CHECK(PetscAbsReal(a[0] - b[0]) > 1e-3 * PetscAbsReal(a[0]) || PetscAbsReal(a[1] - b[1]) > 1e-3 * a[1], one);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(TestFloor());
+  PetscCall(TestOption("9,5", "-tension_sharpening 1", "-tension_sharpening 3"));
+  PetscCall(TestOption("9,2.5", "-tension_same_side 0.9", "-tension_same_side 0.2"));
+  PetscCall(TestOption("9,5", "-tension_threshold 0.4", "-tension_threshold 0.2"));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
