@@ -2,7 +2,7 @@
 """Puts small bugs into a copy of the program, one at a time, and tells which of them the tests see.
 
     mutants.py [--jobs N] [NAME ...]   those whose name, folder or file contains a NAME; default: all of tests/mutants
-    mutants.py --readme                the table of tests/mutants/README.md, from the last run of all
+    mutants.py --readme                the table of tests/mutants/README.md, from the last run of each mutant
 
 The edits are listed in tests/mutants/*.ini (see edits.py). The tree, without them, must pass the tests they name. Each
 edit is then applied to a copy of the tree in output/mutants, which is compiled and tested until a test fails: the
@@ -40,10 +40,13 @@ class Tree:
         self.path = path
         shutil.rmtree(path, ignore_errors=True)
         ignored = shutil.ignore_patterns("__pycache__")
-        for name in ("src", "tests", "cases", "options"):
-            shutil.copytree(os.path.join(source, name), os.path.join(path, name), ignore=ignored)
-        for name in ("makefile", "isph"):
-            shutil.copy2(os.path.join(source, name), path)
+        for name in sorted(set(os.listdir(source)) - {".git", "output"}):
+            top = os.path.join(source, name)
+            if os.path.isdir(top):
+                shutil.copytree(top, os.path.join(path, name), ignore=ignored)
+            else:
+                os.makedirs(path, exist_ok=True)
+                shutil.copy2(top, path)
         shutil.copytree(os.path.join(source, "output", "build"), os.path.join(path, "output", "build"))
 
     def build(self, target):
@@ -185,19 +188,30 @@ def report(rows):
     return 1 if bad or sum(row["fate"] == KILLED for row in rows) < WANTED * len(rows) else 0
 
 
-def write(rows):
+def read():
+    """The rows of the table by the mutants' names."""
+    try:
+        with open(TABLE, newline="", encoding="utf-8") as file:
+            return {row["name"]: row for row in csv.DictReader(file)}
+    except OSError:
+        return {}
+
+
+def write(rows, mutants):
+    """The table with the new rows and those of mutants that did not run now."""
+    known = {**read(), **{row["name"]: row for row in rows}}
     with open(TABLE, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows(known[m.name] for m in mutants if m.name in known)
 
 
 def readme():
-    try:
-        with open(TABLE, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-    except OSError:
-        sys.exit("mutants.py: output/mutants/mutants.csv is missing; run make mutants first")
+    known, mutants = read(), edits.read()
+    missing = [m.name for m in mutants if m.name not in known]
+    if missing:
+        sys.exit(f"mutants.py: {len(missing)} mutants have not run, {missing[0]} for instance; run make mutants first")
+    rows = [dict(known[m.name], survives=m.survives) for m in mutants]
     lines = ["| folder | tried | killed |", "| --- | --- | --- |"]
     for folder in sorted({row["folder"] for row in rows}):
         own = [row["fate"] == KILLED for row in rows if row["folder"] == folder]
@@ -229,8 +243,7 @@ def main():
     os.makedirs(OUTPUT, exist_ok=True)
     started = time.monotonic()
     rows = run_all(chosen, max(1, a.jobs))
-    if len(chosen) == len(mutants):
-        write(rows)
+    write(rows, mutants)
     print(f"{(time.monotonic() - started) / 60:.0f} minutes")
     return report(rows)
 

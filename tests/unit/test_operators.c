@@ -488,7 +488,7 @@ static PetscErrorCode TestTension(void)
   PetscCall(SetupMoments(&s));
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
   PetscCall(TensionApply(s.tension, s.cloud));
-  CHECK_CLOSE(Imbalance(s.cloud), 0, 1e-12, "tension_conserves_momentum");
+  CHECK_CLOSE(Imbalance(s.cloud), 0, 1e-7, "tension_conserves_momentum"); /* sums in single precision */
   /* A sharp interface has - sigma (2/R) R 4 pi R^2 = -8 pi sigma R^2. This layer lies 2H deep inside the drop and its
      sums are cut at the surface: 0.571 of it here. The number guards kappa and H. */
   CHECK_CLOSE(Virial(s.cloud) / (-8 * PETSC_PI * 2 * 81), 0.571, 0.02, "tension_of_a_drop");

@@ -1,0 +1,156 @@
+/* Emitters: when they fill, where a filling is, how fast it moves, the numbers of its particles; the waves of a thread.
+   Runs on any number of ranks. */
+#include "setup.h"
+#include "check.h"
+
+/* jet: fillings of 4 x 5 particles each 0.25 s from 0.3 s on, three of them; hose: of 3 x 2 each 0.3 s from 0 on */
+#define EMITTERS                                                                                                       \
+  "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -packing_jitter 0 -bodies jet,hose -jet_type emitter "      \
+  "-jet_lower 1,3 -jet_upper 1.4,3.5 -jet_velocity 0,-2 -jet_start 0.3 -jet_count 3 -jet_modulation 0.1 "              \
+  "-jet_modulation_frequency 2 -hose_type emitter -hose_lower 3,1 -hose_upper 3.3,1.2 -hose_velocity 1,0 "
+#define THREAD                                                                                                         \
+  "-spacing 0.1 -box_lower -2,-2,0 -box_upper 2,2,4 -box_z periodic -bodies a -a_shape thread -a_radius 0.8 "          \
+  "-a_wave_length 4 -a_wave_amplitude 0.12 "
+
+/* The time that the liquid of the jet has been under way at t after its start, at its mean speed: the integral of 1 +
+   0.1 sin(4 pi t), summed up. */
+static PetscReal Travelled(PetscReal t)
+{
+  const PetscInt n   = 100000;
+  PetscReal      sum = 0;
+
+  for (PetscInt k = 0; k < n; k++) sum += (1 + 0.1 * PetscSinReal(4 * PETSC_PI * t * (k + 0.5) / n)) * t / n;
+  return sum;
+}
+
+static PetscErrorCode TestTimes(void)
+{
+  const PetscReal x[DIM] = {1.2, 3.2, 0};
+  PetscReal       shift[DIM], v[DIM];
+  Body            jet;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(EMITTERS, &s));
+  jet = SceneBody(s.scene, 0);
+  CHECK_CLOSE(BodyEmissions(jet, 0.29), 0, 0, "no filling before the start");
+  CHECK_CLOSE(BodyEmissions(jet, 0.31), 1, 0, "the first filling");
+  CHECK_CLOSE(BodyEmissions(jet, 0.3 + 0.27), 2, 0, "the second filling");
+  CHECK_CLOSE(BodyEmissions(jet, 9), 3, 0, "no more fillings than asked for");
+  BodyEmissionShift(jet, 1, 0.3 + 0.35, shift);
+  CHECK_CLOSE(shift[0], 0, 0, "a filling goes straight on");
+  CHECK_CLOSE(shift[1], -2 * (Travelled(0.35) - 0.25), 1e-9, "way of the second filling");
+  BodyEmissionVelocity(jet, 0.3 + 0.125, x, v);
+  CHECK_CLOSE(v[1], -2 * 1.1, 1e-12, "speed at the top of its modulation");
+  BodyEmissionVelocity(jet, 0.3 + 0.25, x, v);
+  CHECK_CLOSE(v[1], -2, 1e-12, "speed after half a period");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Particles of one rank that have the number of another one. */
+static PetscInt Twice(const ParticleArrays *arrays)
+{
+  PetscInt count = 0;
+
+  for (PetscInt a = 0; a < arrays->n; a++)
+    for (PetscInt b = 0; b < a; b++) count += arrays->integer[INT_ID][a] == arrays->integer[INT_ID][b];
+  return count;
+}
+
+/* At 0.31 s the jet has come once, the hose twice. */
+static PetscErrorCode TestParticles(void)
+{
+  const PetscReal time = 0.31;
+  PetscInt        emitted, again, resumed, n, inside = 0;
+  PetscReal       twice, wrong = 0;
+  ParticleArrays  arrays;
+  PackingReport   report;
+  Packing         packing;
+  Setup           s;
+
+  PetscFunctionBegin;
+  for (PetscInt restart = 0; restart < 2; restart++) {
+    PetscCall(SetupOpen(EMITTERS, &s));
+    PetscCall(PackingCreate(s.cloud, &packing));
+    PetscCall(PackingSetFromOptions(packing));
+    PetscCall(PackingRun(packing, &report));
+    if (restart) {
+      PetscCall(PackingEmit(packing, time, PETSC_TRUE, &resumed));
+      CHECK_CLOSE(resumed, 0, 0, "a restart brings no filling again");
+      PetscCall(PackingEmit(packing, 0.61, PETSC_FALSE, &emitted));
+      CHECK_CLOSE(emitted, 20 + 6, 0, "after a restart the next fillings come");
+    } else {
+      PetscCall(PackingEmit(packing, time, PETSC_FALSE, &emitted));
+      PetscCall(ParticlesGlobalSize(s.particles, &n));
+      CHECK(emitted == 20 + 2 * 6 && n == emitted, "fillings of two emitters");
+      PetscCall(ParticlesOpen(s.particles, &arrays));
+      twice = SetupSum((PetscReal)Twice(&arrays));
+      for (PetscInt a = 0; a < arrays.n; a++) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));
+      PetscCall(ParticlesClose(s.particles, &arrays));
+      CHECK_CLOSE(twice, 0, 0, "each particle has a number of its own");
+      PetscCall(PackingEmit(packing, time, PETSC_FALSE, &again));
+      CHECK_CLOSE(again, 0, 0, "nothing comes twice");
+      PetscCall(ParticlesOpen(s.particles, &arrays));
+      for (PetscInt a = 0; a < arrays.n; a++) { /* those in the hose move with it, those that have left it are free */
+        const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, *v = arrays.real[FIELD_VELOCITY] + DIM * a;
+
+        if (arrays.integer[INT_BODY][a] == 0) continue;
+        inside += x[0] < 3.3;
+        wrong = PetscMax(wrong, PetscAbsReal(v[0] - (x[0] < 3.3 ? 1 : 0)) + PetscAbsReal(v[1]));
+      }
+      PetscCall(ParticlesClose(s.particles, &arrays));
+      CHECK_CLOSE(SetupSum((PetscReal)inside), 6, 0, "one filling of the hose is in it");
+      CHECK_CLOSE(SetupMax(wrong), 0, 1e-12, "liquid in an emitter has its velocity");
+    }
+    PetscCall(PackingDestroy(&packing));
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The modified Bessel function of order one, by its series. */
+static PetscReal BesselI1(PetscReal x)
+{
+  PetscReal term = 0.5 * x, sum = term;
+
+  for (PetscInt m = 1; m < 30; m++) {
+    term *= 0.25 * x * x / (m * (m + 1));
+    sum += term;
+  }
+  return sum;
+}
+
+/* At a crest and a trough a point of the cylinder goes by the mode's velocity, a I1(kr)/I1(kR), outwards or inwards;
+   there the surface is. */
+static PetscErrorCode TestThread(void)
+{
+  const PetscReal R = 0.8, k = 2 * PETSC_PI / 4;
+  const PetscInt  steps = 100000;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(THREAD, &s));
+  for (PetscInt trough = 0; trough < 2; trough++) {
+    PetscReal x[DIM] = {R, 0, trough ? 2 : 0}, r = R;
+
+    for (PetscInt n = 0; n < steps; n++) r += (trough ? -1 : 1) * 0.12 * BesselI1(k * r) / BesselI1(k * R) / steps;
+    BodyDisplace(SceneBody(s.scene, 0), x);
+    CHECK_CLOSE(x[0], r, 2e-6, trough ? "trough of a thread" : "crest of a thread"); /* of Euler's steps above */
+    CHECK_CLOSE(BodyDistance(SceneBody(s.scene, 0), x), 0, 1e-6, "surface of a thread");
+  }
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(TestTimes());
+  PetscCall(TestParticles());
+  PetscCall(TestThread());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}

@@ -1,0 +1,163 @@
+/* The packings by numbers: jitter, seed and level of a lattice, solids, the report, the least distance of random ones.
+   Lengths in spacings. Runs on any number of ranks. */
+#include "setup.h"
+#include "check.h"
+
+#define H      1.3
+#define SQUARE "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 20,20 -box_x periodic -box_y periodic -bodies a "
+
+static PetscErrorCode Pack(const char options[], Setup *s, PackingReport *report)
+{
+  Packing packing;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(options, s));
+  PetscCall(PackingCreate(s->cloud, &packing));
+  PetscCall(PackingSetFromOptions(packing));
+  PetscCall(PackingRun(packing, report));
+  PetscCall(PackingDestroy(&packing));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest and mean displacement (of a component) from a lattice of 20 by 20, and the sum of all positions times
+   numbers, which tells packings apart. */
+static PetscErrorCode Displaced(const char options[], PetscReal *largest, PetscReal *mean, PetscReal *mark)
+{
+  ParticleArrays arrays;
+  PackingReport  report;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCall(Pack(options, &s, &report));
+  *largest = *mean = *mark = 0;
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt k = 0; k < DIM * arrays.n; k++) {
+    const PetscReal x = arrays.real[FIELD_POSITION][k], off = x - PetscFloorReal(x) - 0.5;
+
+    if (k % DIM == 2) continue;
+    *largest = PetscMax(*largest, PetscAbsReal(off));
+    *mean += off / 800;
+    *mark += x * (arrays.integer[INT_ID][k / DIM] % 17);
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  *largest = SetupMax(*largest);
+  *mean    = SetupSum(*mean);
+  *mark    = SetupSum(*mark);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestJitter(void)
+{
+  PetscReal largest, mean, one, two, again;
+
+  PetscFunctionBegin;
+  PetscCall(Displaced(SQUARE "-packing_jitter 0.2 -packing_seed 3", &largest, &mean, &one));
+  CHECK_CLOSE(largest, 0.1975, 0.0025, "jitter"); /* the largest of 800 numbers up to 0.2 */
+  CHECK_CLOSE(mean, 0, 0.02, "jitter_to_both_sides");
+  PetscCall(Displaced(SQUARE "-packing_jitter 0.2 -packing_seed 4", &largest, &mean, &two));
+  PetscCall(Displaced(SQUARE "-packing_jitter 0.2 -packing_seed 3", &largest, &mean, &again));
+  CHECK(PetscAbsReal(one - two) > 0.1 && PetscAbsReal(one - again) < 1e-9, "seed");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Discs have as many particles as they have area, within one and a half. */
+static PetscErrorCode TestLevel(void)
+{
+  const PetscReal radius[] = {8.3, 11.7, 15.1};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 3; k++) {
+    char          options[256];
+    PetscInt      n;
+    PackingReport report;
+    Setup         s;
+
+    PetscCall(PetscSNPrintf(options, sizeof(options),
+                            "-dimension 2 -spacing 1 -box_lower -20,-20 -box_upper 20,20 -packing_jitter 0 -bodies a "
+                            "-a_shape sphere -a_radius %g",
+                            (double)radius[k]));
+    PetscCall(Pack(options, &s, &report));
+    PetscCall(ParticlesGlobalSize(s.particles, &n));
+    CHECK_CLOSE(n, PETSC_PI * PetscSqr(radius[k]), 1.5, "particles_of_a_disc");
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* No liquid stands in a solid; its 6 by 4 places are empty. */
+static PetscErrorCode TestSolid(void)
+{
+  PetscInt       fluid = 0, in = 0;
+  ParticleArrays arrays;
+  PackingReport  report;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCall(Pack(SQUARE "-packing_jitter 0 -solids block -block_lower 7,8 -block_upper 13,12", &s, &report));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    if (arrays.integer[INT_LAYER][a]) continue;
+    fluid++;
+    in += x[0] > 7 && x[0] < 13 && x[1] > 8 && x[1] < 12;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  CHECK(SetupSum((PetscReal)in) == 0 && SetupSum((PetscReal)fluid) == 400 - 24, "solids_are_no_liquid");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The report of a full lattice: all densities are off by the same, what the sum of the cubic spline lacks to one. */
+static PetscErrorCode TestReport(void)
+{
+  PetscReal     sum = 0;
+  PackingReport report;
+  Setup         s;
+
+  PetscFunctionBegin;
+  for (PetscInt i = -3; i <= 3; i++)
+    for (PetscInt j = -3; j <= 3; j++) {
+      const PetscReal q = PetscSqrtReal((PetscReal)(i * i + j * j)) / H;
+
+      sum += 10 / (7 * PETSC_PI * H * H) *
+             (q < 1   ? 1 - 1.5 * q * q + 0.75 * q * q * q
+              : q < 2 ? 0.25 * (2 - q) * (2 - q) * (2 - q)
+                      : 0);
+    }
+  PetscCall(Pack(SQUARE "-packing_jitter 0", &s, &report));
+  CHECK_CLOSE(report.density_std / (1000 * PetscAbsReal(sum - 1)), 1, 1e-9, "deviation_of_the_density");
+  CHECK_CLOSE(report.smallest_distance, 1, 1e-12, "smallest_distance");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Random packings keep the distance that is asked for, also where the density is good enough before. */
+static PetscErrorCode TestDistance(void)
+{
+  PackingReport report;
+  Setup         s;
+
+  PetscFunctionBegin;
+  PetscCall(Pack(SQUARE "-packing_type poisson -packing_cache \"\" -packing_distance 0.8 -packing_tolerance 0.05", &s,
+                 &report));
+  CHECK(report.smallest_distance >= 0.8 && report.density_std <= 0.05 * 1000 * 1.001, "least_distance");
+  if (getenv("TEST_VERBOSE")) printf("%g %g %d\n", report.smallest_distance, report.density_std, report.iterations);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(TestJitter());
+  PetscCall(TestLevel());
+  PetscCall(TestSolid());
+  PetscCall(TestReport());
+  PetscCall(TestDistance());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}

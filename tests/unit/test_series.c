@@ -1,0 +1,222 @@
+/* What a run writes, number by number: each column of the series from a state of which all entries differ, a snapshot
+   of a part of the box, the energies of the budget. Runs on any number of ranks. */
+#include "../../src/sim/sim_impl.h"
+#include "../../src/storage/storage.h"
+#include "lattice.h"
+
+#define FOLDER "output/test_series"
+#define COPIES 3.
+#define G      9.81
+#define RHO    1100.
+#define NUMBER 72 /* particles: 12 a layer, six layers, which move up with 2 m/s */
+#define OPTIONS                                                                                                        \
+  "-dimension 2 -box_lower 0,0,0 -box_upper 6e-3,6e-3,0 -spacing 0.5e-3 -bodies film -film_shape box -film_lower "     \
+  "0,0,-1 -film_upper 1,3e-3,1 -film_density 1100 -gravity 0,-9.81 -output_overwrite -output_dir " FOLDER              \
+  " -gauge_multiplicity 3 "
+
+static int Low(PetscReal r, PetscReal z)
+{
+  return z < 3e-3;
+}
+
+static const StepState state = {.time           = 0.125,
+                                .time_step      = 2e-3,
+                                .step           = 41,
+                                .iterations     = 17,
+                                .density_error  = 0.011,
+                                .divergence     = 0.012,
+                                .solver_error   = 0.013,
+                                .density_mean   = 0.99,
+                                .surface_energy = 0.021,
+                                .viscous_work   = -0.022,
+                                .tension_work   = 0.023,
+                                .start_energy   = 0.5,
+                                .start_density  = 0.98,
+                                .rejected       = 5,
+                                .lost           = 7};
+
+/* m g z and m v^2/2 of all, copies included; J/m. */
+static const PetscReal kinetic   = COPIES * NUMBER * RHO * D0 * D0 * 0.5 * 4,
+                       potential = COPIES * NUMBER * RHO * D0 * D0 * G * 1.5e-3;
+
+/* --- series --- */
+
+/* The number in the column of this name in the last line of the series; not a number if there is none. */
+static PetscReal Column(const char name[])
+{
+  FILE     *file       = fopen(FOLDER "/series.csv", "r");
+  char      head[8192] = "", line[8192] = "", *next, *place;
+  PetscReal value = NAN;
+
+  if (!file || !fgets(head, sizeof(head), file)) return NAN;
+  while (fgets(line, sizeof(line), file))
+    ;
+  (void)fclose(file);
+  head[strcspn(head, "\n")] = 0;
+  place                     = line;
+  for (char *word = strtok_r(head, ",", &next); word; word = strtok_r(NULL, ",", &next)) {
+    if (!strcmp(word, name)) value = atof(place);
+    place += strcspn(place, ",\n") + 1;
+  }
+  return value;
+}
+
+static PetscErrorCode TestSeries(void)
+{
+  const struct {
+    const char *name;
+    PetscReal   value;
+  } columns[] = {{"time_s", 0.125},
+                 {"step", 41},
+                 {"time_step_s", 2e-3},
+                 {"kinetic_energy_J/m", kinetic},
+                 {"iterations", 17},
+                 {"highest_m", 3e-3},
+                 {"potential_energy_J/m", potential},
+                 {"volume_m2", COPIES * NUMBER * D0 * D0},
+                 {"density_error", 0.011},
+                 {"divergence", 0.012},
+                 {"solver_error", 0.013},
+                 {"surface_energy_J/m", COPIES * 0.021},
+                 {"viscous_work_J/m", COPIES * -0.022},
+                 {"tension_work_J/m", COPIES * 0.023},
+                 {"particles", NUMBER},
+                 {"lost", 7},
+                 {"rejected", 5},
+                 {"point_1_pressure_Pa", 0},
+                 {"point_1_velocity_y_m/s", 2}};
+  PetscMPIInt rank;
+  Run         run;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(RunCreate(OPTIONS "-gauge_points 3e-3,1.5e-3", &run));
+  PetscCall(Fill(&run, Low, 0));
+  PetscCall(OutputSetUp(run.output, NULL, &(StepState){0}));
+  PetscCall(OutputStep(run.output, &state, PETSC_TRUE));
+  PetscCall(RunDestroy(&run));
+  if (!rank)
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(columns); k++)
+      CHECK_CLOSE(Column(columns[k].name), columns[k].value, 1e-9 * (1 + PetscAbsReal(columns[k].value)),
+                  columns[k].name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- snapshots --- */
+
+/* Reads a data set of the first snapshot as real numbers; returns how many there are. */
+static hsize_t Read(const char name[], PetscReal values[], hsize_t most)
+{
+  const hid_t file = H5Fopen(FOLDER "/snapshot_000000.h5", H5F_ACC_RDONLY, H5P_DEFAULT),
+              set  = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
+  hsize_t count    = 0;
+
+  if (set >= 0) {
+    const hid_t space = H5Dget_space(set);
+
+    count = (hsize_t)H5Sget_simple_extent_npoints(space);
+    if (count <= most) (void)H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    (void)H5Sclose(space);
+    (void)H5Dclose(set);
+  }
+  (void)H5Fclose(file);
+  return count;
+}
+
+/* The lower left part of the film, six columns and three layers, in double precision: their positions, and what Fill
+   gives a particle, a density of 1001 + id. */
+static PetscErrorCode TestSnapshot(void)
+{
+  PetscReal   x[DIM * NUMBER], v[DIM * NUMBER], density[NUMBER], id[NUMBER], wrong = 0;
+  PetscMPIInt rank;
+  Run         run;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(RunCreate(OPTIONS "-snapshot_lower 0,0 -snapshot_upper 3e-3,1.5e-3 -snapshot_double -snapshot_fields "
+                              "density,velocity",
+                      &run));
+  PetscCall(Fill(&run, Low, 0));
+  PetscCall(OutputSetUp(run.output, NULL, &(StepState){0}));
+  PetscCall(OutputStep(run.output, &state, PETSC_TRUE));
+  PetscCall(RunDestroy(&run));
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
+  CHECK(Read("position", x, DIM * NUMBER) == DIM * 18 && Read("velocity", v, DIM * NUMBER) == DIM * 18 &&
+          Read("density", density, NUMBER) == 18 && Read("id", id, NUMBER) == 18,
+        "snapshot of a part of the box");
+  CHECK(Read("pressure", x + DIM, 0) == 0, "snapshot without the pressure");
+  for (PetscInt k = 0; k < 18; k++) {
+    const PetscInt  i      = (PetscInt)id[k];
+    const PetscReal due[2] = {(i % 12 + 0.5) * D0, (i / 12 + 0.5) * D0};
+
+    wrong = PetscMax(wrong, PetscAbsReal(x[DIM * k] - due[0]) + PetscAbsReal(x[DIM * k + 1] - due[1]));
+    wrong = PetscMax(wrong, PetscAbsReal(density[k] - 1001 - i) + PetscAbsReal(v[DIM * k + 1] - 2));
+  }
+  CHECK_CLOSE(wrong, 0, 1e-12, "snapshot has what the particles have");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- budget --- */
+
+/* The number behind a word in a text. */
+static PetscReal After(const char text[], const char word[])
+{
+  const char *found = strstr(text, word);
+
+  return found ? atof(found + strlen(word)) : NAN;
+}
+
+/* The residual is what the energy has gained beyond the works of viscosity and tension. */
+static PetscErrorCode TestBudget(void)
+{
+  struct _p_Sim   sim        = {.comm = PETSC_COMM_WORLD, .state = state};
+  FILE           *out        = PETSC_STDOUT;
+  const PetscReal gain       = kinetic + potential - 0.5;
+  char            text[4096] = "";
+  PetscMPIInt     rank;
+  size_t          length;
+  Run             run;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(RunCreate(OPTIONS, &run));
+  PetscCall(Fill(&run, Low, 0));
+  sim.domain   = run.domain;
+  sim.gauges   = run.gauges;
+  PETSC_STDOUT = tmpfile();
+  PetscCall(BudgetReport(&sim));
+  rewind(PETSC_STDOUT);
+  length       = fread(text, 1, sizeof(text) - 1, PETSC_STDOUT);
+  text[length] = 0;
+  (void)fclose(PETSC_STDOUT);
+  PETSC_STDOUT = out;
+  PetscCall(RunDestroy(&run));
+  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
+  CHECK_CLOSE(After(text, "kinetic "), kinetic, 1e-3 * kinetic, "budget: kinetic energy");
+  CHECK_CLOSE(After(text, "potential "), potential, 1e-3 * potential, "budget: potential energy");
+  CHECK_CLOSE(After(text, "together "), gain, 1e-3, "budget: gain");
+  CHECK_CLOSE(After(text, "viscosity gave "), COPIES * -0.022, 1e-5, "budget: work of viscosity");
+  CHECK_CLOSE(After(text, "tension "), COPIES * 0.023, 1e-5, "budget: work of tension");
+  CHECK_CLOSE(After(text, "residual "), gain - COPIES * (0.023 - 0.022), 6e-3 * PetscAbsReal(gain), "budget: residual");
+  CHECK_CLOSE(After(text, "volume changed by "), 100 * (0.98 / 0.99 - 1), 0.05, "budget: volume");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscMPIInt rank;
+
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  world = PETSC_COMM_WORLD;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(LogRegister());
+  PetscCall(TestSeries());
+  PetscCall(TestSnapshot());
+  PetscCall(TestBudget());
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  if (!rank) CHECK(!system("rm -rf " FOLDER), "folder removed");
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
