@@ -42,7 +42,7 @@ $(BUILD)/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(dir $@)
 	@echo CC $<; $(CC) $(ALL_FLAGS) -c -o $@ $<
 
-# The names of all options, for "did you mean".
+# The names of the program's options: some are read after the packing only.
 $(BUILD)/names.h: $(SOURCES)
 	@mkdir -p $(BUILD); grep -oh '"-[a-z][a-z0-9_]*"' $(SOURCES) | sort -u | sed 's/"-/"/; s/$$/,/' > $@
 

@@ -1,7 +1,6 @@
-static char help[] =
-  "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
-  "  ./isph -options_file cases/drop_impact/case.opts [-options_file options/quick.opts ...] [-name value ...]\n"
-  "Later options win over earlier ones.\n\n";
+static char help[] = "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
+                     "  ./isph cases/drop_impact/case.opts [options/quick.opts ...] [-name value ...]\n"
+                     "Later options win over earlier ones.\n\n";
 
 #include "sim/sim.h"
 
@@ -40,15 +39,16 @@ static PetscErrorCode Initialize(int *argc, char ***argv)
 int main(int argc, char **argv)
 {
   PetscErrorCode code;
+  PetscBool      stop;
   int            result;
 
   ProgramStart();
   if (MPI_Init(&argc, &argv) || UserErrorHandlerPush())
     return 2; /* before the options are read: a missing options file is the user's error too */
   PrinterStart();
-  code = CommandLineCheck(MPI_COMM_WORLD, argc, argv);
-  if (!code) code = Initialize(&argc, &argv);
-  if (!code) code = Run();
+  code = CommandLineCheck(MPI_COMM_WORLD, &argc, &argv, &stop);
+  if (!code && !stop) code = Initialize(&argc, &argv);
+  if (!code && !stop) code = Run();
   result = ErrorFarewell(code);
   if (PetscInitializeCalled) (void)PetscFinalize();
   (void)MPI_Finalize();

@@ -185,8 +185,9 @@ void           JournalText(const char text[]);
 
 /* CommandLineCheck - refuses (UserError) options files on the command line, in PETSC_OPTIONS or .petscrc that include
    themselves, or are not regular files, and an argument that is neither an option nor its value; makes -h and --help
-   PETSc's -help. Collective; after MPI_Init and before PetscInitialize. */
-PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[]);
+   PETSc's -help, and of names before the first option options files (argc and argv change). --version is answered, and
+   sets *stop. Collective; after MPI_Init and before PetscInitialize. */
+PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop);
 
 /* HelpWanted - whether -help is given without -dump_options: then the options of all types are listed, also of those
    that the scene does not choose, and the program stops. Not collective. */
@@ -208,6 +209,14 @@ PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[],
                               const char interval[], const char function[], PetscReal *value);
 PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],
                              const char interval[], const char function[], PetscInt *value);
+
+/* WordDistance - letters to be added, left out, replaced or swapped with the next that make one word of the other; of b
+   128 letters count. WordsAlike - the distance up to which another name is likely to be meant by this one. OptionMeant
+   - " (is -nmae meant for it?)" if the database has an option, not read yet, that is like this one, or "". Not
+   collective. */
+PetscInt    WordDistance(const char a[], const char b[]);
+PetscInt    WordsAlike(const char name[]);
+const char *OptionMeant(const char option[]);
 
 /* SplitMix64 - a 64-bit hash of a number: the output function of the generator of that name (Steele, Lea and Flood
    2014). Not collective. */

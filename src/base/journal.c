@@ -45,7 +45,8 @@ static void Write(FILE *stream, const char text[])
 
   if (stream == stdout || stream == stderr) JournalText(text);
   if (!failed || stream != stdout || lost) return;
-  fprintf(stderr, "isph: standard output is gone (%s); what would be printed is dropped\n", strerror(errno));
+  if (errno != EPIPE) /* a reader that has gone away knows */
+    fprintf(stderr, "isph: standard output is gone (%s); what would be printed is dropped\n", strerror(errno));
   lost = (PetscBool)(freopen("/dev/null", "w", stdout) != NULL);
 }
 

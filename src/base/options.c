@@ -91,18 +91,48 @@ static PetscErrorCode CheckFiles(MPI_Comm comm, int argc, char *argv[])
   return CheckSurroundings(comm);
 }
 
-PetscErrorCode CommandLineCheck(MPI_Comm comm, int argc, char *argv[])
+/* Names before the first option are files of options: a new argument vector says so. It lives as long as the program,
+   since PETSc keeps it. */
+static PetscErrorCode NameFiles(MPI_Comm comm, int *argc, char ***argv)
+{
+  static char key[] = KEY;
+  int         files = 0;
+  char      **longer;
+
+  while (files + 1 < *argc && (*argv)[files + 1][0] != '-') files++;
+  if (!files) return PETSC_SUCCESS;
+  longer = malloc((size_t)(*argc + files + 1) * sizeof(*longer));
+  if (!longer) return UserError(comm, "out of memory");
+  longer[0] = (*argv)[0];
+  for (int k = 1; k <= *argc; k++) { /* the last is NULL */
+    if (k <= files) longer[2 * k - 1] = key;
+    longer[k <= files ? 2 * k : files + k] = (*argv)[k];
+  }
+  *argc += files;
+  *argv = longer;
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop)
 {
   static char help[] = "-help";
   int         rank, bad = 0;
 
-  for (int k = 1; k < argc; k++) {
-    if (!strcmp(argv[k], "-h") || !strcmp(argv[k], "--help")) argv[k] = help;
-    if (argv[k][0] != '-' && argv[k - 1][0] != '-')
-      return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", argv[k], argv[k]);
-  }
+  *stop = PETSC_FALSE;
   (void)MPI_Comm_rank(comm, &rank);
-  if (!rank) bad = CheckFiles(comm, argc, argv) != PETSC_SUCCESS; /* rank 0 reads options files, in PETSc too */
+  if (NameFiles(comm, argc, argv)) return ISPH_USER_ERROR;
+  for (int k = 1; k < *argc; k++) {
+    char *word = (*argv)[k];
+
+    if (!strcmp(word, "-h") || !strcmp(word, "--help")) (*argv)[k] = help;
+    if (!strcmp(word, "--version")) *stop = PETSC_TRUE;
+    if (word[0] != '-' && (*argv)[k - 1][0] != '-')
+      return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", word, word);
+  }
+  if (*stop && !rank)
+    (void)printf("isph %s, PETSc %d.%d.%d\n", ISPH_VERSION, PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
+                 PETSC_VERSION_SUBMINOR);
+  if (!rank) bad = CheckFiles(comm, *argc, *argv) != PETSC_SUCCESS; /* rank 0 reads options files, in PETSc too */
   (void)MPI_Bcast(&bad, 1, MPI_INT, 0, comm);
   return bad ? UserErrorSaid() : PETSC_SUCCESS;
 }

@@ -142,7 +142,8 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscCall(OptionInt("-dimension", "Number of dimensions", "[2, 3]", &domain->dim));
   PetscCall(OptionReal("-spacing", "Particle spacing d0 (m), required", "(0, inf)", &domain->spacing));
   PetscCheckUser(domain->spacing > 0, comm,
-                 "-spacing is missing: the distance of the particles (m) must be given and positive");
+                 "-spacing is missing%s: the distance of the particles (m) must be given and positive",
+                 OptionMeant("-spacing"));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
                                 "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
                                 &has_lower));
@@ -150,8 +151,8 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
                                 "Upper corner of the box (m), required", "DomainSetFromOptions", domain->upper,
                                 &has_upper));
   PetscCheckUser(has_lower && has_upper, comm,
-                 "%s is missing: the corners of the box, -box_lower and -box_upper (m), must be given",
-                 has_lower ? "-box_upper" : "-box_lower");
+                 "%s is missing%s: the corners of the box, -box_lower and -box_upper (m), must be given",
+                 has_lower ? "-box_upper" : "-box_lower", OptionMeant(has_lower ? "-box_upper" : "-box_lower"));
   PetscCall(CheckBox(domain));
   PetscCall(ReadFaces(domain, PetscOptionsObject));
   PetscOptionsEnd();

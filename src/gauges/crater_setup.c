@@ -1,7 +1,8 @@
 /* Where the axis, the pool and the crater of an impact are. */
 #include "gauges_impl.h"
 
-#define JET_RADIUS 1.1  /* default of -gauge_jet_radius, in half widths of the last body: a little wider than the drop \
+#define JET_RADIUS                                                                                                     \
+  1.1                   /* default of -gauge_jet_radius, in half widths of the last body: a little wider than the drop \
                          */
 #define CELL_SIZE  1.25 /* default of -gauge_cell, in spacings: a lattice of particles leaves no such cell empty */
 #define CELL_LEAST 1.0

@@ -1,8 +1,8 @@
 /* Pressure and velocity along lines: rows of lines.csv, a block of them a snapshot. */
 #include "gauges_impl.h"
 
-#define LINE_POINTS      50    /* default of -gauge_line_points */
-#define LINE_COLUMNS     8     /* line, place, pressure, velocity */
+#define LINE_POINTS  50 /* default of -gauge_line_points */
+#define LINE_COLUMNS 8  /* line, place, pressure, velocity */
 
 static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject)
 {

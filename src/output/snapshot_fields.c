@@ -1,7 +1,7 @@
 /* What goes into the snapshots: -snapshot_fields, -snapshot_lower and so on. */
 #include "output_impl.h"
 
-#define DEFLATE      1 /* default: halves the files; 4 or 9 gain a hundredth more */
+#define DEFLATE 1 /* default: halves the files; 4 or 9 gain a hundredth more */
 
 /* Integer fields of a snapshot. */
 static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};

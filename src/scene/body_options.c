@@ -6,9 +6,12 @@ static const char *const AxisNames[DIM] = {"x", "y", "z"};
 
 PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
 {
+  char full[2 * SCENE_NAME_LENGTH];
+
   PetscFunctionBegin;
-  PetscCheckUser(length > 0, body->domain->comm, "-%s%s is missing: it must be given (m) and positive", body->prefix,
-                 option + 1);
+  PetscCall(PetscSNPrintf(full, sizeof(full), "-%s%s", body->prefix, option + 1));
+  PetscCheckUser(length > 0, body->domain->comm, "%s is missing%s: it must be given (m) and positive", full,
+                 OptionMeant(full));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -59,6 +59,35 @@ PetscErrorCode BodyCheckInside(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether an option says what shape it has; if not it fills the box. */
+static PetscErrorCode HasShape(Body body, PetscBool *has)
+{
+  const char *const options[] = {"-shape", "-lower", "-upper"};
+
+  PetscFunctionBegin;
+  *has = PETSC_FALSE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options) && !*has; k++)
+    PetscCall(PetscOptionsHasName(NULL, body->prefix, options[k], has));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Of two bodies that overlap one may have no shape, or a misspelt one. */
+static PetscErrorCode RefuseShapeless(Body body)
+{
+  char      option[2 * SCENE_NAME_LENGTH];
+  PetscBool has;
+
+  PetscFunctionBegin;
+  PetscCall(HasShape(body, &has));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%sshape", body->prefix));
+  PetscCheckUser(
+    has, body->domain->comm,
+    "the body %s has no shape and would fill the whole box over the others: %s%s, or the corners of a box, "
+    "-%slower and -%supper, must be given",
+    body->name, option, OptionMeant(option), body->prefix, body->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SceneCheckOverlap(Scene scene)
 {
   const PetscReal tolerance = POINT_TOLERANCE * scene->domain->spacing;
@@ -67,7 +96,11 @@ PetscErrorCode SceneCheckOverlap(Scene scene)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->count; a++) {
     for (PetscInt b = a + 1; b < scene->count; b++) {
-      PetscCheckUser(!Meet(scene->body[a], scene->body[b], -tolerance, x), scene->domain->comm,
+      const PetscBool overlap = Meet(scene->body[a], scene->body[b], -tolerance, x);
+
+      if (overlap) PetscCall(RefuseShapeless(scene->body[b]));
+      if (overlap) PetscCall(RefuseShapeless(scene->body[a]));
+      PetscCheckUser(!overlap, scene->domain->comm,
                      "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch",
                      scene->body[a]->name, scene->body[b]->name, (double)x[0], (double)x[1], (double)x[2]);
     }

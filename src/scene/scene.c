@@ -142,7 +142,8 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read once only");
   PetscCall(ReadScene(scene, &bodies, &solids));
   PetscCheckUser(bodies.count > 0, domain->comm,
-                 "-bodies is missing: the names of one or more bodies of liquid must be given");
+                 "-bodies is missing%s: the names of one or more bodies of liquid must be given",
+                 OptionMeant("-bodies"));
   PetscCall(CreateBodies(scene, &bodies, scene->body, &scene->count));
   PetscCall(CreateBodies(scene, &solids, scene->solid, &scene->solids));
   for (PetscInt b = 0; b < scene->count; b++) {

@@ -18,6 +18,28 @@ static PetscErrorCode KeepHelp(FILE *stream, const char format[], va_list argume
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode HelpCatch(void)
+{
+  PetscFunctionBegin;
+  keeper = open_memstream(&text, &text_length);
+  PetscCheck(keeper, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the help texts");
+  printer       = PetscVFPrintf;
+  PetscVFPrintf = KeepHelp;
+  PetscCall(PetscOptionsHelpPrintedDestroy(&PetscOptionsHelpPrintedSingleton)); /* what is read again is shown again */
+  PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode HelpCaught(char **caught)
+{
+  PetscFunctionBegin;
+  PetscVFPrintf = printer;
+  PetscCall(PetscOptionsClearValue(NULL, "-help"));
+  (void)fclose(keeper);
+  *caught = text;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DumpStart(Sim sim)
 {
   PetscBool set;
@@ -29,11 +51,7 @@ PetscErrorCode DumpStart(Sim sim)
   PetscOptionsEnd();
   PetscCheckUser(!set || sim->dump[0], sim->comm, DUMP_OPTION " needs the name of the file to write");
   if (!set) PetscFunctionReturn(PETSC_SUCCESS);
-  keeper = open_memstream(&text, &text_length);
-  PetscCheck(keeper, sim->comm, PETSC_ERR_MEM, "cannot keep the help texts");
-  printer       = PetscVFPrintf;
-  PetscVFPrintf = KeepHelp;
-  PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
+  PetscCall(HelpCatch());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -79,7 +97,7 @@ static PetscErrorCode WriteOthers(FILE *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteFile(const char path[], int *error)
+static PetscErrorCode WriteFile(const char path[], char *help, int *error)
 {
   FILE *file = fopen(path, "w");
   char *rest = NULL;
@@ -88,7 +106,7 @@ static PetscErrorCode WriteFile(const char path[], int *error)
   *error = file ? 0 : errno;
   if (!file) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(file, "# All options of this scene; those behind a # have their default.\n");
-  for (char *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+  for (char *line = strtok_r(help, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
     const size_t length = strlen(line);
 
     if (!strncmp(line, "  -", 3))
@@ -104,16 +122,15 @@ static PetscErrorCode WriteFile(const char path[], int *error)
 PetscErrorCode DumpFinish(Sim sim)
 {
   PetscMPIInt rank;
+  char       *help  = NULL;
   int         error = 0;
 
   PetscFunctionBegin;
   if (!sim->dump[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscVFPrintf = printer;
-  PetscCall(PetscOptionsClearValue(NULL, "-help"));
+  PetscCall(HelpCaught(&help));
   PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
-  (void)fclose(keeper);
-  if (!rank) PetscCall(WriteFile(sim->dump, &error));
-  free(text);
+  if (!rank) PetscCall(WriteFile(sim->dump, help, &error));
+  free(help);
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
   PetscCheckUser(!error, sim->comm, "cannot write the options file %s: %s", sim->dump, strerror(error));
   PetscCall(PetscPrintf(sim->comm, "all options of this scene are in %s\n", sim->dump));

@@ -1,4 +1,9 @@
+/* Options that nothing has read: refused, with what is known about them. */
 #include "sim_impl.h"
+#include <stdio.h>
+#include <string.h>
+
+#define SENTENCE 512
 
 /* Options that PETSc reads during the run or at its end. */
 static const char *const late[] = {
@@ -7,34 +12,14 @@ static const char *const late[] = {
 };
 #define LATE_PREFIX "spectrum_" /* SLEPc's options of the spectrum at the end */
 
-#define FAR 1000
-
-/* Levenshtein distance of two short words. */
-static PetscInt EditDistance(const char a[], const char b[])
-{
-  PetscInt row[128], n = 0;
-
-  while (n < 126 && b[n]) n++;
-  for (PetscInt j = 0; j <= n; j++) row[j] = j;
-  for (PetscInt i = 0; a[i]; i++) {
-    PetscInt diagonal = row[0];
-
-    row[0] = i + 1;
-    for (PetscInt j = 0; j < n; j++) {
-      const PetscInt best = PetscMin(PetscMin(row[j], row[j + 1]) + 1, diagonal + (a[i] != b[j]));
-
-      diagonal   = row[j + 1];
-      row[j + 1] = best;
-    }
-  }
-  return row[n];
-}
-
-/* The option names that the classes of this program read are in the executable's help; here those of the table below
- * serve for a suggestion. */
+/* Names of this program that may be read after the packing only. */
 static const char *const known[] = {
 #include "names.h"
 };
+
+/* Beginnings of the names of PETSc's objects, which take a prefix, and of those types that have options of their own.
+ */
+static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st_", "bv_", "ds_"};
 
 PetscErrorCode RefuseTraps(MPI_Comm comm)
 {
@@ -49,41 +34,183 @@ PetscErrorCode RefuseTraps(MPI_Comm comm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode RefuseUnusedOptions(MPI_Comm comm)
+/* Where an option of one of PETSc's objects begins behind its prefix; NULL if it is none. */
+static const char *BehindPrefix(const char name[])
 {
-  PetscInt n;
-  char   **names, **values;
+  const char *last = NULL;
+
+  for (const char *part = name; part; part = strchr(part, '_')) {
+    part += *part == '_';
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(objects); k++)
+      if (!strncmp(part, objects[k], strlen(objects[k]))) last = part;
+  }
+  return last;
+}
+
+/* Whether a name is in the list, or behind a prefix of PETSc's objects. */
+static const OptionName *Find(const OptionNames *names, const char name[])
+{
+  const char *part = BehindPrefix(name);
+
+  for (PetscInt k = 0; k < names->n; k++)
+    if (!strcmp(names->entry[k].name, name) || (part && !strcmp(names->entry[k].name, part))) return &names->entry[k];
+  return NULL;
+}
+
+/* The option of the list that a misspelt name is likest to; 'part' is the name, or what is behind its prefix. */
+static const OptionName *Nearest(const OptionNames *names, const char part[], PetscInt *distance)
+{
+  const OptionName *nearest = NULL;
+
+  for (PetscInt k = 0; k < names->n; k++) {
+    const PetscInt d = WordDistance(part, names->entry[k].name);
+
+    if (d >= *distance) continue;
+    *distance = d;
+    nearest   = &names->entry[k];
+  }
+  return nearest;
+}
+
+/* The choice that an option of PETSc's belongs to, " -pc_type gamg"; empty if it cannot be told from the name. */
+static PetscErrorCode ChoiceOfPetsc(const char name[], char choice[], size_t length)
+{
+  const struct {
+    const char       *kind;
+    PetscFunctionList list;
+  } kinds[] = {{"ksp_", KSPList}, {"pc_", PCList}};
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
-  for (PetscInt k = 0; k < n; k++) {
-    const char *nearest  = NULL;
-    PetscInt    distance = FAR;
-    PetscBool   skip     = PETSC_FALSE;
+  choice[0] = 0;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++) {
+    const char  *part = strstr(name, kinds[k].kind);
+    const char **types;
+    int          count;
 
-    for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(late) && !skip; l++)
-      PetscCall(PetscStrcmp(names[k], late[l], &skip));
-    if (!skip) PetscCall(PetscStrncmp(names[k], LATE_PREFIX, sizeof(LATE_PREFIX) - 1, &skip));
-    if (skip) continue;
-    for (size_t l = 0; l < sizeof(known) / sizeof(*known); l++) {
-      const PetscInt d = EditDistance(names[k], known[l]);
+    if (!part || (part > name && part[-1] != '_')) continue;
+    PetscCall(PetscFunctionListGet(kinds[k].list, &types, &count));
+    for (int t = 0; t < count && types[t]; t++) {
+      const char  *type = part + strlen(kinds[k].kind);
+      const size_t size = strlen(types[t]);
 
-      if (d < distance) {
-        distance = d;
-        nearest  = known[l];
-      }
+      if (!strncmp(type, types[t], size) && type[size] == '_')
+        (void)snprintf(choice, length, " -%.*s%stype %s", (int)(part - name), name, kinds[k].kind, types[t]);
     }
-    PetscCheckUser(distance, comm,
-                   "nothing reads the option -%s here: it belongs to a choice that this scene does not make; -help "
-                   "lists all options",
-                   names[k]);
-    PetscCheckUser(PETSC_FALSE, comm, "nothing reads the option -%s%s%s%s; -help lists all options", names[k],
-                   distance <= 4 ? " (did you mean -" : "", distance <= 4 ? nearest : "", distance <= 4 ? "?)" : "");
+    PetscCall(PetscFree(types));
   }
-  {
-    PetscInt count = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    PetscCall(PetscOptionsLeftRestore(NULL, &count, &names, &values));
+/* Options of a body without its name, as the options of all bodies that have them: "-film_radius, -drop_radius". */
+static void ForBodies(const OptionNames *own, const char name[], char text[], size_t length)
+{
+  const size_t size = strlen(name);
+
+  text[0] = 0;
+  for (PetscInt k = 0; k < own->n; k++) {
+    const char  *full = own->entry[k].name;
+    const size_t all = strlen(full), used = strlen(text);
+
+    if (all > size + 1 && full[all - size - 1] == '_' && !strcmp(full + all - size, name) && own->entry[k].body &&
+        !strstr(text, full))
+      (void)snprintf(text + used, length - used, "%s-%s", used ? ", " : "", full);
   }
+}
+
+/* What is known about a name that nothing has read. */
+static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, const char name[], char text[])
+{
+  const char       *part     = BehindPrefix(name);
+  const OptionName *exact    = Find(own, name), *nearest, *other;
+  PetscInt          distance = WordsAlike(name) + 1, petsc_distance = distance, prefixed_distance = distance;
+  char              choice[OPTION_NAME_LENGTH + 32], bodies[SENTENCE / 2];
+
+  PetscFunctionBegin;
+  PetscCall(ChoiceOfPetsc(name, choice, sizeof(choice)));
+  ForBodies(own, name, bodies, sizeof(bodies));
+  if (exact && exact->choice[0])
+    (void)snprintf(text, SENTENCE, " here: it belongs to %s, which this scene does not choose", exact->choice);
+  else if (exact || Find(petsc, name))
+    (void)snprintf(text, SENTENCE, " here: it belongs to%s%s, which this scene does not choose",
+                   choice[0] ? "" : " a part of the program or of PETSc's", choice);
+  else if (bodies[0])
+    (void)snprintf(text, SENTENCE, " (did you mean %s?)", bodies);
+  else {
+    nearest = Nearest(own, name, &distance);
+    other   = Nearest(petsc, name, &petsc_distance);
+    if (petsc_distance < distance) nearest = other;
+    distance = PetscMin(distance, petsc_distance);
+    other    = part && part > name ? Nearest(petsc, part, &prefixed_distance) : NULL;
+    if (other && prefixed_distance < distance)
+      (void)snprintf(text, SENTENCE, " (did you mean -%.*s%s?)", (int)(part - name), name, other->name);
+    else if (nearest)
+      (void)snprintf(text, SENTENCE, " (did you mean -%s?)", nearest->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a name that nothing has read is no fault. early: more may be read later. petsc: filled when first needed, on
+   rank 0. */
+static PetscErrorCode Forgive(const char name[], PetscBool early, OptionNames *petsc, PetscBool *forgiven)
+{
+  PetscFunctionBegin;
+  *forgiven = PETSC_FALSE;
+  for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(late) && !*forgiven; l++)
+    PetscCall(PetscStrcmp(name, late[l], forgiven));
+  for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(known) && early && !*forgiven; l++)
+    PetscCall(PetscStrcmp(name, known[l], forgiven));
+  if (*forgiven || !(early || !strncmp(name, LATE_PREFIX, strlen(LATE_PREFIX)))) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!petsc->n) PetscCall(OptionNamesPetsc(petsc));
+  *forgiven = (PetscBool)(!petsc->n || Find(petsc, name)); /* without a list none is refused early */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first name that is a fault, empty if there is none; all that nothing has read are taken from the database then,
+   so that their values harm nobody. */
+static PetscErrorCode FindFault(MPI_Comm comm, PetscBool early, OptionNames *petsc, char fault[OPTION_NAME_LENGTH])
+{
+  PetscMPIInt rank;
+  PetscInt    n, count;
+  char      **names, **values;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  fault[0] = 0;
+  for (PetscInt k = 0; k < n && !rank && !fault[0]; k++) {
+    PetscBool forgiven;
+
+    PetscCall(Forgive(names[k], early, petsc, &forgiven));
+    if (!forgiven) PetscCall(PetscStrncpy(fault, names[k], OPTION_NAME_LENGTH));
+  }
+  PetscCallMPI(MPI_Bcast(fault, OPTION_NAME_LENGTH, MPI_CHAR, 0, comm));
+  for (PetscInt k = 0; k < n && fault[0]; k++) {
+    char option[OPTION_NAME_LENGTH + 1];
+
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-%s", names[k]));
+    PetscCall(PetscOptionsClearValue(NULL, option));
+  }
+  count = n;
+  PetscCall(PetscOptionsLeftRestore(NULL, &count, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early)
+{
+  OptionNames own = {0}, petsc = {0};
+  PetscMPIInt rank;
+  char        fault[OPTION_NAME_LENGTH], text[SENTENCE] = "";
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(FindFault(comm, early, &petsc, fault));
+  if (fault[0]) {
+    PetscCall(OptionNamesOwn(comm, &own));
+    if (!rank && !petsc.n) PetscCall(OptionNamesPetsc(&petsc));
+    if (!rank) PetscCall(Explain(&own, &petsc, fault, text));
+  }
+  PetscCall(OptionNamesDestroy(&own));
+  PetscCall(OptionNamesDestroy(&petsc));
+  PetscCheckUser(!fault[0], comm, "nothing reads the option -%s%s; -help lists all options", fault, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

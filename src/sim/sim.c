@@ -73,8 +73,8 @@ static PetscErrorCode CheckScene(Sim sim)
   }
   PetscCheckUser(
     any, sim->comm,
-    "no scene is given: -options_file names its file, for instance cases/drop_impact/case.opts; -help lists "
-    "all options");
+    "no scene is given: name its file, as ./isph cases/drop_impact/case.opts or with -options_file; -help lists all "
+    "options");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,6 +120,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
   PetscCall(DumpFinish(sim));
+  if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,7 +145,7 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
   PetscCall(StepperPrepare(sim->stepper));
-  PetscCall(RefuseUnusedOptions(sim->comm));
+  PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE));
   if (!restarting) {
     PetscInt lost = 0;
 

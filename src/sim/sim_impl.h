@@ -52,6 +52,10 @@ PetscErrorCode BudgetReport(Sim sim);
 PetscErrorCode MonitorSetFromOptions(Sim sim);
 PetscErrorCode MonitorStep(Sim sim);
 PetscErrorCode MonitorDestroy(Sim sim);
+/* HelpCatch - from here on -help is on and its text kept instead of printed; HelpCaught - that is over; the text, to be
+   freed by free, empty but on rank 0. Collective. */
+PetscErrorCode HelpCatch(void);
+PetscErrorCode HelpCaught(char **text);
 /* DumpStart - with -dump_options, from here on the help texts of all options are kept instead of printed; DumpFinish -
    they are written to the file. Collective. */
 PetscErrorCode DumpStart(Sim sim);
@@ -61,8 +65,25 @@ PetscErrorCode DumpFinish(Sim sim);
 PetscErrorCode Relax(Sim sim);
 /* RefuseTraps - a UserError for -fp_trap. Collective. */
 PetscErrorCode RefuseTraps(MPI_Comm comm);
-/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest names that exist. Collective.
- */
-PetscErrorCode RefuseUnusedOptions(MPI_Comm comm);
+/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest name that exists or the
+   choice it belongs to. early: before the packing, options that may still be read pass. Collective. */
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early);
+
+/* Names of options without the dash, and the choice that each belongs to, "-packing_type poisson", or "". */
+#define OPTION_NAME_LENGTH 128
+typedef struct {
+  char      name[OPTION_NAME_LENGTH], choice[OPTION_NAME_LENGTH];
+  PetscBool body; /* of a body or solid */
+} OptionName;
+typedef struct {
+  PetscInt    n, capacity;
+  OptionName *entry; /* [n] */
+} OptionNames;
+/* OptionNamesOwn - adds those of this program for the scene of the options database, on rank 0; reads them all once
+   more. Collective. OptionNamesPetsc - adds those of PETSc's and SLEPc's libraries; none where these cannot be read.
+   Not collective. */
+PetscErrorCode OptionNamesOwn(MPI_Comm comm, OptionNames *names);
+PetscErrorCode OptionNamesPetsc(OptionNames *names);
+PetscErrorCode OptionNamesDestroy(OptionNames *names);
 
 #endif

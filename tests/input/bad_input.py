@@ -49,7 +49,34 @@ refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean
 refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
 refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_something_else"])
 refused("no_scene", "", ["no scene", "-options_file", "-help"])
-refused("file_without_option", "my.opts", ["my.opts", "-options_file my.opts"])
+refused("file_that_is_missing", "my.opts", ["my.opts", "cannot be opened"])
+refused("file_behind_options", GOOD + "-gravity 0,0,-1 my.opts", ["my.opts", "-options_file my.opts"])
+DROP = "-bodies film,drop -film_upper 10,10,5 -drop_shape sphere -drop_radius 2 -drop_center 5,5,12 "
+for name, meant in (("-drop_radus", "-drop_radius?"), ("-drp_velocity", "-drop_velocity?"),
+                    ("-box_xmim", "-box_xmin?"), ("-ksp_rtoll", "-ksp_rtol?"), ("-pc_typ", "-pc_type?"),
+                    ("-viscous_ksp_rtoll", "-viscous_ksp_rtol?"), ("-log_vieww", "-log_view?"),
+                    ("-mg_levels_ksp_max_itt", "-mg_levels_ksp_max_it?"), ("-time_stpe", "-time_step?"),
+                    ("-spectrum_modess", "-spectrum_modes?"), ("-rotation_rate", "-drop_rotation_rate?"),
+                    ("-drop_rotation_rate", "it belongs to -drop_velocity_type rotation"),
+                    ("-packing_distance", "it belongs to -packing_type poisson"),
+                    ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):
+    refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
+for name in ("-dt", "-x", "-quite_something_else"):
+    process = runs.start(BOX + DROP + f"{name} 7")
+    runs.check(process.returncode == 1 and name in process.stderr and "did you mean" not in process.stderr,
+               f"nothing_is_like{name}", process.stderr)
+refused("misspelt_before_the_packing", BOX + DROP + "-spacing 0.03 -gravitty 0,0,-1", ["-gravitty", "-gravity?"])
+refused("misspelt_and_needed", BOX + "-bodies a -a_shape sphere -a_radus 2", ["-a_radius is missing", "-a_radus"])
+refused("body_without_shape", BOX + "-bodies film,drop -film_upper 10,10,5 -drop_shap sphere",
+        ["drop", "no shape", "-drop_shape", "-drop_shap "])
+scene = runs.scratch("scene.opts")
+with open(scene, "w", encoding="utf-8") as file:
+    file.write((GOOD + f"-output_dir {runs.scratch('of_file')} -output_overwrite").replace(" -", "\n-"))
+for name, words in (("bare_file", [scene]), ("bare_files", [scene, "options/fast.opts"]),
+                    ("bare_file_and_options", [scene, "-steps_max", "1"]), ("version", ["--version"]),
+                    ("help", ["--help"]), ("h", ["-h"]), ("file_and_help", [scene, "-h"])):
+    process = runs.start(words)
+    runs.check(process.returncode == 0 and not process.stderr, name, process.stderr)
 refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
 refused("missing_option_file_two_ranks", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"], ranks=2)
 own = runs.scratch("own.opts")
