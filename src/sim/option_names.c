@@ -6,7 +6,6 @@
 #include <dlfcn.h>
 #include <slepcsys.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define NAME_LEAST 4 /* characters of a name in the library; shorter ones are mostly chance */
@@ -55,7 +54,7 @@ static PetscErrorCode AddForBodies(Scene scene, OptionNames *names, const char n
 }
 
 /* Lines "  -name ..." below titles "Group:" or "Group with -option choice:". */
-static PetscErrorCode ReadHelp(Scene scene, char *help, OptionNames *names)
+PetscErrorCode OptionNamesFromHelp(Scene scene, char help[], OptionNames *names)
 {
   char *rest = NULL, *with, choice[OPTION_NAME_LENGTH] = "";
 
@@ -74,23 +73,6 @@ static PetscErrorCode ReadHelp(Scene scene, char *help, OptionNames *names)
     else
       PetscCall(Add(names, line + 3, end - 1, choice, PETSC_FALSE));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode OptionNamesOwn(MPI_Comm comm, OptionNames *names)
-{
-  Sim       sim;
-  PetscBool stop;
-  char     *help;
-
-  PetscFunctionBegin;
-  PetscCall(SimCreate(comm, &sim));
-  PetscCall(HelpCatch());
-  PetscCall(SimSetFromOptions(sim, &stop));
-  PetscCall(HelpCaught(&help));
-  PetscCall(ReadHelp(sim->scene, help, names));
-  free(help);
-  PetscCall(SimDestroy(&sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
