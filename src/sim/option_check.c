@@ -195,9 +195,9 @@ static PetscErrorCode FindFault(MPI_Comm comm, PetscBool early, OptionNames *pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early)
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early, PetscErrorCode (*own)(MPI_Comm, OptionNames *))
 {
-  OptionNames own = {0}, petsc = {0};
+  OptionNames names = {0}, petsc = {0};
   PetscMPIInt rank;
   char        fault[OPTION_NAME_LENGTH], text[SENTENCE] = "";
 
@@ -205,11 +205,11 @@ PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early)
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(FindFault(comm, early, &petsc, fault));
   if (fault[0]) {
-    PetscCall(OptionNamesOwn(comm, &own));
+    PetscCall((*own)(comm, &names));
     if (!rank && !petsc.n) PetscCall(OptionNamesPetsc(&petsc));
-    if (!rank) PetscCall(Explain(&own, &petsc, fault, text));
+    if (!rank) PetscCall(Explain(&names, &petsc, fault, text));
   }
-  PetscCall(OptionNamesDestroy(&own));
+  PetscCall(OptionNamesDestroy(&names));
   PetscCall(OptionNamesDestroy(&petsc));
   PetscCheckUser(!fault[0], comm, "nothing reads the option -%s%s; -help lists all options", fault, text);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,4 +1,5 @@
 #include "sim_impl.h"
+#include <stdlib.h>
 
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
@@ -78,6 +79,24 @@ static PetscErrorCode CheckScene(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The names of all options of this scene: they are read once more, for help, by a second one. */
+static PetscErrorCode OwnNames(MPI_Comm comm, OptionNames *names)
+{
+  Sim       sim;
+  PetscBool stop;
+  char     *help;
+
+  PetscFunctionBegin;
+  PetscCall(SimCreate(comm, &sim));
+  PetscCall(HelpCatch());
+  PetscCall(SimSetFromOptions(sim, &stop));
+  PetscCall(HelpCaught(&help));
+  PetscCall(OptionNamesFromHelp(sim->scene, help, names));
+  free(help);
+  PetscCall(SimDestroy(&sim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 {
   MPI_Comm comm = sim->comm;
@@ -120,7 +139,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
   PetscCall(DumpFinish(sim));
-  if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE));
+  if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE, OwnNames));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,7 +164,7 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
   PetscCall(StepperPrepare(sim->stepper));
-  PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE));
+  PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE, OwnNames));
   if (!restarting) {
     PetscInt lost = 0;
 

@@ -65,10 +65,6 @@ PetscErrorCode DumpFinish(Sim sim);
 PetscErrorCode Relax(Sim sim);
 /* RefuseTraps - a UserError for -fp_trap. Collective. */
 PetscErrorCode RefuseTraps(MPI_Comm comm);
-/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest name that exists or the
-   choice it belongs to. early: before the packing, options that may still be read pass. Collective. */
-PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early);
-
 /* Names of options without the dash, and the choice that each belongs to, "-packing_type poisson", or "". */
 #define OPTION_NAME_LENGTH 128
 typedef struct {
@@ -79,10 +75,13 @@ typedef struct {
   PetscInt    n, capacity;
   OptionName *entry; /* [n] */
 } OptionNames;
-/* OptionNamesOwn - adds those of this program for the scene of the options database, on rank 0; reads them all once
-   more. Collective. OptionNamesPetsc - adds those of PETSc's and SLEPc's libraries; none where these cannot be read.
-   Not collective. */
-PetscErrorCode OptionNamesOwn(MPI_Comm comm, OptionNames *names);
+/* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest name that exists or the
+   choice it belongs to. early: before the packing, options that may still be read pass; own: adds the names of the
+   program's own options, on rank 0. Collective. */
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early, PetscErrorCode (*own)(MPI_Comm, OptionNames *));
+/* OptionNamesFromHelp - adds those in the text of -help (which is cut), of bodies for each of the scene.
+   OptionNamesPetsc - adds those of PETSc's and SLEPc's libraries; none where these cannot be read. Not collective. */
+PetscErrorCode OptionNamesFromHelp(Scene scene, char help[], OptionNames *names);
 PetscErrorCode OptionNamesPetsc(OptionNames *names);
 PetscErrorCode OptionNamesDestroy(OptionNames *names);
 

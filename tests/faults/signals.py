@@ -147,12 +147,13 @@ def pipes():
 
 def ignored(name):
     """A signal whose disposition was inherited as ignored does nothing, before PETSc starts and after."""
+    number = getattr(signal, f"SIG{name}")
     for moment in ("set-up", "step"):
         folder = runs.scratch(f"ignored_{name}_{moment}")
         process = launch(SCENE.replace("-time_end 1000", "-time_end 0.3") + f" -output_dir {folder}",
-                         restore_signals=False, preexec_fn=lambda: signal.signal(getattr(signal, f"SIG{name}"), signal.SIG_IGN))
+                         restore_signals=False, preexec_fn=lambda: signal.signal(number, signal.SIG_IGN))
         for pid in wait(process, 1, moment, folder):
-            os.kill(pid, getattr(signal, f"SIG{name}"))
+            os.kill(pid, number)
         code, _, err = end(process)
         good = code == 0 and not err and runs.series(folder)["time"][-1] > 0.29
         count(f"ignored SIG{name}, {moment}", "continued" if good else "failed", f"code {code}: {err[-300:]}")
