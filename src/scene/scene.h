@@ -81,6 +81,13 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
 /* BodyBounds - a box (m) that holds shape and box's intersection. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
+/* SceneBodyScales - of body b, sampled in the box around it: its extents (m) and the least of them that the dimension
+   has, with what symmetry faces mirror, the largest initial speed (m/s) and size of each component of the body force
+   (m/s2). */
+typedef struct {
+  PetscReal extent[DIM], length, speed, acceleration[DIM];
+} BodyScales;
+void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales);
 /* BodyDisplace - moves a point x (m) of a lattice to where it is in the body: a map that keeps volumes and takes the
    layers of the lattice to layers along a curved surface. The identity for most shapes. */
 void BodyDisplace(Body body, PetscReal x[DIM]);

@@ -55,7 +55,7 @@ PetscErrorCode BudgetReport(Sim sim)
     PetscPrintf(sim->comm,
                 "Error budget\n"
                 "  density     rms error %.2g inside; volume changed by %+.2g %% since the start, %" PetscInt_FMT
-                " particles lost\n"
+                " particles left through open faces\n"
                 "  divergence  rms %.2g a step (times the time step), of which the solver left %.2g\n",
                 (double)state->density_error, 100 * (double)(state->start_density / state->density_mean - 1),
                 state->lost, (double)state->divergence, (double)state->solver_error));

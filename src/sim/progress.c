@@ -45,7 +45,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
     PetscCall(PetscPrintf(sim->comm,
                           "%" PetscInt_FMT " steps of %" PetscInt_FMT
                           " particles in %s: %.4g s and %.3g iterations a step, %" PetscInt_FMT
-                          " steps rolled back, %" PetscInt_FMT " particles left the box\n",
+                          " steps rolled back, %" PetscInt_FMT " particles left through open faces\n",
                           steps, n, text, seconds / PetscMax(1, steps),
                           (double)progress->iterations / PetscMax(1, steps), state->rejected, state->lost));
     PetscCall(BudgetReport(sim));

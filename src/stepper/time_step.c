@@ -2,7 +2,6 @@
 #include "stepper_impl.h"
 
 #define LAST_LONGER 1e-3 /* a last step may be longer by this share of it */
-#define SAMPLES     5    /* points a direction at which the initial velocity of a body is read */
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {
@@ -167,22 +166,14 @@ static void FindScales(Stepper stepper, Scales *scales)
 
   *scales = (Scales){0};
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
-    Body            body = SceneBody(cloud->scene, b);
-    const Material *m    = BodyMaterial(body);
-    PetscReal       lower[DIM], upper[DIM], g[DIM], v[DIM], x[DIM];
+    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
+    BodyScales      body;
 
-    BodyBounds(body, lower, upper);
-    for (PetscInt k = 0; k < SAMPLES * SAMPLES * SAMPLES; k++) {
-      const PetscInt at[DIM] = {k % SAMPLES, (k / SAMPLES) % SAMPLES, k / (SAMPLES * SAMPLES)};
-
-      for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (SAMPLES - 1);
-      BodyVelocity(body, x, v);
-      SceneAcceleration(cloud->scene, x, g);
-      scales->speed = PetscMax(scales->speed, Norm(v));
-      for (PetscInt d = 0; d < DIM; d++) {
-        scales->acceleration[d] = PetscMax(scales->acceleration[d], PetscAbsReal(g[d]));
-        scales->fall            = PetscMax(scales->fall, PetscAbsReal(g[d]) * (upper[d] - lower[d]));
-      }
+    SceneBodyScales(cloud->scene, b, &body);
+    scales->speed = PetscMax(scales->speed, body.speed);
+    for (PetscInt d = 0; d < DIM; d++) {
+      scales->acceleration[d] = PetscMax(scales->acceleration[d], body.acceleration[d]);
+      scales->fall            = PetscMax(scales->fall, body.acceleration[d] * body.extent[d]);
     }
     if (TensionReach(stepper->tension) > 0)
       scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));

@@ -113,6 +113,16 @@ folder = runs.scratch("my")
 process = runs.start(f"-options_file {scene} -dry_run -output_dir {folder}")
 estimated = process.returncode == 0 and "time:" in process.stdout and os.path.exists(folder + ".svg")
 runs.check(estimated, "tutorial_dry_run", process.stderr[:300])
+# the drop's diameter 2 mm, 1 m/s: rho U D/mu, rho U2 D/sigma, U2/(g D), rho g D2/sigma, mu/sqrt(rho sigma D)
+runs.check("20 spacings, Re 2e+03, We 27.8, Fr 51, Bo 0.545, Oh 0.00264" in process.stdout, "tutorial_numbers",
+           process.stdout[:2000])
+runs.check("warning" not in process.stdout, "tutorial_without_warning", process.stdout[:2000])
+for name, text, words in (("in_mm", open(scene, encoding="utf-8").read().replace("e-3", ""), "lengths not in m"),
+                          ("coarse", open(scene, encoding="utf-8").read() + "-spacing 0.5e-3\n", "only 4 spacings across")):
+    with open(runs.scratch(name + ".opts"), "w", encoding="utf-8") as file:
+        file.write(text)
+    doubtful = runs.start(f"-options_file {file.name} -time_end 1e-4 -dry_run -output_dir {runs.scratch(name)}")
+    runs.check(words in doubtful.stdout, "tutorial_" + name + "_warns", doubtful.stdout[:2000] + doubtful.stderr[:300])
 # -dump_options: with every default typed out the scene is the same
 everything, typed = runs.scratch("all.opts"), runs.scratch("typed.opts")
 runs.start(f"-options_file {scene} -dump_options {everything}")
