@@ -117,8 +117,10 @@ runs.check(estimated, "tutorial_dry_run", process.stderr[:300])
 runs.check("20 spacings, Re 2e+03, We 27.8, Fr 51, Bo 0.545, Oh 0.00264" in process.stdout, "tutorial_numbers",
            process.stdout[:2000])
 runs.check("warning" not in process.stdout, "tutorial_without_warning", process.stdout[:2000])
-for name, text, words in (("in_mm", open(scene, encoding="utf-8").read().replace("e-3", ""), "lengths not in m"),
-                          ("coarse", open(scene, encoding="utf-8").read() + "-spacing 0.5e-3\n", "only 4 spacings across")):
+with open(scene, encoding="utf-8") as file:
+    good = file.read()
+for name, text, words in (("in_mm", good.replace("e-3", ""), "lengths not in m"),
+                          ("coarse", good + "-spacing 0.5e-3\n", "only 4 spacings across")):
     with open(runs.scratch(name + ".opts"), "w", encoding="utf-8") as file:
         file.write(text)
     doubtful = runs.start(f"-options_file {file.name} -time_end 1e-4 -dry_run -output_dir {runs.scratch(name)}")
