@@ -33,9 +33,11 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
   PetscCall(PetscOptionsRealArray(option, help, manual, number, &count, &found));
   if (set) *set = found;
   if (found) {
-    PetscCheckUser(count == domain->dim || count == DIM, domain->comm,
+    PetscCheckUser(count == domain->dim || (count == DIM && !domain->rings), domain->comm,
                    "-%s%s must have %s numbers, separated by commas without blanks", prefix, option + 1,
-                   domain->dim == 2 ? "two or three" : "three");
+                   domain->rings      ? "two (distance from the axis, place along it)"
+                   : domain->dim == 2 ? "two or three"
+                                      : "three");
     for (PetscInt d = 0; d < count; d++) {
       PetscCheckUser(!PetscIsInfOrNanReal(number[d]), domain->comm, "-%s%s must have finite numbers", prefix,
                      option + 1);
@@ -87,17 +89,23 @@ static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsOb
                  "%s: the face is %s; only a wall has a velocity", option, FaceTypes[domain->face[d][side]]);
   PetscCheckUser(velocity[d] == 0, domain->comm, "%s must be tangential: its %s component must be 0, not %g m/s",
                  option, AxisNames[d], (double)velocity[d]);
+  PetscCheckUser(!domain->rings || velocity[0] == 0, domain->comm,
+                 "%s must have no part away from the axis, not %g m/s: a wall around an axis moves along it only",
+                 option, (double)velocity[0]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
+  if (domain->rings) domain->face[0][0] = FACE_SYMMETRY; /* the axis */
   for (PetscInt d = 0; d < domain->dim; d++) {
-    PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "both faces of a direction", d, 0, 1));
-    for (PetscInt side = 0; side < 2; side++)
+    const PetscInt first = domain->rings && d == 0 ? 1 : 0;
+
+    if (!first) PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "both faces of a direction", d, 0, 1));
+    for (PetscInt side = first; side < 2; side++)
       PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], "one face", d, side, side));
-    for (PetscInt side = 0; side < 2; side++) PetscCall(ReadFaceVelocity(domain, PetscOptionsObject, d, side));
+    for (PetscInt side = first; side < 2; side++) PetscCall(ReadFaceVelocity(domain, PetscOptionsObject, d, side));
     PetscCheckUser((domain->face[d][0] == FACE_PERIODIC) == (domain->face[d][1] == FACE_PERIODIC), domain->comm,
                    "-box_%s is %s but -box_%s is %s: a periodic face needs a periodic face opposite", FaceNames[d][0],
                    FaceTypes[domain->face[d][0]], FaceNames[d][1], FaceTypes[domain->face[d][1]]);
@@ -111,6 +119,10 @@ static PetscErrorCode CheckBox(Domain domain)
   PetscReal places = 1;
 
   PetscFunctionBegin;
+  PetscCheckUser(!domain->rings || domain->lower[0] == 0, domain->comm,
+                 "-box_lower must have 0 as its first number, not %g m: with -dimension axisymmetric the box begins at "
+                 "the axis",
+                 (double)domain->lower[0]);
   domain->volume = PetscPowRealInt(domain->spacing, (int)domain->dim);
   if (domain->dim == 2) {
     domain->lower[2] = -0.5 * domain->spacing;
@@ -132,6 +144,30 @@ static PetscErrorCode CheckBox(Domain domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* 2, 3, or two dimensions in which particles are rings. */
+static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObject)
+{
+  static const char *const choices[] = {"2", "3", "axisymmetric"};
+  char                     value[NAME_LENGTH];
+  PetscInt                 choice;
+  PetscBool                found, same = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsString("-dimension",
+                               "Number of dimensions (one of) 2 3 axisymmetric; axisymmetric: particles are rings, x is "
+                               "the distance from the axis, y is along it",
+                               "DomainSetFromOptions", choices[1], value, sizeof(value), &found));
+  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  for (choice = 0; choice < 3; choice++) {
+    PetscCall(PetscStrcasecmp(value, choices[choice], &same));
+    if (same) break;
+  }
+  PetscCheckUser(same, domain->comm, "-dimension is %s; it must be 2, 3 or axisymmetric", value);
+  domain->dim   = choice == 1 ? 3 : 2;
+  domain->rings = (PetscBool)(choice == 2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DomainSetFromOptions(Domain domain)
 {
   MPI_Comm  comm = domain->comm;
@@ -139,7 +175,7 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Box", "Domain");
-  PetscCall(OptionInt("-dimension", "Number of dimensions", "[2, 3]", &domain->dim));
+  PetscCall(ReadDimension(domain, PetscOptionsObject));
   PetscCall(OptionReal("-spacing", "Particle spacing d0 (m), required", "(0, inf)", &domain->spacing));
   PetscCheckUser(domain->spacing > 0, comm,
                  "-spacing is missing%s: the distance of the particles (m) must be given and positive",
@@ -224,8 +260,8 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
   if (!viewer) PetscCall(PetscViewerASCIIGetStdout(domain->comm, &viewer));
   PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
   if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Domain: %" PetscInt_FMT " dimensions, spacing %g m\n", domain->dim,
-                                   (double)domain->spacing));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Domain: %" PetscInt_FMT " dimensions%s, spacing %g m\n", domain->dim,
+                                   domain->rings ? " of rings about x = 0" : "", (double)domain->spacing));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   for (PetscInt d = 0; d < domain->dim; d++) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %g to %g m, %s to %s, %" PetscInt_FMT " cells of %g m\n",

@@ -12,12 +12,18 @@ typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
 extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
 
 /* The box. In two dimensions the third extent is [-spacing/2, spacing/2] and its faces are open. Read-only after
-   DomainSetUp. */
+   DomainSetUp.
+
+   Rings (-dimension axisymmetric): a scene that is the same all around an axis, as two dimensions. x is the distance
+   from the axis, y is along it; the face x = 0 is a mirror. A particle is a ring of a constant volume, whose cross
+   section, the ring area, is this volume over its length; sums over neighbours are those of two dimensions, with ring
+   areas in place of the one volume of all particles. Volumes, masses and energies are those of whole rings. */
 typedef struct {
   MPI_Comm  comm;
   PetscInt  dim;                        /* 2 or 3 */
+  PetscBool rings;                      /* dim is 2, particles are rings about x = 0 */
   PetscReal spacing;                    /* particle spacing d0, m */
-  PetscReal volume;                     /* of one particle, d0^dim, m^dim */
+  PetscReal volume;                     /* of one particle, d0^dim, m^dim; ring area of one as it is made */
   PetscReal lower[DIM];                 /* m */
   PetscReal upper[DIM];                 /* m */
   FaceType  face[DIM][2];               /* lower and upper face of each direction */
@@ -30,10 +36,10 @@ typedef struct {
 
 /* DomainCreate - an empty domain. Collective on comm. */
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain);
-/* DomainSetFromOptions - reads -dimension, -spacing (m), -box_lower, -box_upper (m), -box_x|y|z (both faces), -box_xmin
+/* DomainSetFromOptions - reads -dimension 2|3|axisymmetric, -spacing (m), -box_lower, -box_upper (m), -box_x|y|z (both faces), -box_xmin
    ... -box_zmax (one face, overrides) and -box_<face>_velocity (m/s). Refuses (UserError) a missing or non-positive
    spacing, a missing or empty box, an unknown face type, a periodic face opposite another type, and a velocity of a
-   face that is no wall or not tangential. Collective. */
+   face that is no wall or not tangential; rings: a box that does not begin at x = 0. Collective. */
 PetscErrorCode DomainSetFromOptions(Domain domain);
 /* DomainSetUp - cells of the partition, at least 'reach' (m) wide where the box allows, owned by the ranks in
    contiguous blocks of the cell index until DomainPartition is called. Refuses a box narrower than 'reach' between
@@ -43,13 +49,31 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer);
 PetscErrorCode DomainDestroy(Domain *domain);
 
 /* What the three numbers of an option are: the third number of a point is ignored in two dimensions, that of a
-   direction must be zero. */
+   direction must be zero. Rings have two. */
 typedef enum { VECTOR_POINT, VECTOR_DIRECTION } VectorKind;
 /* DomainOptionsVector - reads an option of dim or three finite numbers inside an options block; value ([3], unit as in
    the help text) holds the default on entry and always has a zero third component in two dimensions on return. set may
    be NULL. Refuses (UserError) another count of numbers. Collective. */
 PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
                                    const char help[], const char manual[], PetscReal value[DIM], PetscBool *set);
+
+/* DomainRingLength - 2 pi R (m) of the ring at x (m), which may be an image; 1 where particles are no rings. R is the
+   distance from the axis; nearer than half a spacing, the mean of that and half a spacing: as far out as the ring's
+   pairs act (a pair has the length of its middle, |r_a + r_b|/2 with images at -r), so that the first ring of a lattice
+   is as wide as all others and no ring has a cross section without bound. Not collective. */
+static inline PetscReal DomainRingLength(Domain domain, const PetscReal x[DIM])
+{
+  const PetscReal r = PetscAbsReal(x[0]), half = 0.5 * domain->spacing;
+
+  return domain->rings ? 2 * PETSC_PI * (r < half ? 0.5 * (r + half) : r) : 1;
+}
+
+/* DomainPairLength - 2 pi |r_a + r_b|/2 (m), the length of the ring in the middle between x and y (m); r is negative in
+   an image, so the pair of a particle with its own image has none. 1 where particles are no rings. Not collective. */
+static inline PetscReal DomainPairLength(Domain domain, const PetscReal x[DIM], const PetscReal y[DIM])
+{
+  return domain->rings ? PETSC_PI * PetscAbsReal(x[0] + y[0]) : 1;
+}
 
 /* DomainCell - index of the cell that holds point x (m); points outside the box belong to the nearest cell, so that
    dummy particles of a wall live with the fluid next to them. Not collective. */

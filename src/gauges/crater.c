@@ -38,9 +38,10 @@ static inline void FromAxis(Gauges gauges, const PetscReal x[], PetscReal r[2])
   }
 }
 
-/* A particle of the pool: its distance from the axis and height (m), the column and the layer of its cell. */
+/* A particle of the pool: its distance from the axis and height (m), the column and the layer of its cell; how many
+   particles of the spacing its share of the sums is. */
 typedef struct {
-  PetscReal radius, height;
+  PetscReal radius, height, count;
   PetscInt  column, layer;
 } PoolParticle;
 
@@ -48,7 +49,8 @@ typedef struct {
 static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, const CraterGrid *grid, PetscInt *n,
                                PoolParticle **pool)
 {
-  const PetscInt up = gauges->cloud->domain->dim - 1;
+  const Domain   domain = gauges->cloud->domain;
+  const PetscInt up     = domain->dim - 1;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(arrays->n, pool));
@@ -64,6 +66,7 @@ static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, cons
     FromAxis(gauges, x, r);
     (*pool)[(*n)++] = (PoolParticle){.radius = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]),
                                      .height = x[up],
+                                     .count  = ParticleShare(domain, arrays, a) / domain->volume,
                                      .column = index[1] * grid->n[0] + index[0],
                                      .layer  = index[2]};
   }
@@ -259,7 +262,7 @@ static PetscErrorCode CraterDiameter(Gauges gauges, PetscInt n, const PoolPartic
   for (PetscInt a = 0; a < n; a++) {
     const PetscInt ring = pool[a].radius < rings * w ? (PetscInt)(pool[a].radius / w) : rings;
 
-    if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0) share[ring] += 1;
+    if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0) share[ring] += pool[a].count;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, gauges->comm));
   for (PetscInt k = 0; k < rings; k++) share[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);

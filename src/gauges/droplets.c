@@ -10,7 +10,7 @@
 /* A piece of liquid: particles that hang together. All members are reals, to be sent as such. */
 typedef struct {
   PetscReal label;                     /* smallest id of its particles */
-  PetscReal particles, number;         /* number: of pieces like this in the whole that -gauge_multiplicity makes */
+  PetscReal particles, volume, number; /* m3 (m2 in two dimensions); number: of pieces like this in the whole that -gauge_multiplicity makes */
   PetscReal place[DIM], velocity[DIM]; /* means, m and m/s */
   PetscReal mirror[DIM];               /* -1, 1: it touches the mirror at the box's lower, upper end; 0: none */
 } Piece;
@@ -45,6 +45,7 @@ static PetscInt Merge(PetscInt n, Piece piece[])
       continue;
     }
     to->particles += piece[k].particles;
+    to->volume += piece[k].volume;
     for (PetscInt d = 0; d < DIM; d++) {
       to->place[d] += piece[k].place[d];
       to->velocity[d] += piece[k].velocity[d];
@@ -58,7 +59,7 @@ static PetscInt Merge(PetscInt n, Piece piece[])
 static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal touch)
 {
   const Domain domain = cloud->domain;
-  Piece        piece  = {.label = label, .particles = 1};
+  Piece        piece  = {.label = label, .particles = 1, .volume = cloud->volume[a]};
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal x = cloud->field[FIELD_POSITION][DIM * a + d];
@@ -87,6 +88,7 @@ static void FinishPiece(Gauges gauges, Piece *piece)
     if (piece->mirror[d] == 0 || piece->number < 2) continue;
     piece->number /= 2;
     piece->particles *= 2;
+    piece->volume *= 2;
     piece->place[d]    = piece->mirror[d] < 0 ? domain->lower[d] : domain->upper[d];
     piece->velocity[d] = 0;
   }
@@ -155,9 +157,8 @@ static PetscErrorCode Name_Droplets(Gauges gauges, PetscInt column, char name[],
    0. */
 static PetscErrorCode Measure_Droplets(Gauges gauges, PetscReal value[])
 {
-  const PetscReal volume = gauges->cloud->domain->volume;
-  PetscInt        count;
-  Piece          *piece;
+  PetscInt count;
+  Piece   *piece;
 
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &count, &piece));
@@ -168,8 +169,8 @@ static PetscErrorCode Measure_Droplets(Gauges gauges, PetscReal value[])
       continue;
     }
     value[0] += piece[k].number;
-    value[1] += piece[k].number * volume * piece[k].particles;
-    value[2] = PetscMax(value[2], volume * piece[k].particles);
+    value[1] += piece[k].number * piece[k].volume;
+    value[2] = PetscMax(value[2], piece[k].volume);
   }
   PetscCall(PetscFree(piece));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -203,7 +204,7 @@ static PetscErrorCode Rows_Droplets(Gauges gauges, PetscInt *count, PetscInt *wi
     PetscReal   *row     = *values + ROW_COLUMNS * k;
 
     row[0] = droplet->particles;
-    row[1] = gauges->cloud->domain->volume * droplet->particles;
+    row[1] = droplet->volume;
     PetscCall(PetscArraycpy(row + 2, droplet->place, DIM));
     PetscCall(PetscArraycpy(row + 2 + DIM, droplet->velocity, DIM));
     row[2 + 2 * DIM] = droplet->number;

@@ -78,13 +78,15 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
 }
 
 /* Force [receivers][dim] of the liquid's pressure, N (N/m in two dimensions): -sum V_a V_b (p_a + p_b) grad W over
-   pairs of fluid a and dummy b, as Adami, Hu and Adams (2012) have it for the fluid. */
+   pairs of fluid a and dummy b, as Adami, Hu and Adams (2012) have it for the fluid. Of rings, the part away from the
+   axis is summed all around. */
 static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 {
   Cloud            cloud = gauges->cloud;
   const PetscInt   dim = cloud->domain->dim, count = ReceiverCount(gauges);
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
-  PairRow         *row;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE],
+                  V2 = PetscSqr(cloud->domain->volume);
+  PairRow *row;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&row));
@@ -100,7 +102,10 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     for (PetscInt k = 0; k < row->n; k++) {
       const PetscInt  a = row->index[k];
       const PetscReal c =
-        cloud->integer[INT_LAYER][a] ? 0 : cloud->volume[a] * cloud->volume[b] * (p[a] + p[b]) * row->F[k];
+        cloud->integer[INT_LAYER][a] ? 0
+                                     : CloudWeigh(cloud, a, CloudWeigh(cloud, b, V2)) *
+                                         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) *
+                                         row->F[k];
 
       sum[0] -= c * row->dx[k];
       sum[1] -= c * row->dy[k];

@@ -66,7 +66,7 @@ static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const Point
       PetscReal       W;
 
       KernelEvaluate(kernel, 1, &r2, &W, NULL);
-      W *= domain->volume;
+      W *= ParticleShare(domain, arrays, a);
       if (arrays->integer[INT_LAYER][a])
         share[k].solid += W;
       else

@@ -58,7 +58,7 @@ PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, Point
 static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
 {
   Kernel           kernel = gauges->cloud->kernel;
-  const PetscReal  reach2 = PetscSqr(KernelSupport(kernel)), volume = gauges->cloud->domain->volume;
+  const PetscReal  reach2 = PetscSqr(KernelSupport(kernel));
   const PetscReal *x = arrays->real[FIELD_POSITION], *v = arrays->real[FIELD_VELOCITY];
 
   for (PetscInt a = 0; a < arrays->n; a++) {
@@ -68,7 +68,7 @@ static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointIm
 
     if (r2 >= reach2 || arrays->integer[INT_LAYER][a]) continue;
     KernelEvaluate(kernel, 1, &r2, &W, NULL);
-    W *= volume;
+    W *= ParticleShare(gauges->cloud->domain, arrays, a);
     sum[0] += W;
     sum[1] += W * arrays->real[FIELD_PRESSURE][a];
     for (PetscInt d = 0; d < DIM; d++) sum[2 + d] += W * image->sign[d] * v[DIM * a + d];

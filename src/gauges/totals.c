@@ -6,7 +6,7 @@ const char *GaugeUnit(Domain domain, const char unit[])
 {
   static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}};
 
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2; k++)
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2 && !domain->rings; k++)
     if (!strcmp(unit, flat[k][0])) return flat[k][1];
   return unit;
 }
@@ -30,7 +30,8 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
 {
   const Domain   domain = gauges->cloud->domain;
   const Scene    scene  = gauges->cloud->scene;
-  PetscReal      sum[3] = {0, 0, 0}, highest = -PETSC_MAX_REAL; /* sum: kinetic, potential energy, particles */
+  PetscReal      sum[4] = {0, 0, 0, 0}; /* kinetic, potential energy, particles, volume of rings */
+  PetscReal      highest = -PETSC_MAX_REAL;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
@@ -40,19 +41,20 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
     PetscReal        mass;
 
     if (arrays.integer[INT_LAYER][a]) continue;
-    mass = domain->volume * BodyMaterial(SceneBody(scene, arrays.integer[INT_BODY][a]))->density;
+    mass = ParticleVolume(domain, &arrays, a) * BodyMaterial(SceneBody(scene, arrays.integer[INT_BODY][a]))->density;
     sum[0] += 0.5 * mass * Dot(v, v);
     sum[1] += mass * SceneForcePotential(scene, x);
     sum[2] += 1;
+    if (domain->rings) sum[3] += arrays.real[FIELD_VOLUME][a];
     highest = PetscMax(highest, x[domain->dim - 1]);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, gauges->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &highest, 1, MPIU_REAL, MPIU_MAX, gauges->comm));
   totals->multiplicity     = gauges->multiplicity;
   totals->kinetic_energy   = gauges->multiplicity * sum[0];
   totals->potential_energy = gauges->multiplicity * sum[1];
-  totals->volume           = gauges->multiplicity * sum[2] * domain->volume;
+  totals->volume           = gauges->multiplicity * (domain->rings ? sum[3] : sum[2] * domain->volume);
   totals->particles        = (PetscInt)sum[2];
   totals->highest          = HeightOverLevel(gauges, highest);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -57,7 +57,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(HaloDestroy(&c->halo));
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
-  PetscCall(PetscFree(c->volume));
+  PetscCall(PetscFree(c->weight));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->reference));
@@ -82,7 +82,8 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
     PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
-  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->volume));
+  cloud->volume = cloud->field[FIELD_VOLUME];
+  if (cloud->domain->rings) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
@@ -101,7 +102,7 @@ static PetscErrorCode Load(Cloud cloud)
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   cloud->n_owned = arrays.n;
   PetscCall(Reserve(cloud, PetscMax(arrays.n, cloud->n_total)));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  for (PetscInt f = 0; f < ParticlesStored(cloud->domain); f++)
     PetscCall(PetscArraycpy(cloud->field[f], arrays.real[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(cloud->integer[f], arrays.integer[f], arrays.n));
   PetscCall(ParticlesClose(cloud->particles, &arrays));
@@ -156,9 +157,10 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
-    cloud->volume[a]       = cloud->domain->volume;
+    if (ParticlesStored(cloud->domain) <= FIELD_VOLUME) cloud->volume[a] = cloud->domain->volume;
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
+  if (ParticlesStored(cloud->domain) > FIELD_VOLUME) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
   PetscCall(FindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   cloud->halo_builds++;
@@ -343,7 +345,7 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_owned, &keep));
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  for (PetscInt f = 0; f < ParticlesStored(cloud->domain); f++)
     PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(arrays.integer[f], cloud->integer[f], arrays.n));
   for (PetscInt a = 0; a < arrays.n; a++) {

@@ -34,7 +34,11 @@ typedef struct _p_Cloud {
   PetscInt   n_fluid, n_rows, n_owned, n_total, capacity;
   PetscReal *field[FIELD_COUNT]; /* [n_total][width], see the table in particles.h */
   PetscInt  *integer[INT_COUNT]; /* [n_total] */
-  PetscReal *volume;             /* [n_total] V_0 = d0^dim, m^dim; mass = rest density * volume */
+  /* Volumes. 'volume' is of the whole particle, m^dim (m3 of a ring): mass = rest density * volume. Sums over
+     neighbours weight with V_0 = d0^dim (Domain's volume) times 'weight'; NULL: all weights are 1. Of a ring the weight
+     is the ring area over V_0, at the positions of the last search. */
+  PetscReal *volume; /* [n_total] FIELD_VOLUME */
+  PetscReal *weight; /* [n_total] 1 */
   PetscReal *rest_density;       /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
@@ -42,8 +46,9 @@ typedef struct _p_Cloud {
      itself. pairs.h shows how to write loops over them. */
   PetscInt64 *first, list_capacity; /* a rank may have more pairs than 32 bits count */
   PetscInt   *list;
-  /* Factors of the pairs, in the order of the list, at the positions of the last search; the same for both particles of
-     a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f. laplacian: the pair's weight in a
+  /* Factors of the pairs, in the order of the list, at the positions of the last search; without weights the same for
+     both particles of a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f, times the weight of the
+     neighbour: sums take V_0 as if it were the volume of all. laplacian, always without weights: the pair's part in a
      Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, and 0 between two wall particles. It is rounded to
      sixteen bits because the solver reads it in every iteration; a Laplacian with 80 such weights is right to 3e-6. */
   float     *slope;
@@ -79,8 +84,16 @@ PetscErrorCode CloudBegin(Cloud cloud);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again). Collective. */
 PetscErrorCode CloudMoved(Cloud cloud);
+/* CloudWeigh - a value of a sum over neighbours times the weight of particle a; without weights it is rounded as if
+   there were no factor. Not collective. */
+static inline PetscReal CloudWeigh(Cloud cloud, PetscInt a, PetscReal value)
+{
+  return cloud->weight ? cloud->weight[a] * value : value;
+}
+
 /* RowVisitor - what CloudSearch calls for each owned particle a as soon as its row is found, while the row is in the
-   cache. w ([n]) are KernelSingle's values of W; slope_over_r2 ([n]) are its F over r2/h2 + eta2/h2. The row is padded
+   cache. w ([n]) are KernelSingle's values of W; slope_over_r2 ([n]) are its F over r2/h2 + eta2/h2; both times the
+   weight of the neighbour, as the cloud's slope is. The row is padded
    to a multiple of eight with pairs that weigh nothing, here too (see PairRowLoadFactors). */
 typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context);
 /* CloudSearch - finds the neighbours of each owned particle, which are all particles within the kernel's support, from

@@ -93,6 +93,21 @@ static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscI
   return largest;
 }
 
+/* The part of a ring's divergence that is due to its growth, v_r/r, after time_offset (s) as in OperatorsDivergence.
+   Nearer to the axis than half a spacing it turns to the slope of v_r, which is its limit there: v_r is as uncertain as
+   everywhere, but r is small. G over 'scale', B as there. It is not inlined, for then the compiler would round the sums
+   around it in another way where particles are no rings. */
+__attribute__((noinline)) static PetscReal HoopDivergence(Domain domain, PetscReal r, PetscReal v_r, PetscReal scale,
+                                                          const PetscReal G[DIM * DIM], const PetscReal B[6],
+                                                          PetscReal time_offset)
+{
+  const PetscReal short2 = PetscMax(0, PetscSqr(0.5 * domain->spacing) - r * r),
+                  slope  = scale * (B[0] * G[0] + B[3] * G[1] + B[4] * G[2]),
+                  hoop   = (r * v_r + short2 * slope) / (r * r + short2);
+
+  return hoop - time_offset * hoop * hoop;
+}
+
 /* tr (G B)^2 of a velocity gradient G and a correction B. */
 static PetscReal SquareTrace(const PetscReal G[DIM * DIM], const PetscReal B[6])
 {
@@ -133,6 +148,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
     div[a] = scale * (B[0] * moved[0] + B[1] * moved[4] + B[2] * moved[8] + B[3] * (moved[1] + moved[3]) +
                       B[4] * (moved[2] + moved[6]) + B[5] * (moved[5] + moved[7]));
     if (time_offset > 0) div[a] -= time_offset * scale * scale * SquareTrace(moved, B);
+    if (cloud->domain->rings)
+      div[a] += HoopDivergence(cloud->domain, x[DIM * a], velocity[DIM * a], scale, moved, B, time_offset);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -71,18 +71,18 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6])
 
 PetscErrorCode OperatorsDensity(Cloud cloud)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *volume = cloud->volume, self = KernelSelf(cloud->kernel);
+  const PetscReal *x = cloud->field[FIELD_POSITION], V = cloud->domain->volume, self = KernelSelf(cloud->kernel);
   PairRow          row;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = volume[a] * self;
+    PetscReal sum = CloudWeigh(cloud, a, V * self);
 
     PairRowLoadGeometry(cloud, x, a, &row);
     KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
     SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = 0; k < row.n; k++) sum += volume[row.index[k]] * row.W[k];
+    for (PetscInt k = 0; k < row.n; k++) sum += CloudWeigh(cloud, row.index[k], V) * row.W[k];
     cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * sum;
   }
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
@@ -136,7 +136,7 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   }
   total = Vec8x3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
-  cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (scales->self + scales->scale_w * total[3]);
+  cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (CloudWeigh(cloud, a, scales->self) + scales->scale_w * total[3]);
   Vec4Store(scale * (total + Vec8x3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Vec8x3Sum(diagonal, zero), M);
   Vec4Store(-scale * Vec8x3Sum(off, zero), M + DIM);

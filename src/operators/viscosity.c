@@ -141,6 +141,27 @@ static void ViscosityMorris(PetscInt a, const PairRow *row, const PetscReal v[],
   Vec4Store(Vec8x3Sum(sum, zero), out);
 }
 
+/* The same for rings, r and z: each pair has the length of its middle (DomainPairLength). Along the axis the sum is
+   that of the Laplacian; away from it v_r/r takes the place of v, with the lengths of both rings as further weights:
+   lap v_r - v_r/r2 = (r^3 (v_r/r)')'/r2 + v_r,zz. Momentum along the axis is kept, energy is only lost, and neither
+   v_z = 1 nor v_r = r is slowed down, up to how the first half spacing is counted (DomainRingLength). */
+static void ViscosityRings(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal v[], PetscReal out[DIM])
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, length_a = DomainRingLength(domain, x),
+                  growth_a = v[DIM * a] / length_a;
+
+  out[0] = out[1] = out[2] = 0;
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt   b        = row->index[k];
+    const PetscReal *y        = cloud->field[FIELD_POSITION] + DIM * b;
+    const PetscReal  length_b = DomainRingLength(domain, y), f = row->f[k] * DomainPairLength(domain, x, y) / length_a;
+
+    out[0] += f * (length_b * growth_a - (y[0] < 0 ? -1 : 1) * v[DIM * b]);
+    out[1] += f * (v[DIM * a + 1] - v[DIM * b + 1]);
+  }
+}
+
 /* Divides the row's factors F by r2 + eta2 (m2). */
 static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, PairRow *row)
 {
@@ -211,6 +232,8 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
         if (cloud->integer[INT_LAYER][row.index[k]]) row.f[k] *= factor;
     if (viscosity->form == VISCOSITY_CLEARY)
       ViscosityCleary(cloud, a, &row, v, sum);
+    else if (cloud->domain->rings)
+      ViscosityRings(cloud, a, &row, v, sum);
     else
       ViscosityMorris(a, &row, v, sum);
     for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += zeta * scale_f * sum[d];

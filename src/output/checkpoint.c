@@ -95,7 +95,7 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
 
   PetscFunctionBegin;
   PetscCall(H5FileWrite(h5, "counts", H5FILE_INT, &ranks, &counts, "1", "particles of each rank"));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) {
     rows.width = Fields[f].width;
     PetscCall(
       H5FileWrite(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit, Fields[f].meaning));
@@ -310,7 +310,7 @@ static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, Pet
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) {
     rows.width = Fields[f].width;
     PetscCall(H5FileRead(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
   }

@@ -114,6 +114,7 @@ PetscErrorCode RestartSceneText(Output output, char **text)
   char         number[LINE_LENGTH];
 
   PetscFunctionBegin;
+  if (domain->rings) PetscCall(AddLine(&lines, "-dimension = axisymmetric"));
   PetscCall(AddLine(&lines, "-box_lower = %s", Vector(domain, domain->lower, number)));
   PetscCall(AddLine(&lines, "-box_upper = %s", Vector(domain, domain->upper, number)));
   for (PetscInt d = 0; d < domain->dim; d++)

@@ -117,6 +117,7 @@ static void WriteHead(Output output, const StepState *state, const SnapshotEntry
   H5FilePutInt(h5, "precision", entry->precision);
   H5FilePutInt(h5, "walls", output->content.walls);
   H5FilePutInt(h5, "dimension", domain->dim);
+  H5FilePutInt(h5, "axisymmetric", domain->rings);
   H5FilePutReal(h5, "spacing", 1, &domain->spacing);
   H5FilePutReal(h5, "smoothing_length", 1, &h);
   H5FilePutReal(h5, "box_lower", DIM, domain->lower);
@@ -205,7 +206,7 @@ PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, Pet
   count[1] = arrays.n;
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
+  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
   *bytes      = count[0] * ParticleBytes(output);
   *checkpoint = count[1] * stored;
   *snapshots  = 2;

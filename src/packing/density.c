@@ -7,9 +7,11 @@ PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
 
   PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
   KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
+  if (cloud->weight)
+    for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
   SIMD_LOOP(reduction(+ : sum))
   for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
-  return cloud->domain->volume * (sum + KernelSelf(cloud->kernel));
+  return cloud->domain->volume * (sum + CloudWeigh(cloud, a, KernelSelf(cloud->kernel)));
 }
 
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)

@@ -98,12 +98,14 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
   return PETSC_TRUE;
 }
 
-/* The share of the lattice cell around x that is inside body and box, displaced as the body displaces it. */
-static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM])
+/* The share of the lattice cell around x that is inside body and box, displaced as the body displaces it; *length: the
+   mean length (m) of the rings in the cell, zero outside. */
+static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM], PetscReal *length)
 {
   const PetscInt n[DIM] = {SUBPOINTS, SUBPOINTS, domain->dim == DIM ? SUBPOINTS : 1}, points = n[0] * n[1] * n[2];
   PetscInt       inside = 0;
 
+  *length = 0;
   for (PetscInt k = 0; k < points; k++) {
     PetscInt  at[DIM];
     PetscReal y[DIM] = {x[0], x[1], x[2]};
@@ -111,7 +113,9 @@ static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, con
     CellCoordinates(n, k, at);
     for (PetscInt d = 0; d < domain->dim; d++) y[d] += ((at[d] + 0.5) / SUBPOINTS - 0.5) * lattice->pitch[d];
     BodyDisplace(body, y);
-    inside += BodyContains(body, y);
+    if (!BodyContains(body, y)) continue;
+    inside++;
+    *length += 2 * PETSC_PI * y[0] / points;
   }
   return (PetscReal)inside / points;
 }
@@ -119,6 +123,7 @@ static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, con
 /* What the lattice points around a body say of it. */
 typedef struct {
   PetscReal  target;   /* its volume over that of a lattice cell */
+  PetscReal  length;   /* of rings: its volume over the area of a lattice cell, m */
   PetscReal  bound;    /* of the level, m */
   PetscInt   sure;     /* points deeper inside than the bound */
   PetscInt   n;        /* points next to the surface */
@@ -137,7 +142,7 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   *shells = (Shells){.bound = LEVEL_MAX * domain->spacing * (1 + POINT_TOLERANCE)};
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &near));
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    PetscReal x[DIM], placed[DIM], s, *kept;
+    PetscReal x[DIM], placed[DIM], s, *kept, length;
     PetscBool inside;
 
     LatticePoint(lattice, point, x);
@@ -145,7 +150,9 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
     BodyDisplace(body, placed);
     inside = InsideBox(domain, placed);
     s      = PointDistance(packing, b, point, placed);
-    shells->target += s < -reach ? inside : s > reach ? 0 : CellShare(domain, lattice, body, x);
+    length = inside ? 2 * PETSC_PI * x[0] : 0;
+    shells->target += s < -reach ? inside : s > reach ? 0 : CellShare(domain, lattice, body, x, &length);
+    if (s <= reach) shells->length += length;
     if (!inside || s > shells->bound) continue;
     if (s < -shells->bound)
       shells->sure++;
@@ -187,21 +194,23 @@ static PetscReal ChooseLevel(const Shells *shells, PetscReal tolerance)
 
 /* The level of the signed distance (m) below which lattice points fill a body, so that their number is its volume over
    that of a lattice cell: with the level 0 a small sphere would be up to a fifth too light or heavy. At most LEVEL_MAX
-   spacings from 0. */
-static PetscErrorCode FitLevel(Packing packing, PetscInt b, const Lattice *lattice, PetscReal *level)
+   spacings from 0. *length: the volume of the body as rings over the area of a lattice cell, m. */
+static PetscErrorCode FitLevel(Packing packing, PetscInt b, const Lattice *lattice, PetscReal *level, PetscReal *length)
 {
   Shells shells;
 
   PetscFunctionBegin;
   PetscCall(CollectShells(packing, b, lattice, &shells));
-  *level = ChooseLevel(&shells, POINT_TOLERANCE * packing->cloud->domain->spacing);
+  *level  = ChooseLevel(&shells, POINT_TOLERANCE * packing->cloud->domain->spacing);
+  *length = shells.length;
   PetscCall(PetscFree(shells.distance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shows the points of body b's lattice to the visitor; *id is the number of the next. */
-static PetscErrorCode VisitBody(Packing packing, PetscInt b, const Lattice *lattice, const PetscReal level[],
-                                SampleVisitor visitor, void *context, PetscInt *id)
+/* Shows the points of body b's lattice to the visitor, each with this ring area over V_0; *id is the number of the
+   next. */
+static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *lattice, const PetscReal level[],
+                                  PetscReal area, SampleVisitor visitor, void *context, PetscInt *id)
 {
   const Domain             domain = packing->cloud->domain;
   const PetscReal          jitter = ((LatticeData *)packing->data)->jitter * domain->spacing; /* m */
@@ -209,7 +218,7 @@ static PetscErrorCode VisitBody(Packing packing, PetscInt b, const Lattice *latt
 
   PetscFunctionBegin;
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    Sample sample = {.body = b};
+    Sample sample = {.body = b, .area = area};
 
     LatticePoint(lattice, point, sample.x);
     BodyDisplace(SceneBody(packing->cloud->scene, b), sample.x);
@@ -223,11 +232,45 @@ static PetscErrorCode VisitBody(Packing packing, PetscInt b, const Lattice *latt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+typedef struct {
+  Domain    domain;
+  PetscReal length; /* of the rings seen so far, m */
+} RingSum;
+
+static PetscErrorCode AddLength(void *context, const Sample *sample)
+{
+  RingSum *sum = (RingSum *)context;
+
+  sum->length += DomainRingLength(sum->domain, sample->x);
+  return PETSC_SUCCESS;
+}
+
+/* Finds the level of body b and shows its points to the visitor. Rings all have the area with which they have the
+   body's volume. */
+static PetscErrorCode VisitBody(Packing packing, PetscInt b, PetscReal level[], SampleVisitor visitor, void *context,
+                                PetscInt *id)
+{
+  const Domain domain = packing->cloud->domain;
+  RingSum      sum    = {.domain = domain};
+  PetscReal    length = 0, area = 1;
+  PetscInt     first = *id;
+  Lattice      lattice;
+
+  PetscFunctionBegin;
+  LatticeOfBody(domain, SceneBody(packing->cloud->scene, b), &lattice);
+  PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
+  if (domain->rings) {
+    PetscCall(VisitPoints(packing, b, &lattice, level, 1, AddLength, &sum, &first));
+    area = lattice.pitch[0] * lattice.pitch[1] / domain->volume * (sum.length > 0 ? length / sum.length : 1);
+  }
+  PetscCall(VisitPoints(packing, b, &lattice, level, area, visitor, context, id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *context)
 {
   const Packing packing = (Packing)source;
   const Scene   scene   = packing->cloud->scene;
-  Lattice       lattice;
   PetscReal     level[SCENE_MAX_BODIES];
   PetscInt      id = 0;
 
@@ -235,24 +278,19 @@ static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *c
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
     if (BodyEmits(SceneBody(scene, b))) continue;
-    LatticeOfBody(packing->cloud->domain, SceneBody(scene, b), &lattice);
-    PetscCall(FitLevel(packing, b, &lattice, &level[b]));
-    PetscCall(VisitBody(packing, b, &lattice, level, visitor, context, &id));
+    PetscCall(VisitBody(packing, b, level, visitor, context, &id));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context)
 {
-  Lattice   lattice;
   PetscReal level[SCENE_MAX_BODIES];
   PetscInt  id = 0;
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) level[b] = -PETSC_MAX_REAL;
-  LatticeOfBody(packing->cloud->domain, SceneBody(packing->cloud->scene, body), &lattice);
-  PetscCall(FitLevel(packing, body, &lattice, &level[body]));
-  PetscCall(VisitBody(packing, body, &lattice, level, visitor, context, &id));
+  PetscCall(VisitBody(packing, body, level, visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

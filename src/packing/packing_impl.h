@@ -6,9 +6,9 @@
 #include "packing.h"
 
 /* A particle to be made: its place x (m), velocity v (m/s) and integers as in the field table; density (kg/m3): 0 where
-   it is summed later. */
+   it is summed later; of a ring its area there over V_0. */
 typedef struct {
-  PetscReal x[DIM], v[DIM], density;
+  PetscReal x[DIM], v[DIM], density, area;
   PetscInt  id, parent, body, layer;
 } Sample;
 

@@ -44,6 +44,8 @@ static PetscErrorCode Check_Poisson(Packing packing)
   PetscFunctionBegin;
   PetscCheckUser(!SceneSolidCount(packing->cloud->scene) && !SceneEmits(packing->cloud->scene), packing->cloud->comm,
                  "-packing_type poisson knows neither -solids nor emitters; use -packing_type lattice");
+  PetscCheckUser(!packing->cloud->domain->rings, packing->cloud->comm,
+                 "-packing_type poisson cannot be used with -dimension axisymmetric yet; use -packing_type lattice");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -79,7 +79,7 @@ static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *cont
 
   PetscFunctionBegin;
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    Sample   sample = {.body = -1};
+    Sample   sample = {.body = -1, .area = lattice->pitch[0] * lattice->pitch[1] / walls->domain->volume};
     PetscInt at[DIM], parent[DIM];
 
     CellCoordinates(lattice->n, point, at);

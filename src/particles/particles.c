@@ -37,7 +37,7 @@ PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
   PetscCall(DMSetDimension(p->swarm, domain->dim));
   PetscCall(DMSwarmSetType(p->swarm, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(p->swarm));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  for (PetscInt f = 0; f < ParticlesStored(p->domain); f++)
     PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, Fields[f].name, Fields[f].width, PETSC_REAL));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, IntFieldNames[f], 1, PETSC_INT));
@@ -91,7 +91,7 @@ PetscErrorCode ParticlesAppend(Particles particles, PetscInt count)
   PetscCall(ParticlesCheckRoom(particles->comm, (PetscInt64)n + count));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, n + count, SWARM_BUFFER));
   PetscCall(ParticlesOpen(particles, &arrays));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  for (PetscInt f = 0; f < ParticlesStored(particles->domain); f++)
     PetscCall(PetscArrayzero(arrays.real[f] + n * Fields[f].width, count * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArrayzero(arrays.integer[f] + n, count));
   PetscCall(ParticlesClose(particles, &arrays));
@@ -103,7 +103,8 @@ PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays)
 {
   PetscFunctionBegin;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &arrays->n));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  arrays->real[FIELD_VOLUME] = NULL;
+  for (PetscInt f = 0; f < ParticlesStored(particles->domain); f++)
     PetscCall(DMSwarmGetField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(DMSwarmGetField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
@@ -113,7 +114,7 @@ PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays)
 PetscErrorCode ParticlesClose(Particles particles, ParticleArrays *arrays)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  for (PetscInt f = 0; f < ParticlesStored(particles->domain); f++)
     PetscCall(DMSwarmRestoreField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(DMSwarmRestoreField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
@@ -142,7 +143,7 @@ static PetscErrorCode Rearrange(ParticleArrays *arrays, PetscInt n, const PetscI
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * DIM, &real, n, &integer));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && arrays->real[f]; f++) {
     const PetscInt width = Fields[f].width;
 
     for (PetscInt k = 0; k < n; k++)

@@ -23,7 +23,8 @@ typedef enum {
   X(VELOCITY, "velocity", 3, PARITY_VECTOR, "m/s", "velocity")                                                         \
   X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection; start value of the next")          \
   X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
-  X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")
+  X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")         \
+  X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the whole ring; stored where particles are rings")
 
 #define STORED_INTS(X)                                                                                                 \
   X(ID, "id", "identity, unique and permanent")                                                                        \
@@ -73,13 +74,32 @@ extern const char *const IntFieldMeanings[INT_COUNT];
 
 typedef struct _p_Particles *Particles;
 
-/* The stored fields, opened: arrays over the n owned particles of this rank. real[f] is [n][width], integer[f] is [n].
- */
+/* The stored fields, opened: arrays over the n owned particles of this rank. real[f] is [n][width], NULL for a field
+   that the swarm does not have (ParticlesStored); integer[f] is [n]. */
 typedef struct {
   PetscInt   n;
   PetscReal *real[FIELD_STORED_COUNT];
   PetscInt  *integer[INT_COUNT];
 } ParticleArrays;
+
+/* ParticlesStored - how many of the stored fields a swarm of this domain has: the first so many of the table. Volumes
+   are stored where they differ; elsewhere all are the domain's. Not collective. */
+static inline PetscInt ParticlesStored(Domain domain)
+{
+  return domain->rings ? FIELD_STORED_COUNT : FIELD_VOLUME;
+}
+
+/* ParticleVolume - of a particle, from its fields, m3 (m2 in two dimensions). Not collective. */
+static inline PetscReal ParticleVolume(Domain domain, const ParticleArrays *arrays, PetscInt a)
+{
+  return domain->rings ? arrays->real[FIELD_VOLUME][a] : domain->volume;
+}
+
+/* ParticleShare - the volume that it has in sums over neighbours, m^dim: of a ring its area. Not collective. */
+static inline PetscReal ParticleShare(Domain domain, const ParticleArrays *arrays, PetscInt a)
+{
+  return ParticleVolume(domain, arrays, a) / DomainRingLength(domain, arrays->real[FIELD_POSITION] + DIM * a);
+}
 
 /* ParticlesCreate - an empty swarm with the fields of the table. Collective on the domain's communicator. */
 PetscErrorCode ParticlesCreate(Domain domain, Particles *particles);

@@ -24,6 +24,29 @@ static PetscBool OneDensity(Pressure pressure)
   return PETSC_TRUE;
 }
 
+/* Of rings: multiplies each pair's weight by the areas of both over V_0 and the length of their middle. With the exact
+   length |r| instead, the Laplacian of r^2 would be wrong by 8 % in the first ring of a lattice, not by 5 %, and that of
+   z^2 by 26 %, not by 2 %. */
+static PetscErrorCode WeightRings(Pressure pressure)
+{
+  Cloud            cloud = pressure->cloud;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *weight = cloud->weight;
+
+  PetscFunctionBegin;
+  pressure->volume_most = 0;
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    pressure->volume_most = PetscMax(pressure->volume_most, cloud->volume[a]);
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+      const PetscInt b = cloud->list[k];
+
+      pressure->pair_weight[k] *=
+        (float)(weight[a] * weight[b] * DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b));
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &pressure->volume_most, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Eq. (8) times m_a/m_ref: K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2). The factor makes it
    the same for both particles of a pair, also between different liquids. m_ref is the mass of a particle of the first
    body; if there is one density, all but the cloud's factors is in weight_scale. */
@@ -38,8 +61,9 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   pressure->weight_scale  = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->mixed_density = (PetscBool)!OneDensity(pressure);
-  if (!pressure->mixed_density) PetscFunctionReturn(PETSC_SUCCESS);
+  pressure->volume_most   = cloud->domain->volume;
+  pressure->own_weights   = (PetscBool)(cloud->weight || !OneDensity(pressure));
+  if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads multiples of eight */
     PetscCall(PetscFree(pressure->pair_weight));
@@ -56,6 +80,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
       pressure->pair_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * (float)cloud->laplacian[k];
     }
   }
+  if (cloud->weight) PetscCall(WeightRings(pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -84,7 +109,7 @@ static PetscReal WeightSum(Pressure pressure, PetscInt a)
 
   if (a < cloud->n_fluid && MayMeetItself(cloud, a)) {
     for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += id[cloud->list[k]] == id[a] ? 0 : PairWeight(pressure, k);
-  } else if (pressure->mixed_density) {
+  } else if (pressure->own_weights) {
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += pressure->pair_weight[k];
   } else
@@ -190,11 +215,11 @@ static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[
   const PetscInt   n = (PetscInt)(cloud->first[a + 1] - first), *index = cloud->list + first;
 
   PairsPrefetch(index, n);
-  if (pressure->mixed_density)
+  if (pressure->own_weights)
     PairsPrefetch(pressure->pair_weight + first, n);
   else
     PairsPrefetch(cloud->laplacian + first, n);
-  return pressure->mixed_density ? PairSum(index, NULL, pressure->pair_weight + first, n, p, p[a])
+  return pressure->own_weights ? PairSum(index, NULL, pressure->pair_weight + first, n, p, p[a])
                                  : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
 }
 

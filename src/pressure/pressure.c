@@ -226,6 +226,16 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureCheckRings(Pressure pressure)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(pressure->source == SourceDivergence && pressure->gradient != GradientConserved && !pressure->summed,
+                 pressure->cloud->comm,
+                 "-pressure_source " SOURCE_DENSITY ", -pressure_gradient " GRADIENT_CONSERVED
+                 " and -pressure_density summed cannot be used with -dimension axisymmetric yet");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
 {
   PetscFunctionBegin;

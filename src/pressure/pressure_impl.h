@@ -63,7 +63,8 @@ struct _p_Pressure {
      multiplied with the mass of their particle times row_scale, the reciprocal of a particle's of the first body. */
   PetscReal  row_scale; /* 1/kg */
   PetscReal  weight_scale;
-  PetscBool  mixed_density; /* densities differ: the pairs' weights are pair_weight, not the cloud's laplacian */
+  PetscReal  volume_most;   /* largest volume of a particle, m^dim */
+  PetscBool  own_weights;   /* densities or volumes differ: the pairs' weights are pair_weight, not the cloud's laplacian */
   float     *pair_weight;
   PetscReal *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
   PetscInt   rows_capacity;
@@ -100,7 +101,7 @@ struct _p_Pressure {
 /* The weight of pair k of the cloud's list, in units of weight_scale. */
 static inline PetscReal PairWeight(Pressure pressure, PetscInt64 k)
 {
-  return pressure->mixed_density ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];
+  return pressure->own_weights ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];
 }
 
 /* The local row of the parent of particle a of a deeper wall layer, n_rows <= a < n_owned; after RowsNumber. */

@@ -59,7 +59,11 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * rate;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
-  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) rhs[ParentRow(pressure, a)] -= div[a] / dt;
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
+    const PetscInt r = ParentRow(pressure, a);
+
+    rhs[r] -= div[a] / dt * (cloud->volume[a] / cloud->volume[r]);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,7 +2,9 @@
 #include "scene_impl.h"
 #include <ctype.h>
 
-#define NORMAL_STEP 0.1 /* of the spacing, of the differences that give a normal */
+#define NORMAL_STEP   0.1  /* of the spacing, of the differences that give a normal */
+#define AXIS_SAMPLES  9    /* points of an axis of rings at which a body's velocity is looked at */
+#define AXIS_ROUNDING 1e-9 /* of the speed: its rounding */
 
 static BodyChoices Choices = {NULL, NULL, NULL}; /* the registered ones */
 
@@ -132,6 +134,41 @@ static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses what is not the same all around the axis, or that rings cannot do yet. */
+static PetscErrorCode CheckRings(Scene scene)
+{
+  const Domain domain = scene->domain;
+
+  PetscFunctionBegin;
+  if (!domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheckUser(scene->gravity[0] == 0 && scene->amplitude[0] == 0, domain->comm,
+                 "-gravity and -gravity_amplitude must have 0 as their first number: with -dimension axisymmetric they "
+                 "act along the axis");
+  PetscCheckUser(scene->solids == 0, domain->comm, "-solids cannot be used with -dimension axisymmetric yet");
+  for (PetscInt b = 0; b < scene->count; b++) {
+    const Body body = scene->body[b];
+    PetscReal  lower[DIM], upper[DIM];
+
+    PetscCheckUser(!BodyEmits(body), domain->comm,
+                   "-%stype emitter cannot be used with -dimension axisymmetric yet", body->prefix);
+    PetscCheckUser(!body->shape->displace, domain->comm,
+                   "-%sshape %s cannot be used with -dimension axisymmetric: its waves are plane", body->prefix,
+                   body->shape_type);
+    BodyBounds(body, lower, upper);
+    for (PetscInt k = 0; k < AXIS_SAMPLES && lower[0] <= 0; k++) {
+      const PetscReal x[DIM] = {0, lower[1] + (upper[1] - lower[1]) * k / (AXIS_SAMPLES - 1), 0};
+      PetscReal       v[DIM];
+
+      BodyVelocity(body, x, v);
+      PetscCheckUser(PetscAbsReal(v[0]) <= AXIS_ROUNDING * Norm(v), domain->comm,
+                     "the initial velocity of the body %s points away from the axis at (0, %g) m, with %g m/s: there it "
+                     "must be along the axis",
+                     body->name, (double)x[1], (double)v[0]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SceneSetFromOptions(Scene scene)
 {
   Domain domain = scene->domain;
@@ -154,6 +191,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
     PetscCall(SolidSetFromOptions(scene->solid[b], &Choices));
     PetscCall(BodyCheckInside(scene->solid[b]));
   }
+  PetscCall(CheckRings(scene));
   PetscCall(SceneCheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

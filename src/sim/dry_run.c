@@ -25,7 +25,8 @@ static PetscReal ShapeVolume(Sim sim, Body body)
 {
   const PetscInt dim = sim->domain->dim;
   PetscReal      lower[DIM], upper[DIM], x[DIM] = {0, 0, 0}, cell = 1, step;
-  PetscInt       n[DIM] = {1, 1, 1}, inside = 0;
+  PetscReal      inside = 0;
+  PetscInt       n[DIM] = {1, 1, 1};
 
   BodyBounds(body, lower, upper);
   for (PetscInt d = 0; d < dim; d++) {
@@ -43,7 +44,8 @@ static PetscReal ShapeVolume(Sim sim, Body body)
 
     CellCoordinates(n, k, index);
     for (PetscInt d = 0; d < dim; d++) x[d] = lower[d] + (index[d] + 0.5) * (upper[d] - lower[d]) / n[d];
-    inside += BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0;
+    if (BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0)
+      inside += sim->domain->rings ? 2 * PETSC_PI * x[0] : 1;
   }
   return cell * inside;
 }
@@ -52,26 +54,33 @@ static PetscReal ShapeVolume(Sim sim, Body body)
 static PetscErrorCode PrintBodies(Sim sim)
 {
   PetscInt      *count;
+  PetscReal     *volumes;
   const PetscInt bodies = SceneCount(sim->scene);
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(bodies, &count));
+  PetscCall(PetscCalloc2(bodies, &count, bodies, &volumes));
   PetscCall(ParticlesOpen(sim->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++)
-    if (arrays.integer[INT_BODY][a] >= 0) count[arrays.integer[INT_BODY][a]]++;
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt b = arrays.integer[INT_BODY][a];
+
+    if (b < 0) continue;
+    count[b]++;
+    volumes[b] += ParticleVolume(sim->domain, &arrays, a);
+  }
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, (PetscMPIInt)bodies, MPIU_INT, MPI_SUM, sim->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volumes, (PetscMPIInt)bodies, MPIU_REAL, MPI_SUM, sim->comm));
   for (PetscInt b = 0; b < bodies; b++) {
     const Body      body   = SceneBody(sim->scene, b);
-    const PetscReal volume = count[b] * sim->domain->volume, shape = BodyEmits(body) ? 0 : ShapeVolume(sim, body);
+    const PetscReal volume = volumes[b], shape = BodyEmits(body) ? 0 : ShapeVolume(sim, body);
 
     PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %.4g %s", BodyName(body), count[b],
-                          (double)volume, sim->domain->dim == 2 ? "m2" : "m3"));
+                          (double)volume, GaugeUnit(sim->domain, "m3")));
     if (shape > 0) PetscCall(PetscPrintf(sim->comm, ", %+.1f %% of its shape", (double)(100 * (volume / shape - 1))));
     PetscCall(PetscPrintf(sim->comm, "\n"));
   }
-  PetscCall(PetscFree(count));
+  PetscCall(PetscFree2(count, volumes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -16,7 +16,8 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 {
   const char *const solvers[] = {"explicit", "implicit", "auto"};
   Viscous          *viscous   = &stepper->viscous;
-  PetscInt          solver    = VISCOUS_AUTO;
+  const PetscBool   rings     = stepper->cloud->domain->rings;
+  PetscInt          solver    = rings ? VISCOUS_EXPLICIT : VISCOUS_AUTO;
 
   PetscFunctionBegin;
   viscous->ratio = VISCOUS_RATIO;
@@ -27,6 +28,8 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscCall(OptionReal("-viscosity_step_ratio",
                        "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound",
                        "[0, inf)", &viscous->ratio));
+  PetscCheckUser(!rings || solver == VISCOUS_EXPLICIT, stepper->cloud->comm,
+                 "-viscosity_solver %s cannot be used with -dimension axisymmetric yet; explicit can", solvers[solver]);
   viscous->solver = (ViscousSolver)solver;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,6 +9,10 @@
    gradient see only p - sigma kappa. The depth follows from phi = F(s) of a half-space, which a curved surface lowers
    by kappa/2 int x^2 W dA.
 
+   Of a surface that is the same all around an axis, the planar fit gives one principal curvature. The other is n_r/r,
+   the slope of n_r on the line through the axis that fits the normals best, weighted like the planar fit. Rings weigh as
+   much as their volume, at the middle between two: W A |r_a + r_b|/2.
+
    Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
    contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is
    corrected in grad phi (SumMirrored) and in the normals of the images (MirrorNormal). */
@@ -112,8 +116,9 @@ static PetscBool MirrorNormal(Tension tension, PetscInt axis, PetscReal inward, 
   return PETSC_TRUE;
 }
 
-/* Adds the images in one wall (m, its place along the axis) of the n collected candidates behind them; columns 3 to 5
-   hold normals if width says that there are any. Returns the new number. */
+/* Adds the images in one wall (m, its place along the axis) of the n collected candidates behind them, with their first
+   'width' columns and that of the weight; columns 3 to 5 hold normals if width says that there are any. Returns the new
+   number. */
 static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, PetscReal inward, PetscInt width, PetscInt n)
 {
   Liquid        *liquid = &tension->liquid;
@@ -125,6 +130,7 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, PetscR
 
     if (PetscAbsReal(from[axis * stride] - wall) > ImageReach(liquid)) continue;
     for (PetscInt w = 0; w < width; w++) to[w * stride] = from[w * stride];
+    if (tension->rings) to[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
     to[axis * stride] = 2 * wall - from[axis * stride];
     if (width > DIM) {
       const PetscReal normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
@@ -175,10 +181,30 @@ static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, 
   around->cell   = cell;
   around->images = 0;
   if (mirrored) columns = COLUMNS(0, width);
+  if (tension->rings) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   PetscCall(LiquidCollect(liquid, cell, columns, mirrored ? 1 << (2 * domain->dim) : 1, &around->real));
   around->n = around->real;
   if (mirrored) Mirror(tension, domain, x, width, around);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Multiplies W and F (may be NULL) of the m candidates from 'begin' on by their weights: those of rings. */
+static void WeighRings(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
+{
+  const PetscReal *weight = tension->liquid.near + WEIGHT_COLUMN * tension->liquid.stride + begin;
+
+  for (PetscInt k = 0; k < m; k++) {
+    W[k] *= (float)weight[k];
+    if (F) F[k] *= (float)weight[k];
+  }
+}
+
+/* Multiplies W by the distances from the axis of the middles to a particle at x (m). */
+static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[])
+{
+  const PetscReal *r = tension->liquid.near + begin;
+
+  for (PetscInt k = 0; k < m; k++) W[k] *= (float)(0.5 * PetscAbsReal(x[0] + r[k]) / tension->spacing);
 }
 
 /* Adds phi and grad phi at x of the collected candidates first to n - 1, without V. */
@@ -197,6 +223,7 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
 
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, F);
+    if (tension->rings) WeighRings(tension, begin, m, W, F);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
     for (PetscInt k = 0; k < m; k++) {
       sum += W[k];
@@ -269,6 +296,10 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
 
     Distances(tension, begin, l, x, inverse_h2, s);
     KernelSingle(tension->kernel, l, s, W, NULL);
+    if (tension->rings) {
+      WeighRings(tension, begin, l, W, NULL);
+      WeighMiddles(tension, begin, l, x, W);
+    }
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
               reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
@@ -345,11 +376,20 @@ static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, Pet
   return k1 / PetscMax(1 + depth * k1, tension->thinnest) + k2 / PetscMax(1 + depth * k2, tension->thinnest);
 }
 
-/* kappa (1/m) of the free surface from the sums around a particle with normal n; at most that of a drop of one spacing.
- */
-static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal n[DIM])
+/* The slope of n_r on the line through the axis that fits the normals around a particle at r (m), 1/m. */
+static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 {
-  const PetscReal limit = (tension->dim - 1) / tension->spacing;
+  const PetscReal square = m->xx[0] + 2 * r * m->x[0] + r * r * m->w;
+
+  return square > 0 ? (m->nx[0][0] + r * m->n[0]) / square : 0;
+}
+
+/* kappa (1/m) of the free surface from the sums around a particle at x (m) with normal n; at most that of a drop of one
+   spacing. */
+static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal x[DIM],
+                           const PetscReal n[DIM])
+{
+  const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / tension->spacing;
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
 
   if (!fit->enough) return 0;
@@ -374,7 +414,12 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   k1    = 0.5 * trace + root;
   k2    = 0.5 * trace - root;
   depth = m->s / m->w;
-  kappa = CarryToSurface(tension, k1, k2, depth);
+  if (tension->rings) { /* phi is a sum over the plane, which k2 does not lower */
+    k1    = trace;
+    k2    = HoopCurvature(m, x[0]);
+    kappa = CarryToSurface(tension, k1, 0, depth);
+  } else
+    kappa = CarryToSurface(tension, k1, k2, depth);
   depth += 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane;
   kappa = CarryToSurface(tension, k1, k2, depth);
   return PetscMax(-limit, PetscMin(limit, kappa));
@@ -437,6 +482,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
     SumMirrored(tension, &around, x, &phi, g);
     length = Norm(g);
     if (slope) slope[a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi, V * length);
+    if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H < tension->threshold) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
     depth[a] = FlatDepth(tension, V * phi);
@@ -467,7 +513,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscRea
     }
     SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + used, &m);
     PrepareFit(tension, &m, &tension->fit[p]);
-    capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], normal + DIM * a);
+    capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], x, normal + DIM * a);
     used += around.n;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -532,6 +578,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
     keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0);
   PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), keep));
   PetscCall(PetscFree(keep));
+  if (tension->rings) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
   LiquidLoad(liquid, DIM, DIM, normal);
   LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
   if (liquid->count > tension->fit_capacity) {
@@ -552,6 +599,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
   /* |grad phi| H is below the default threshold 0.9 H deep; surface particles are half a spacing deep */
   PetscCall(BandMark(&tension->band_cells, cloud, KernelSmoothingLength(tension->kernel), support));
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
+  if (tension->rings) LiquidLoad(&tension->liquid, WEIGHT_COLUMN, 1, cloud->weight);
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(depth, cloud->n_owned));
   if (tension->sheets) {

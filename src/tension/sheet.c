@@ -16,6 +16,11 @@
    with that pull threads would not break (Rayleigh). There is no reference for this; forces from a function of the
    density are those of many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
 
+   Rings: S of particle b is that of its whole ring, so a neighbour a feels b's part times the length of b's ring over
+   that of its own, and phi_b falls as ring a grows: sigma S'_a phi_a/(V rho r) towards the axis, the pull of a hoop. A
+   ring that is alone has none of it, for in flight it is a row of droplets; with the part of phi that is due to others,
+   over that in a row of rings one spacing apart, it sets in.
+
    By itself this force tears sheets: where particles crowd over less than the kernel's length, phi rises less than
    their number. With w(k) the transform of W^H over the plane, 1 at k = 0, a wave dn/n of their number has the energy 2
    sigma (w^2 - w) (dn/n)^2 per area. That is negative, and the wave grows e-fold in 0.5 ms at a thickness of 0.25 mm.
@@ -52,6 +57,17 @@ PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal
                   t    = Ramp(LACK_NONE, LACK_ALL, flat - phi);
 
   return -2 * volume * tension->plane / (low * low) * t * t * (3 - 2 * t);
+}
+
+void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi)
+{
+  const Domain    domain = cloud->domain;
+  const PetscReal V = domain->volume, self = V * KernelSelf(tension->kernel),
+                  others = (phi - cloud->weight[a] * self) / (tension->plane * tension->spacing - self),
+                  r      = DomainRingLength(domain, cloud->field[FIELD_POSITION] + DIM * a) / (2 * PETSC_PI);
+
+  cloud->field[FIELD_ACCELERATION][DIM * a] +=
+    slope * phi / (V * cloud->rest_density[a] * r) * PetscMax(0, PetscMin(1, others));
 }
 
 /* How flat the neighbourhood of the particle at place p is, whose n neighbours are collected: from the second over the
@@ -95,6 +111,18 @@ static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
   return t * t * (3 - 2 * t);
 }
 
+/* What the pull between particle b, thin, and a neighbour a counts for, of which the sums over neighbours have V_0: on a,
+   and on b. */
+static void PullShares(Tension tension, Cloud cloud, PetscInt b, PetscInt a, PetscReal *on_a, PetscReal *on_b)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+
+  *on_a = *on_b = 1;
+  if (!tension->rings) return;
+  *on_a = cloud->weight[b] * DomainRingLength(cloud->domain, x + DIM * b) / DomainRingLength(cloud->domain, x + DIM * a);
+  *on_b = cloud->weight[a];
+}
+
 /* Adds the pull of the thin particle at place p, whose sigma S' is slope, on all n collected candidates, and theirs on
    it. Column 3 holds the local indices. */
 static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope)
@@ -118,13 +146,15 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
     for (PetscInt k = 0; k < m; k++) {
       const PetscInt  a = (PetscInt)liquid->near[DIM * liquid->stride + begin + k];
       const PetscReal f = slope * (2 * scale_f * F[k] - SHEET_CORE * core_f * core[k]);
+      PetscReal       on_a, on_b;
 
       if (F[k] == 0) continue;
+      PullShares(tension, cloud, b, a, &on_a, &on_b);
       for (PetscInt e = 0; e < DIM; e++) {
         const PetscReal pull = f * (liquid->near[e * liquid->stride + begin + k] - x[e]);
 
-        sum[e] += pull;
-        if (a < cloud->n_owned) out[DIM * a + e] -= pull / cloud->rest_density[a];
+        sum[e] += on_b * pull;
+        if (a < cloud->n_owned) out[DIM * a + e] -= on_a * pull / cloud->rest_density[a];
       }
     }
   }

@@ -39,6 +39,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   PetscCall(PetscNew(&t));
   t->comm        = domain->comm;
   t->dim         = domain->dim;
+  t->rings       = domain->rings;
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
   t->ratio       = 1.75;
@@ -89,6 +90,8 @@ static PetscErrorCode ReadModel(void *object, const char type[])
 
 PetscErrorCode TensionSetFromOptions(Tension tension)
 {
+  PetscBool same;
+
   PetscFunctionBegin;
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
   PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
@@ -97,6 +100,10 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                        &tension->ratio));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(TensionList, tension->type, ReadModel, tension));
+  PetscCall(PetscStrcmp(tension->type, TENSION_CAHN_HILLIARD, &same));
+  PetscCheckUser(!same || !tension->rings, tension->comm,
+                 "-tension_type " TENSION_CAHN_HILLIARD " cannot be used with -dimension axisymmetric yet; " TENSION_CURVATURE
+                 " can");
   tension->angle *= PETSC_PI / 180;
   tension->cosine = PetscCosReal(tension->angle);
   tension->sine   = PetscSinReal(tension->angle);

@@ -10,7 +10,8 @@
 
 /* --- phase_cells.c: the liquid around a particle --- */
 
-#define LIQUID_WIDTH 9 /* columns: x, y, z, then whatever a pass sums over */
+#define LIQUID_WIDTH  9 /* columns: x, y, z, then whatever a pass sums over */
+#define WEIGHT_COLUMN 8 /* of rings: the ring area over V_0 */
 /* Cells in the length of a support: so small that the cells around a particle are not much more than its sphere, so
    large that the particles of a cell share the work of collecting what is around it. */
 #define LIQUID_CELLS 2
@@ -125,6 +126,7 @@ struct _p_Tension {
   MPI_Comm  comm;
   PetscBool active; /* the scene has tension and the model is not none */
   PetscInt  dim;
+  PetscBool rings;
   char      type[64];
   /* Of the model: its options, those of the advanced group, its tables, and what TensionApply does. May be NULL. */
   PetscErrorCode (*setfromoptions)(Tension, OptionItems);
@@ -173,9 +175,12 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
     s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
 }
 
-/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3), phi and |grad phi| (1/m) has in a
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too), phi and |grad phi| (1/m) has in a
    sheet. Not collective. */
 PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient);
+/* SheetHoop - adds to FIELD_ACCELERATION of ring a the pull of its sheet towards the axis, a hoop; slope (Pa m2) is
+   sigma times SheetSlope, for V_0. Not collective. */
+void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi);
 /* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION. The liquid must be sorted;
    slope ([n_total], Pa m2; that of ghosts is overwritten, that of threads becomes zero) is sigma times SheetSlope of
    the owned particles. Collective. */
