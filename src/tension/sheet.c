@@ -111,16 +111,18 @@ static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
   return t * t * (3 - 2 * t);
 }
 
-/* What the pull between particle b, thin, and a neighbour a counts for, of which the sums over neighbours have V_0: on a,
-   and on b. */
-static void PullShares(Tension tension, Cloud cloud, PetscInt b, PetscInt a, PetscReal *on_a, PetscReal *on_b)
+/* Adds the pull f d of ring b, thin, on its neighbour a, d = x_a - x_b, to its acceleration; what a gives to b over
+   1/rho to sum. */
+static void PullRing(Cloud cloud, PetscInt b, PetscInt a, PetscReal f, const PetscReal d[DIM], PetscReal sum[DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const PetscReal *x    = cloud->field[FIELD_POSITION];
+  const PetscReal  on_a = f * cloud->weight[b] * DomainRingLength(cloud->domain, x + DIM * b) /
+                         (DomainRingLength(cloud->domain, x + DIM * a) * cloud->rest_density[a]);
 
-  *on_a = *on_b = 1;
-  if (!tension->rings) return;
-  *on_a = cloud->weight[b] * DomainRingLength(cloud->domain, x + DIM * b) / DomainRingLength(cloud->domain, x + DIM * a);
-  *on_b = cloud->weight[a];
+  for (PetscInt e = 0; e < DIM; e++) {
+    sum[e] += f * cloud->weight[a] * d[e];
+    if (a < cloud->n_owned) cloud->field[FIELD_ACCELERATION][DIM * a + e] -= on_a * d[e];
+  }
 }
 
 /* Adds the pull of the thin particle at place p, whose sigma S' is slope, on all n collected candidates, and theirs on
@@ -146,15 +148,20 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
     for (PetscInt k = 0; k < m; k++) {
       const PetscInt  a = (PetscInt)liquid->near[DIM * liquid->stride + begin + k];
       const PetscReal f = slope * (2 * scale_f * F[k] - SHEET_CORE * core_f * core[k]);
-      PetscReal       on_a, on_b;
 
       if (F[k] == 0) continue;
-      PullShares(tension, cloud, b, a, &on_a, &on_b);
+      if (tension->rings) {
+        const PetscReal *near = liquid->near + begin + k,
+                        d[DIM] = {near[0] - x[0], near[liquid->stride] - x[1], near[2 * liquid->stride] - x[2]};
+
+        PullRing(cloud, b, a, f, d, sum);
+        continue;
+      }
       for (PetscInt e = 0; e < DIM; e++) {
         const PetscReal pull = f * (liquid->near[e * liquid->stride + begin + k] - x[e]);
 
-        sum[e] += on_b * pull;
-        if (a < cloud->n_owned) out[DIM * a + e] -= on_a * pull / cloud->rest_density[a];
+        sum[e] += pull;
+        if (a < cloud->n_owned) out[DIM * a + e] -= pull / cloud->rest_density[a];
       }
     }
   }
