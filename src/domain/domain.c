@@ -153,10 +153,11 @@ static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObjec
   PetscBool                found, same = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsString("-dimension",
-                               "Number of dimensions (one of) 2 3 axisymmetric; axisymmetric: particles are rings, x is "
-                               "the distance from the axis, y is along it",
-                               "DomainSetFromOptions", choices[1], value, sizeof(value), &found));
+  PetscCall(
+    PetscOptionsString("-dimension",
+                       "Number of dimensions (one of) 2 3 axisymmetric; axisymmetric: particles are rings, x is "
+                       "the distance from the axis, y is along it",
+                       "DomainSetFromOptions", choices[1], value, sizeof(value), &found));
   if (!found) PetscFunctionReturn(PETSC_SUCCESS);
   for (choice = 0; choice < 3; choice++) {
     PetscCall(PetscStrcasecmp(value, choices[choice], &same));

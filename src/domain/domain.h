@@ -36,7 +36,8 @@ typedef struct {
 
 /* DomainCreate - an empty domain. Collective on comm. */
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain);
-/* DomainSetFromOptions - reads -dimension 2|3|axisymmetric, -spacing (m), -box_lower, -box_upper (m), -box_x|y|z (both faces), -box_xmin
+/* DomainSetFromOptions - reads -dimension 2|3|axisymmetric, -spacing (m), -box_lower, -box_upper (m), -box_x|y|z (both
+   faces), -box_xmin
    ... -box_zmax (one face, overrides) and -box_<face>_velocity (m/s). Refuses (UserError) a missing or non-positive
    spacing, a missing or empty box, an unknown face type, a periodic face opposite another type, and a velocity of a
    face that is no wall or not tangential; rings: a box that does not begin at x = 0. Collective. */

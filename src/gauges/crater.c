@@ -262,7 +262,8 @@ static PetscErrorCode CraterDiameter(Gauges gauges, PetscInt n, const PoolPartic
   for (PetscInt a = 0; a < n; a++) {
     const PetscInt ring = pool[a].radius < rings * w ? (PetscInt)(pool[a].radius / w) : rings;
 
-    if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0) share[ring] += pool[a].count;
+    if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0)
+      share[ring] += pool[a].count;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, gauges->comm));
   for (PetscInt k = 0; k < rings; k++) share[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);

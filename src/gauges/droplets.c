@@ -9,8 +9,9 @@
 
 /* A piece of liquid: particles that hang together. All members are reals, to be sent as such. */
 typedef struct {
-  PetscReal label;                     /* smallest id of its particles */
-  PetscReal particles, volume, number; /* m3 (m2 in two dimensions); number: of pieces like this in the whole that -gauge_multiplicity makes */
+  PetscReal label; /* smallest id of its particles */
+  PetscReal particles, volume,
+    number; /* m3 (m2 in two dimensions); number: of pieces like this in the whole that -gauge_multiplicity makes */
   PetscReal place[DIM], velocity[DIM]; /* means, m and m/s */
   PetscReal mirror[DIM];               /* -1, 1: it touches the mirror at the box's lower, upper end; 0: none */
 } Piece;

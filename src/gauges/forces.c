@@ -101,11 +101,10 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     KernelGradient(cloud->kernel, row->n, row->r2, row->F);
     for (PetscInt k = 0; k < row->n; k++) {
       const PetscInt  a = row->index[k];
-      const PetscReal c =
-        cloud->integer[INT_LAYER][a] ? 0
-                                     : CloudWeigh(cloud, a, CloudWeigh(cloud, b, V2)) *
-                                         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) *
-                                         row->F[k];
+      const PetscReal c = cloud->integer[INT_LAYER][a]
+                            ? 0
+                            : CloudWeigh(cloud, a, CloudWeigh(cloud, b, V2)) *
+                                DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
 
       sum[0] -= c * row->dx[k];
       sum[1] -= c * row->dy[k];

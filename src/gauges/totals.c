@@ -28,9 +28,9 @@ PetscReal HeightOverLevel(Gauges gauges, PetscReal top)
 
 PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
 {
-  const Domain   domain = gauges->cloud->domain;
-  const Scene    scene  = gauges->cloud->scene;
-  PetscReal      sum[4] = {0, 0, 0, 0}; /* kinetic, potential energy, particles, volume of rings */
+  const Domain   domain  = gauges->cloud->domain;
+  const Scene    scene   = gauges->cloud->scene;
+  PetscReal      sum[4]  = {0, 0, 0, 0}; /* kinetic, potential energy, particles, volume of rings */
   PetscReal      highest = -PETSC_MAX_REAL;
   ParticleArrays arrays;
 

@@ -37,9 +37,9 @@ typedef struct _p_Cloud {
   /* Volumes. 'volume' is of the whole particle, m^dim (m3 of a ring): mass = rest density * volume. Sums over
      neighbours weight with V_0 = d0^dim (Domain's volume) times 'weight'; NULL: all weights are 1. Of a ring the weight
      is the ring area over V_0, at the positions of the last search. */
-  PetscReal *volume; /* [n_total] FIELD_VOLUME */
-  PetscReal *weight; /* [n_total] 1 */
-  PetscReal *rest_density;       /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
+  PetscReal *volume;       /* [n_total] FIELD_VOLUME */
+  PetscReal *weight;       /* [n_total] 1 */
+  PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
   /* The neighbours of particle a < n_owned are list[first[a] .. first[a+1]), local indices, without the particle

@@ -136,7 +136,8 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   }
   total = Vec8x3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
-  cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * V * (CloudWeigh(cloud, a, scales->self) + scales->scale_w * total[3]);
+  cloud->field[FIELD_DENSITY][a] =
+    cloud->rest_density[a] * V * (CloudWeigh(cloud, a, scales->self) + scales->scale_w * total[3]);
   Vec4Store(scale * (total + Vec8x3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Vec8x3Sum(diagonal, zero), M);
   Vec4Store(-scale * Vec8x3Sum(off, zero), M + DIM);

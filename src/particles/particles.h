@@ -23,7 +23,7 @@ typedef enum {
   X(VELOCITY, "velocity", 3, PARITY_VECTOR, "m/s", "velocity")                                                         \
   X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection; start value of the next")          \
   X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
-  X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")         \
+  X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")     \
   X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the whole ring; stored where particles are rings")
 
 #define STORED_INTS(X)                                                                                                 \

@@ -25,8 +25,8 @@ static PetscBool OneDensity(Pressure pressure)
 }
 
 /* Of rings: multiplies each pair's weight by the areas of both over V_0 and the length of their middle. With the exact
-   length |r| instead, the Laplacian of r^2 would be wrong by 8 % in the first ring of a lattice, not by 5 %, and that of
-   z^2 by 26 %, not by 2 %. */
+   length |r| instead, the Laplacian of r^2 would be wrong by 8 % in the first ring of a lattice, not by 5 %, and that
+   of z^2 by 26 %, not by 2 %. */
 static PetscErrorCode WeightRings(Pressure pressure)
 {
   Cloud            cloud = pressure->cloud;
@@ -60,9 +60,9 @@ static PetscErrorCode SetWeights(Pressure pressure)
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  pressure->weight_scale  = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->volume_most   = cloud->domain->volume;
-  pressure->own_weights   = (PetscBool)(cloud->weight || !OneDensity(pressure));
+  pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
+  pressure->volume_most  = cloud->domain->volume;
+  pressure->own_weights  = (PetscBool)(cloud->weight || !OneDensity(pressure));
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads multiples of eight */
@@ -220,7 +220,7 @@ static inline PetscReal RowSum(Pressure pressure, PetscInt a, const PetscReal p[
   else
     PairsPrefetch(cloud->laplacian + first, n);
   return pressure->own_weights ? PairSum(index, NULL, pressure->pair_weight + first, n, p, p[a])
-                                 : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
+                               : PairSum(index, cloud->laplacian + first, NULL, n, p, p[a]);
 }
 
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[])

@@ -61,11 +61,12 @@ struct _p_Pressure {
 
   /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2. Rows are
      multiplied with the mass of their particle times row_scale, the reciprocal of a particle's of the first body. */
-  PetscReal  row_scale; /* 1/kg */
-  PetscReal  weight_scale;
-  PetscReal  volume_most;   /* largest volume of a particle, m^dim */
-  PetscBool  own_weights;   /* densities or volumes differ: the pairs' weights are pair_weight, not the cloud's laplacian */
-  float     *pair_weight;
+  PetscReal row_scale; /* 1/kg */
+  PetscReal weight_scale;
+  PetscReal volume_most; /* largest volume of a particle, m^dim */
+  PetscBool
+         own_weights; /* densities or volumes differ: the pairs' weights are pair_weight, not the cloud's laplacian */
+  float *pair_weight;
   PetscReal *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
   PetscInt   rows_capacity;
   PetscInt64 weight_capacity;

@@ -149,8 +149,8 @@ static PetscErrorCode CheckRings(Scene scene)
     const Body body = scene->body[b];
     PetscReal  lower[DIM], upper[DIM];
 
-    PetscCheckUser(!BodyEmits(body), domain->comm,
-                   "-%stype emitter cannot be used with -dimension axisymmetric yet", body->prefix);
+    PetscCheckUser(!BodyEmits(body), domain->comm, "-%stype emitter cannot be used with -dimension axisymmetric yet",
+                   body->prefix);
     PetscCheckUser(!body->shape->displace, domain->comm,
                    "-%sshape %s cannot be used with -dimension axisymmetric: its waves are plane", body->prefix,
                    body->shape_type);
@@ -160,10 +160,11 @@ static PetscErrorCode CheckRings(Scene scene)
       PetscReal       v[DIM];
 
       BodyVelocity(body, x, v);
-      PetscCheckUser(PetscAbsReal(v[0]) <= AXIS_ROUNDING * Norm(v), domain->comm,
-                     "the initial velocity of the body %s points away from the axis at (0, %g) m, with %g m/s: there it "
-                     "must be along the axis",
-                     body->name, (double)x[1], (double)v[0]);
+      PetscCheckUser(
+        PetscAbsReal(v[0]) <= AXIS_ROUNDING * Norm(v), domain->comm,
+        "the initial velocity of the body %s points away from the axis at (0, %g) m, with %g m/s: there it "
+        "must be along the axis",
+        body->name, (double)x[1], (double)v[0]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -168,9 +168,10 @@ static PetscErrorCode CheckRings(Stepper s)
   PetscCall(PetscStrcmp(s->scheme_type, SCHEME_CONSISTENT, &good));
   PetscCheckUser(good, comm, "-scheme %s cannot be used with -dimension axisymmetric yet; " SCHEME_CONSISTENT " can",
                  s->scheme_type);
-  PetscCheckUser(s->viscosity.form == VISCOSITY_MORRIS, comm,
-                 "-viscosity_form cleary cannot be used with -dimension axisymmetric: it takes the flow along the plane "
-                 "to have no divergence there; morris can, and slows no rigid motion down");
+  PetscCheckUser(
+    s->viscosity.form == VISCOSITY_MORRIS, comm,
+    "-viscosity_form cleary cannot be used with -dimension axisymmetric: it takes the flow along the plane "
+    "to have no divergence there; morris can, and slows no rigid motion down");
   PetscCall(PressureCheckRings(s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

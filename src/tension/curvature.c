@@ -10,8 +10,8 @@
    by kappa/2 int x^2 W dA.
 
    Of a surface that is the same all around an axis, the planar fit gives one principal curvature. The other is n_r/r,
-   the slope of n_r on the line through the axis that fits the normals best, weighted like the planar fit. Rings weigh as
-   much as their volume, at the middle between two: W A |r_a + r_b|/2.
+   the slope of n_r on the line through the axis that fits the normals best, weighted like the planar fit. Rings weigh
+   as much as their volume, at the middle between two: W A |r_a + r_b|/2.
 
    Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
    contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is

@@ -151,7 +151,7 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
 
       if (F[k] == 0) continue;
       if (tension->rings) {
-        const PetscReal *near = liquid->near + begin + k,
+        const PetscReal *near  = liquid->near + begin + k,
                         d[DIM] = {near[0] - x[0], near[liquid->stride] - x[1], near[2 * liquid->stride] - x[2]};
 
         PullRing(cloud, b, a, f, d, sum);

@@ -102,8 +102,8 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscCall(ReadTypeOptions(TensionList, tension->type, ReadModel, tension));
   PetscCall(PetscStrcmp(tension->type, TENSION_CAHN_HILLIARD, &same));
   PetscCheckUser(!same || !tension->rings, tension->comm,
-                 "-tension_type " TENSION_CAHN_HILLIARD " cannot be used with -dimension axisymmetric yet; " TENSION_CURVATURE
-                 " can");
+                 "-tension_type " TENSION_CAHN_HILLIARD
+                 " cannot be used with -dimension axisymmetric yet; " TENSION_CURVATURE " can");
   tension->angle *= PETSC_PI / 180;
   tension->cosine = PetscCosReal(tension->angle);
   tension->sine   = PetscSinReal(tension->angle);

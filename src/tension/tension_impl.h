@@ -175,8 +175,8 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
     s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
 }
 
-/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too), phi and |grad phi| (1/m) has in a
-   sheet. Not collective. */
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too), phi and |grad
+   phi| (1/m) has in a sheet. Not collective. */
 PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient);
 /* SheetHoop - adds to FIELD_ACCELERATION of ring a the pull of its sheet towards the axis, a hoop; slope (Pa m2) is
    sigma times SheetSlope, for V_0. Not collective. */

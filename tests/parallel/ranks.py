@@ -30,6 +30,11 @@ PERIODIC_2D = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x
 LONELY = """-spacing 1e-3 -box_lower -40e-3,-40e-3,-40e-3 -box_upper 40e-3,40e-3,40e-3 -bodies drop -drop_shape sphere
  -drop_radius 1.2e-3 -drop_center 20e-3,20e-3,20e-3 -drop_velocity 0,0,-1 -gravity 0,0,-9.81 -drop_tension 0.067
  -time_step 1e-4 """
+# Rings: the same splash around an axis.
+RINGS = """-dimension axisymmetric -spacing 0.8e-3 -box_lower 0,-6.4e-3 -box_upper 16e-3,12e-3 -box_xmax wall
+ -box_ymin wall -gravity 0,-9.81 -bodies film,drop -film_lower 0,-6.4e-3 -film_upper 16e-3,0 -film_density 1100
+ -film_viscosity 3.5e-3 -film_tension 0.067 -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.2e-3
+ -drop_velocity 0,-3 -drop_density 1100 -drop_viscosity 3.5e-3 -drop_tension 0.067 -time_step 4e-5 """
 TOLERANCE = 1e-10  # spacings
 COMMON = "-ksp_rtol 1e-12 -steps_max 20 "
 
@@ -53,6 +58,7 @@ def compare(name, scene, ranks, spacing, velocity, tolerance):
 compare("splash", SPLASH, (2, 3, 4), 0.8e-3, 3, TOLERANCE)
 start = runs.numbered(runs.run(PAPER + "-ksp_rtol 1e-12 -steps_max 1", "paper_start"), "checkpoint")[-1]
 compare("splash_paper", PAPER + f"-restart {start} ", (2, 3), 0.8e-3, 3, TOLERANCE)
+compare("rings", RINGS, (2, 4), 0.8e-3, 3, TOLERANCE)
 compare("periodic_2d", PERIODIC_2D, (2, 3, 4), 0.02, 4, TOLERANCE)
 compare("lonely", LONELY, (2, 4), 1e-3, 1, TOLERANCE)
 runs.done()

@@ -17,6 +17,10 @@ PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x perio
  -bodies film,drop -film_upper 1,0.4 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.62
  -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -snapshot_double -checkpoint_interval 1e-2
  -sort_interval 7 """
+RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 14e-3,12e-3 -box_xmax wall -box_ymin wall
+ -gravity 0,-9.81 -bodies film,drop -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3 -film_tension 0.067
+ -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.8e-3 -drop_velocity 0,-3 -drop_tension 0.067 -snapshot_double
+ -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
@@ -70,6 +74,7 @@ def test(name, scene, spacing, ranks, others):
 test("impact", IMPACT, 1e-3, 1, [])
 test("impact_parallel", IMPACT, 1e-3, 2, [1, 3])
 test("plane", PLANE, 0.02, 1, [2])
+test("rings", RINGS, 1e-3, 2, [1])
 # in the folder of the checkpoint itself: the series goes on behind the restart
 folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
 before = runs.series(folder)

@@ -1,0 +1,301 @@
+/* Rings (-dimension axisymmetric): volumes, and the operators near the axis against fields with known answers. Lengths
+   in spacings. Runs on any number of ranks. */
+#include "setup.h"
+#include "check.h"
+
+#define TANK                                                                                                           \
+  "-dimension axisymmetric -spacing 1 -box_lower 0,-10 -box_upper 16,10 -bodies a -a_density 900 -a_viscosity 90 "     \
+  "-tension_type none "
+#define NU (90. / 900.)
+#define DT 1e-3 /* s; what the sources divide by, without meaning here */
+
+/* Whether the neighbours of a particle are all around it. */
+static PetscBool Inside(Cloud cloud, PetscInt a)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+
+  return (PetscBool)(x[0] < 12 && PetscAbsReal(x[1]) < 6);
+}
+
+typedef void (*Flow)(const PetscReal x[DIM], PetscReal v[DIM]);
+
+static void Growth(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = x[0];
+  v[1] = 0;
+}
+
+static void Strain(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = -0.5 * x[0];
+  v[1] = x[1];
+}
+
+/* Hill's spherical vortex of radius 16, its inside; U = 1. */
+static void Vortex(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  const PetscReal a2 = 16 * 16;
+
+  v[0] = 1.5 * x[0] * x[1] / a2;
+  v[1] = 1.5 * (1 - (2 * x[0] * x[0] + x[1] * x[1]) / a2);
+}
+
+static void Stream(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = 0;
+  v[1] = 1;
+}
+
+static void Pipe(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = 0;
+  v[1] = x[0] * x[0];
+}
+
+static void Swell(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = x[0] * x[0] * x[0];
+  v[1] = 0;
+}
+
+static PetscErrorCode SetFlow(Cloud cloud, Flow flow)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    cloud->field[FIELD_VELOCITY][DIM * a + 2] = 0;
+    flow(cloud->field[FIELD_POSITION] + DIM * a, cloud->field[FIELD_VELOCITY] + DIM * a);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest error of a row's value from what it should be, in the first ring (r < 1) and elsewhere. */
+typedef struct {
+  PetscReal first, other;
+} Errors;
+
+static void Collect(Errors *errors, PetscReal r, PetscReal error)
+{
+  PetscReal *worst = r < 1 ? &errors->first : &errors->other;
+
+  *worst = PetscMax(*worst, PetscAbsReal(error));
+}
+
+static void Share(Errors *errors)
+{
+  errors->first = SetupMax(errors->first);
+  errors->other = SetupMax(errors->other);
+}
+
+static PetscErrorCode Divergence(Setup *s, Flow flow, PetscReal time_offset, PetscReal exact, Errors *errors)
+{
+  Cloud cloud = s->cloud;
+
+  PetscFunctionBegin;
+  *errors = (Errors){0, 0};
+  PetscCall(SetFlow(cloud, flow));
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, time_offset,
+                                cloud->field[FIELD_DIVERGENCE], NULL, NULL));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (Inside(cloud, a))
+      Collect(errors, cloud->field[FIELD_POSITION][DIM * a], cloud->field[FIELD_DIVERGENCE][a] - exact);
+  Share(errors);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestDivergence(void)
+{
+  Errors lattice, jitter;
+  Setup  s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(TANK "-packing_jitter 0", &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(Divergence(&s, Growth, 0, 2, &lattice));
+  CHECK_CLOSE(PetscMax(lattice.first, lattice.other), 0, 1e-5, "divergence_of_growth");
+  PetscCall(Divergence(&s, Growth, 0.25, 1.5, &lattice)); /* 2 - t (1 + 1) */
+  CHECK_CLOSE(PetscMax(lattice.first, lattice.other), 0, 1e-5, "divergence_of_growth_later");
+  PetscCall(Divergence(&s, Strain, 0, 0, &lattice));
+  CHECK_CLOSE(PetscMax(lattice.first, lattice.other), 0, 1e-5, "divergence_of_strain");
+  PetscCall(Divergence(&s, Vortex, 0, 0, &lattice));
+  CHECK_CLOSE(PetscMax(lattice.first, lattice.other), 0, 1e-5, "divergence_of_vortex");
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupPack(TANK "-packing_jitter 0.3", &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(Divergence(&s, Strain, 0, 0, &jitter));
+  CHECK_CLOSE(PetscMax(jitter.first, jitter.other), 0, 1e-5, "divergence_of_strain_in_disorder");
+  PetscCall(Divergence(&s, Vortex, 0, 0, &jitter)); /* slopes of v are up to 3/16 */
+  CHECK(jitter.first <= 2 * jitter.other && jitter.other < 0.01, "divergence_at_the_axis_is_as_good_as_elsewhere");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A ring's volume is a lattice cell's, all around; a body's that of its shape. Ring areas are those of the lattice. */
+static PetscErrorCode TestVolumes(void)
+{
+  const char ball[] = "-dimension axisymmetric -spacing 1 -box_lower 0,-20 -box_upper 20,20 -bodies a -a_shape sphere "
+                      "-a_radius 8 -a_center 0,0 ",
+             tank[] = TANK "-box_xmax wall -box_ymin wall -packing_jitter 0 ";
+  PetscReal sum = 0, area = 0;
+  Setup     s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(tank, &s));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) sum += s.cloud->volume[a];
+  for (PetscInt a = 0; a < s.cloud->n_total; a++)
+    area = PetscMax(area, PetscAbsReal(s.cloud->weight[a] - 1)); /* walls and images too */
+  CHECK_CLOSE(SetupSum(sum) / (PETSC_PI * 16 * 16 * 20), 1, 1e-12, "volume_of_a_tank");
+  CHECK_CLOSE(SetupMax(area), 0, 1e-12, "ring_areas_of_a_lattice");
+  PetscCall(SetupClose(&s));
+  for (PetscInt seed = 1; seed <= 3; seed++) {
+    char options[512];
+
+    PetscCall(PetscSNPrintf(options, sizeof(options), "%s -packing_jitter 0.2 -packing_seed %d", ball, (int)seed));
+    PetscCall(SetupPack(options, &s));
+    sum = 0;
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) sum += s.cloud->volume[a];
+    CHECK_CLOSE(SetupSum(sum) / (4. / 3 * PETSC_PI * 512), 1, 1e-4, "volume_of_a_sphere");
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Errors of the pressure operator's Laplacian of r^2 (which = 0) or z^2, over its exact value. */
+static PetscErrorCode Laplacian(Setup *s, PetscInt which, Errors *errors)
+{
+  Cloud      cloud = s->cloud;
+  PetscReal *p, *y;
+
+  PetscFunctionBegin;
+  *errors = (Errors){0, 0};
+  PetscCall(PetscMalloc2(cloud->n_rows, &p, cloud->n_rows, &y));
+  for (PetscInt a = 0; a < cloud->n_rows; a++) p[a] = PetscSqr(cloud->field[FIELD_POSITION][DIM * a + which]);
+  PetscCall(PressureMultiply(s->pressure, p, y));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal laplacian = -y[a] * cloud->rest_density[a] / cloud->volume[a], exact = which ? 2 : 4;
+
+    if (Inside(cloud, a)) Collect(errors, cloud->field[FIELD_POSITION][DIM * a], laplacian / exact - 1);
+  }
+  Share(errors);
+  PetscCall(PetscFree2(p, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestLaplacian(void)
+{
+  Errors    r2, z2;
+  Setup     s;
+  Mat       A, T;
+  Vec       b;
+  PetscReal asymmetry;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(TANK "-packing_jitter 0", &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PressureCreate(s.cloud, &s.pressure));
+  PetscCall(PressureSetFromOptions(s.pressure));
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_DIVERGENCE], s.cloud->n_owned));
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_CAPILLARY], s.cloud->n_owned));
+  PetscCall(PressureAssemble(s.pressure, DT, &A, &b));
+  PetscCall(MatTranspose(A, MAT_INITIAL_MATRIX, &T));
+  PetscCall(MatAXPY(T, -1, A, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatNorm(T, NORM_FROBENIUS, &asymmetry));
+  PetscCall(MatDestroy(&T));
+  CHECK_CLOSE(asymmetry, 0, 1e-15, "pressure_rows_are_symmetric");
+  PetscCall(Laplacian(&s, 0, &r2));
+  PetscCall(Laplacian(&s, 1, &z2));
+  CHECK_CLOSE(r2.first, 0.054, 1e-3, "laplacian_of_r2_at_the_axis"); /* with |r| in place of the middle 0.08 and 0.26 */
+  CHECK_CLOSE(z2.first, 0.022, 1e-3, "laplacian_of_z2_at_the_axis");
+  CHECK_CLOSE(PetscMax(r2.other, z2.other), 0, 5e-4, "laplacian_elsewhere");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Errors of the viscous acceleration over nu times a scale. */
+static PetscErrorCode Friction(Setup *s, Flow flow, PetscInt component, PetscReal (*exact)(PetscReal), Errors *errors)
+{
+  Cloud cloud = s->cloud;
+
+  PetscFunctionBegin;
+  *errors = (Errors){0, 0};
+  PetscCall(SetFlow(cloud, flow));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
+  PetscCall(OperatorsViscosity(cloud, &(Viscosity){.form = VISCOSITY_MORRIS}, cloud->rest_density));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal r = cloud->field[FIELD_POSITION][DIM * a];
+
+    if (Inside(cloud, a)) Collect(errors, r, cloud->field[FIELD_ACCELERATION][DIM * a + component] / NU - exact(r));
+  }
+  Share(errors);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal None(PetscReal r)
+{
+  return 0;
+}
+
+static PetscReal Four(PetscReal r)
+{
+  return 4;
+}
+
+static PetscReal EightR(PetscReal r)
+{
+  return 8 * r;
+}
+
+static PetscErrorCode TestViscosity(void)
+{
+  Errors error;
+  Setup  s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(TANK "-packing_jitter 0", &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(Friction(&s, Stream, 1, None, &error));
+  CHECK_CLOSE(PetscMax(error.first, error.other), 0, 1e-12, "no_friction_in_a_stream");
+  PetscCall(Friction(&s, Growth, 0, None, &error));
+  CHECK_CLOSE(PetscMax(error.first, error.other), 0, 1e-12, "no_friction_in_growth");
+  PetscCall(Friction(&s, Pipe, 1, Four, &error));
+  CHECK(error.first < 0.08 * 4 && error.other < 0.02 * 4, "friction_in_a_pipe");
+  PetscCall(Friction(&s, Swell, 0, EightR, &error));
+  CHECK(error.first < 0.05 * 8 * 12 && error.other < 0.02 * 8 * 12, "friction_in_a_swell"); /* of the largest */
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Surface tension: the pressure 2 sigma/R of a drop, of which a plane drop would have half. */
+static PetscErrorCode TestTension(void)
+{
+  Setup     s;
+  PetscReal sum = 0, count = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack("-dimension axisymmetric -spacing 1 -box_lower 0,-20 -box_upper 20,20 -bodies a -a_shape sphere "
+                      "-a_radius 8 -a_center 0,0 -a_tension 1 -packing_jitter 0.1 ",
+                      &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    if (s.cloud->integer[INT_SURFACE][a] != 1) continue;
+    sum += s.cloud->volume[a] * s.cloud->field[FIELD_CAPILLARY][a] / (2. / 8);
+    count += s.cloud->volume[a];
+  }
+  CHECK_CLOSE(SetupSum(sum) / SetupSum(count), 1, 0.04, "tension_of_a_drop"); /* not yet at rest */
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(TestVolumes());
+  PetscCall(TestDivergence());
+  PetscCall(TestLaplacian());
+  PetscCall(TestViscosity());
+  PetscCall(TestTension());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
