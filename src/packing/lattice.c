@@ -6,7 +6,7 @@
   0.5                  /* a shell of equal distance with more than this share of the points near the surface is flat   \
                         */
 #define SUBPOINTS   6  /* a direction: the share of a lattice cell inside a body is exact to about a percent */
-#define RING_POINTS 40 /* the same of rings, whose cells are a line: the volume of a drop is exact to some 1e-5 */
+#define RING_POINTS 40 /* the same of rings, whose cells are few: the volume of a drop is right to 1e-4 */
 #define TIE         0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
 
 typedef struct {
