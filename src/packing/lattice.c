@@ -6,7 +6,7 @@
   0.5                  /* a shell of equal distance with more than this share of the points near the surface is flat   \
                         */
 #define SUBPOINTS   6  /* a direction: the share of a lattice cell inside a body is exact to about a percent */
-#define RING_POINTS 40 /* the same of rings, whose cells are few: the volume of a drop is right to 1e-4 */
+#define RING_POINTS 40 /* the same of rings, whose cells are few */
 #define TIE         0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
 
 typedef struct {
@@ -103,22 +103,22 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
    mean length (m) of the rings in the cell, zero outside. */
 static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM], PetscReal *length)
 {
-  const PetscInt m = domain->rings ? RING_POINTS : SUBPOINTS, n[DIM] = {m, m, domain->dim == DIM ? m : 1},
-                 points = n[0] * n[1] * n[2];
-  PetscInt inside       = 0;
+  const PetscInt m         = domain->rings ? RING_POINTS : SUBPOINTS,
+                 last[DIM] = {m - 1, m - 1, domain->dim == DIM ? m - 1 : 0}, points = m * m * (last[2] + 1),
+                 first[DIM] = {0, 0, 0};
+  PetscInt inside = 0, at[DIM] = {0, 0, 0};
 
   *length = 0;
-  for (PetscInt k = 0; k < points; k++) {
-    PetscInt  at[DIM];
+  do {
     PetscReal y[DIM] = {x[0], x[1], x[2]};
 
-    CellCoordinates(n, k, at);
     for (PetscInt d = 0; d < domain->dim; d++) y[d] += ((at[d] + 0.5) / m - 0.5) * lattice->pitch[d];
     BodyDisplace(body, y);
     if (!BodyContains(body, y)) continue;
     inside++;
-    *length += 2 * PETSC_PI * y[0] / points;
-  }
+    *length += 2 * PETSC_PI * y[0];
+  } while (CellNext(first, last, at));
+  *length /= points;
   return (PetscReal)inside / points;
 }
 
