@@ -129,7 +129,7 @@ mesh:
 	@tests/packages.sh pictures
 	@$(PYTHON) src/pictures/mesh.py $(FLAGS) $(RUN)
 
-# make install PREFIX=$HOME/isph   program, options, cases and pictures; PORTABLE=1 for a cluster of mixed machines
+# make install PREFIX=$HOME/isph   program, manual page, completion, options, cases and pictures; PORTABLE=1 for a cluster of mixed machines
 PREFIX = /usr/local
 SHARE  = $(DESTDIR)$(PREFIX)/share/isph
 install: isph
@@ -139,6 +139,9 @@ install: isph
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
 	install -m 644 src/pictures/*.py $(SHARE)/pictures
 	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	$(PYTHON) options/manual.py > $(DESTDIR)$(PREFIX)/share/man/man1/isph.1
+	$(PYTHON) options/manual.py --completion > $(DESTDIR)$(PREFIX)/share/bash-completion/completions/isph
 	for tool in pictures film mesh; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
 	  > $(DESTDIR)$(PREFIX)/bin/isph-$$tool && chmod 755 $(DESTDIR)$(PREFIX)/bin/isph-$$tool; done
 

@@ -1,0 +1,42 @@
+#!/usr/bin/python3
+"""options/manual.py: the manual page names every option of options/README.md and is sound roff; the completion finds
+names, values and files."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+TOOL = os.path.join(runs.ROOT, "options", "manual.py")
+
+
+def output(*command):
+    return subprocess.run(command, cwd=os.path.join(runs.ROOT, "cases"), check=True, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
+
+
+with open(os.path.join(runs.ROOT, "options", "README.md"), encoding="utf-8") as file:
+    rows = [line for line in file.read().split("<!-- options -->")[1].splitlines() if line.startswith("| `-")]
+page = output(sys.executable, TOOL)
+missing = [name for row in rows for name in re.findall(r"-[\w<>]+", row.split("|")[1])
+           if name.replace("-", "\\-") not in page]
+runs.check(len(rows) > 100 and not missing, "manual_names_every_option", f"{len(rows)} rows, without {missing}")
+path = runs.scratch("isph.1")
+with open(path, "w", encoding="utf-8") as file:
+    file.write(page)
+if shutil.which("groff"):
+    complaints = output("groff", "-man", "-Tutf8", "-ww", "-z", path)
+    runs.check(not complaints, "manual_is_sound", complaints[:500])
+script = runs.scratch("completion")
+with open(script, "w", encoding="utf-8") as file:
+    file.write(output(sys.executable, TOOL, "--completion"))
+for words, wanted in ((["-spacin"], "-spacing"), (["-scheme", "cons"], "consistent"),
+                      (["-options_file", "drop_impact/ca"], "drop_impact/case.opts"), (["README"], "README.md")):
+    line = " ".join(f"'{word}'" for word in ["isph", *words])
+    found = output("bash", "-c", f"source {script}; COMP_WORDS=({line}); COMP_CWORD={len(words)}; _isph; "
+                   "echo \"${COMPREPLY[@]}\"").split()
+    runs.check(wanted in found, f"completes_{wanted}", " ".join(found))
+runs.done()
