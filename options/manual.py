@@ -22,9 +22,10 @@ isph \- incompressible smoothed particle hydrodynamics on PETSc
 .B mpiexec \-n 4 isph
 \&...
 .SH DESCRIPTION
-Simulates drops, splashes and other free-surface flows of liquids by particles. The scene and everything else are options,
-on the command line or one a line in options files; what comes later wins. All units are SI. PETSc's own options work as in
-any PETSc program: those of the pressure's solver without a prefix (\-ksp_type, \-pc_type), \-log_view and others.
+Simulates drops, splashes and other free-surface flows of liquids by particles. The scene and everything else are
+options, on the command line or one a line in options files; what comes later wins. All units are SI. PETSc's own
+options work as in any PETSc program: those of the pressure's solver without a prefix (\-ksp_type, \-pc_type),
+\-log_view and others.
 .PP
 .B isph \-help
 prints this list for the scene that is given.
