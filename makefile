@@ -189,6 +189,7 @@ reference:
 faults: isph $(BUILD)/tests/unit/test_errors
 	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
 	@$(PYTHON) tests/faults/signals.py --all
+	@$(PYTHON) tests/faults/options.py --all
 
 extremes: isph
 	@$(PYTHON) tests/extremes/extremes.py --all

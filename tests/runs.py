@@ -59,7 +59,8 @@ def start(options, ranks=1, timeout=300):
         options = shlex.split(options)
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + options
     return subprocess.run(command, cwd=ROOT, env=environment(ranks), timeout=timeout, stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
+                          errors="replace")
 
 
 def run(options, folder, ranks=1, timeout=300):

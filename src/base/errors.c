@@ -139,10 +139,17 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
 
   if (!message || !function) return PETSC_FALSE;
   if (strncmp(function, "PetscOptionsStringTo", 20) && strncmp(function, "PetscOptionsGetE", 16) &&
-      strncmp(function, "PetscOptionsInsertFile", 22) && code != PETSC_ERR_ARG_UNKNOWN_TYPE)
+      strncmp(function, "PetscOptionsInsert", 18) && strncmp(function, "PetscOptionsSetValue", 20) &&
+      code != PETSC_ERR_ARG_UNKNOWN_TYPE)
     return PETSC_FALSE;
-  FindOption(message, option, sizeof(option));
-  (void)snprintf(Last, sizeof(Last), "%.*s%s", (int)strcspn(message, "\n"), message, option);
+  if (strstr(function, "YAML"))
+    (void)snprintf(option, sizeof(option), ": an options file whose name ends in .yaml or .yml is not YAML");
+  else
+    FindOption(message, option, sizeof(option));
+  (void)snprintf(Last, sizeof(Last), "%s%.*s%s",
+                 strncmp(function, "PetscOptionsSetValue", 20) ? ""
+                                                               : "there are more options than PETSc has room for: ",
+                 (int)strcspn(message, "\n"), message, option);
   SayOnce(PETSC_COMM_WORLD);
   return PETSC_TRUE;
 }
@@ -154,6 +161,7 @@ static PetscBool ReportMemory(const char function[], PetscErrorCode code)
   static const char message[] = "out of memory: take a larger -spacing, a smaller box or more machines";
   PetscMPIInt       size      = 1;
 
+  if (function && !strncmp(function, "PetscOptions", 12)) return PETSC_FALSE; /* has room for so many */
   if (code != PETSC_ERR_MEM &&
       (!function || (strcmp(function, "PetscMallocAlign") && strcmp(function, "PetscReallocAlign"))))
     return PETSC_FALSE;

@@ -58,18 +58,36 @@ static PetscErrorCode RefuseFile(MPI_Comm comm, const char file[])
                    DEPTH_MAX);
 }
 
+/* A word of a text of options that PETSc would skip, or NULL; a text with quotation marks is not looked through. */
+static const char *FindStray(const char text[])
+{
+  PetscBool option = PETSC_FALSE; /* the word before is one */
+
+  if (strpbrk(text, "\"'")) return NULL;
+  for (const char *word = text + strspn(text, BLANKS); *word;
+       word += strcspn(word, BLANKS), word += strspn(word, BLANKS)) {
+    if (word[0] != '-' && !option) return word;
+    option = (PetscBool)(word[0] == '-');
+  }
+  return NULL;
+}
+
 /* The options files that PETSc reads unasked, and those that the environment names. */
 static PetscErrorCode CheckSurroundings(MPI_Comm comm)
 {
   static const char *const unasked[]   = {".petscrc", "petscrc"};
   const char              *home        = getenv("HOME");
   const char              *environment = getenv("PETSC_OPTIONS");
+  const char              *stray;
   char                     text[LINE_LENGTH];
 
   (void)snprintf(text, sizeof(text), "%s/.petscrc", home ? home : "");
   if (home && !FileIsShallow(text, DEPTH_MAX)) return RefuseFile(comm, text);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(unasked); k++)
     if (!FileIsShallow(unasked[k], DEPTH_MAX)) return RefuseFile(comm, unasked[k]);
+  if (environment && (stray = FindStray(environment)))
+    return UserError(comm, "in PETSC_OPTIONS %.*s is neither an option nor the value of one",
+                     (int)strcspn(stray, BLANKS), stray);
   (void)snprintf(text, sizeof(text), "%s", environment ? environment : "");
   if (!TextIsShallow(text, DEPTH_MAX + 1))
     return UserError(comm,
@@ -81,8 +99,10 @@ static PetscErrorCode CheckSurroundings(MPI_Comm comm)
 
 static PetscErrorCode CheckFiles(MPI_Comm comm, int argc, char *argv[])
 {
-  for (int k = 1; k + 1 < argc; k++) {
+  for (int k = 1; k < argc; k++) {
     if (strcasecmp(argv[k], KEY)) continue;
+    if (k + 1 == argc || !argv[k + 1][0] || argv[k + 1][0] == '-')
+      return UserError(comm, KEY " needs the name of a file behind it");
     /* PETSc would refuse it on rank 0 only, and the others would wait for it */
     if (access(argv[k + 1], R_OK))
       return UserError(comm, "the options file %s cannot be opened: %s", argv[k + 1], strerror(errno));

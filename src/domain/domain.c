@@ -1,5 +1,6 @@
 /* The box: options, the cells of the partition, and where a point belongs. */
 #include "domain.h"
+#include <string.h>
 
 #define NAME_LENGTH 64
 /* Cells of the partition at most: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all. */
@@ -21,6 +22,24 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* PETSc skips a number that is missing between commas. */
+static PetscErrorCode RefuseGaps(Domain domain, OptionItems PetscOptionsObject, const char option[])
+{
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  char        text[4 * NAME_LENGTH];
+  size_t      length = 0;
+  PetscBool   found;
+
+  PetscFunctionBegin;
+  PetscCall(
+    PetscOptionsGetString(PetscOptionsObject->options, PetscOptionsObject->prefix, option, text, sizeof(text), &found));
+  if (found) PetscCall(PetscStrlen(text, &length));
+  PetscCheckUser(!length || (text[0] != ',' && text[length - 1] != ',' && !strstr(text, ",,")), domain->comm,
+                 "-%s%s %s lacks a number: it must be numbers with single commas between them", prefix, option + 1,
+                 text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
                                    const char help[], const char manual[], PetscReal value[DIM], PetscBool *set)
 {
@@ -30,6 +49,7 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
   PetscBool   found;
 
   PetscFunctionBegin;
+  PetscCall(RefuseGaps(domain, PetscOptionsObject, option));
   PetscCall(PetscOptionsRealArray(option, help, manual, number, &count, &found));
   if (set) *set = found;
   if (found) {

@@ -359,6 +359,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   char       *scene;
 
   PetscFunctionBegin;
+  ProgressBegin("the restart", "the checkpoint is as it was");
   PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));

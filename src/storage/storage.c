@@ -295,6 +295,7 @@ PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows 
   hid_t       file, memory;
 
   PetscFunctionBegin;
+  PetscCall(ProgressWork(h5->comm, -1, "reading %s of %" PetscInt_FMT " rows", name, rows->total));
   PetscCall(AllAgree(h5, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
   if (!all) {
     h5->failed = PETSC_TRUE;
