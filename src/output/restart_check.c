@@ -34,7 +34,7 @@ static void CheckReals(const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_
 {
   const int id = (int)arrays->integer[INT_ID][a];
 
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && arrays->real[f]; f++) /* volumes are of rings alone */
     for (PetscInt c = 0; c < Fields[f].width; c++)
       if (PetscIsInfOrNanReal(arrays->real[f][Fields[f].width * a + c]))
         Note(flaw, "the %s of particle %d is not finite", Fields[f].name, id);
