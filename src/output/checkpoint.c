@@ -275,7 +275,7 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *r
   size_t         row = INT_COUNT * sizeof(PetscInt); /* bytes */
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) row += (size_t)Fields[f].width * sizeof(double);
+  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) row += (size_t)Fields[f].width * sizeof(double);
   *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(PetscInt)));
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */

@@ -145,7 +145,7 @@ static PetscErrorCode SameParticles(Run *run, PetscBool *same)
   PetscCall(ParticlesOpen(run->particles, &a));
   PetscCall(ParticlesOpen(other.particles, &b));
   *same = (PetscBool)(a.n == b.n);
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT && *same; f++)
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && a.real[f] && *same; f++)
     *same = (PetscBool)!memcmp(a.real[f], b.real[f], sizeof(PetscReal) * (size_t)(a.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT && *same; f++)
     *same = (PetscBool)!memcmp(a.integer[f], b.integer[f], sizeof(PetscInt) * (size_t)a.n);
@@ -215,7 +215,7 @@ static PetscErrorCode CheckOtherRanks(void)
   PetscCallMPI(MPI_Allreduce(&b.n, &n, 1, MPIU_INT, MPI_SUM, world));
   if (!rank) start = 0;
   same = (PetscBool)(n == a.n && b.n >= n / size && b.n <= n / size + 1);
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT && same; f++) {
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && a.real[f] && same; f++) {
     const PetscInt width = Fields[f].width;
 
     same = (PetscBool)!memcmp(a.real[f] + start * width, b.real[f], sizeof(PetscReal) * (size_t)(b.n * width));
