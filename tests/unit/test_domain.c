@@ -161,6 +161,24 @@ static PetscErrorCode TestWrap(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What left through an open face is outside, what crossed a mirror comes back, what is in a wall is put before it. */
+static PetscErrorCode TestConfine(void)
+{
+  PetscReal low[DIM] = {-0.2, -0.3, 0.5}, high[DIM] = {1.2, 2.3, 0.5}, above[DIM] = {0.5, 0.5, 3.1};
+  Domain    d;
+
+  PetscFunctionBegin;
+  PetscCall(ReadAndSetUp(CUBE "-box_x wall -box_y symmetry -box_zmin wall -box_zmax open", 0.25, &d));
+  CHECK(DomainOutside(d, above) && !DomainOutside(d, low) && !DomainOutside(d, high), "outside_open_face_over_a_wall");
+  DomainConfine(d, low);
+  DomainConfine(d, high);
+  CHECK_CLOSE(low[1], 0.3, 1e-15, "confine_lower_mirror");
+  CHECK_CLOSE(high[1], 1.7, 1e-15, "confine_upper_mirror");
+  CHECK(low[0] > 0 && low[0] < 1e-3 && high[0] < 1 && high[0] > 1 - 1e-3, "confine_walls");
+  PetscCall(DomainDestroy(&d));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A square pool with air above and a hole whose place changes: the parts keep their places and numbers. */
 static PetscErrorCode TestPartition(void)
 {
@@ -208,6 +226,7 @@ int main(int argc, char **argv)
   PetscCall(TestRefusals());
   PetscCall(TestCells());
   PetscCall(TestWrap());
+  PetscCall(TestConfine());
   PetscCall(TestPartition());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

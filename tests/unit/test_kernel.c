@@ -237,12 +237,29 @@ static PetscErrorCode TestKnownValues(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The options of a kernel act. */
+static PetscErrorCode TestOptions(void)
+{
+  Kernel kernel;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsInsertString(NULL, "-kernel_type quintic_spline -kernel_ratio 1.5"));
+  PetscCall(KernelCreate(PETSC_COMM_WORLD, 3, &kernel));
+  PetscCall(KernelSetFromOptions(kernel, 0.2));
+  CHECK_CLOSE(KernelSmoothingLength(kernel), 0.3, 1e-15, "kernel_ratio");
+  CHECK_CLOSE(KernelSupport(kernel), 0.9, 1e-15, "kernel_type");
+  PetscCall(KernelDestroy(&kernel));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   for (PetscInt t = 0; t < 3; t++)
     for (PetscInt dim = 2; dim <= 3; dim++) PetscCall(TestType(types[t], dim));
   PetscCall(TestKnownValues());
+  PetscCall(TestOptions());
   PetscCall(PetscFinalize());
   return CHECK_DONE();
 }
