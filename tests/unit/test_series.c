@@ -123,7 +123,7 @@ static hsize_t Read(const char name[], PetscReal values[], hsize_t most)
   return count;
 }
 
-/* The lower left part of the film, six columns and three layers, in double precision: their positions, and what Fill
+/* A part of the film on the right, six columns and three layers, in double precision: their positions, and what Fill
    gives a particle, a density of 1001 + id. */
 static PetscErrorCode TestSnapshot(void)
 {
@@ -133,7 +133,7 @@ static PetscErrorCode TestSnapshot(void)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCall(RunCreate(OPTIONS "-snapshot_lower 0,0 -snapshot_upper 3e-3,1.5e-3 -snapshot_double -snapshot_fields "
+  PetscCall(RunCreate(OPTIONS "-snapshot_lower 3e-3,1e-3 -snapshot_upper 6e-3,2.5e-3 -snapshot_double -snapshot_fields "
                               "density,velocity",
                       &run));
   PetscCall(Fill(&run, Low, 0));
