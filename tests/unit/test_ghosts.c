@@ -133,6 +133,24 @@ static PetscErrorCode TestOutside(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* All particles on one of the ranks: it has as many times its share as there are ranks. */
+static PetscErrorCode TestImbalance(void)
+{
+  PetscMPIInt rank, size;
+  PetscReal   imbalance;
+  Setup       s;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(SetupOpen(PERIODIC, &s));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : 100));
+  PetscCall(ParticlesImbalance(s.particles, &imbalance));
+  CHECK_CLOSE(imbalance, size, 1e-15, "imbalance");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -140,6 +158,7 @@ int main(int argc, char **argv)
   PetscCall(TestWithin());
   PetscCall(TestBetween());
   PetscCall(TestOutside());
+  PetscCall(TestImbalance());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
