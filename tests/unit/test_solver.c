@@ -250,6 +250,33 @@ static PetscErrorCode TestRight(const char options[], PetscReal tolerance, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What is a lie: a true residual beyond what was asked for by more than the slack and the rounding, whatever the solver
+   says, or one that is not a number; never that of a solver that gives up. */
+static void TestJudge(void)
+{
+  const struct {
+    const char        *name;
+    KSPConvergedReason reason;
+    PetscReal          residual, claimed, rounding;
+    PetscBool          lied;
+  } cases[] = {{"judge: right", KSP_CONVERGED_RTOL, 1.05e-3, 1e-3, 0, PETSC_FALSE},
+               {"judge: wrong", KSP_CONVERGED_RTOL, 1.2e-3, 1e-3, 0, PETSC_TRUE},
+               {"judge: wrong as claimed", KSP_CONVERGED_RTOL, 5e-3, 5e-3, 0, PETSC_TRUE},
+               {"judge: rounding", KSP_CONVERGED_RTOL, 5e-3, 1e-3, 2e12, PETSC_FALSE},
+               {"judge: not a number", KSP_CONVERGED_RTOL, NAN, 1e-3, 0, PETSC_TRUE},
+               {"judge: given up", KSP_DIVERGED_ITS, 1, 1, 0, PETSC_FALSE}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(cases); k++) {
+    SolverReport report = {.reason   = cases[k].reason,
+                           .asked    = 1e-3,
+                           .claimed  = cases[k].claimed,
+                           .residual = cases[k].residual};
+
+    SolverJudge(&report, cases[k].rounding);
+    CHECK_CLOSE(report.lied, cases[k].lied, 0, cases[k].name);
+  }
+}
+
 int main(int argc, char **argv)
 {
   PetscMPIInt size;
@@ -258,6 +285,7 @@ int main(int argc, char **argv)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(KSPRegister("liar", CreateLiar));
   PetscCall(KSPRegister("liar_from_start", CreateLiarFromStart));
+  TestJudge();
   PetscCall(TestRefused("-ksp_type liar", "liar"));
   PetscCall(TestRefused("-ksp_type liar -pressure_density_tolerance 1e-6", "liar about the density"));
   PetscCall(TestRefused("-ksp_type preonly -pc_type jacobi", "preconditioner alone"));
