@@ -2,6 +2,7 @@
 #include "../../src/storage/storage.h"
 #include "check.h"
 #include <errno.h>
+#include <string.h>
 #include <unistd.h>
 
 #define FOLDER  "output/test_storage/below"
@@ -96,6 +97,21 @@ static PetscErrorCode CheckSeals(void)
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
   PetscCall(FileCheckSeal(PETSC_COMM_WORLD, FILE_H5, &seal));
   CHECK(seal == SEAL_WRONG, "damage is noticed");
+  if (!rank) { /* the bit as it was, and two words exchanged */
+    FILE *file = fopen(FILE_H5, "r+b");
+    char  first[8], second[8];
+    int   byte;
+
+    CHECK(file && !fseek(file, 1000, SEEK_SET) && (byte = fgetc(file)) != EOF && !fseek(file, 1000, SEEK_SET) &&
+            fputc(byte ^ 1, file) != EOF && !fseek(file, 0, SEEK_SET) && fread(first, 8, 1, file) == 1 &&
+            !fseek(file, 1000, SEEK_SET) && fread(second, 8, 1, file) == 1 && memcmp(first, second, 8) &&
+            !fseek(file, 0, SEEK_SET) && fwrite(second, 8, 1, file) == 1 && !fseek(file, 1000, SEEK_SET) &&
+            fwrite(first, 8, 1, file) == 1 && !fclose(file),
+          "two words are exchanged");
+  }
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  PetscCall(FileCheckSeal(PETSC_COMM_WORLD, FILE_H5, &seal));
+  CHECK(seal == SEAL_WRONG, "exchanged words are noticed");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

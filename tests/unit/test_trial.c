@@ -2,8 +2,8 @@
    against the formulas, from states that are set by hand. Runs on any number of ranks. */
 #include "../../src/pressure/pressure_impl.h"
 #include "../../src/stepper/stepper_impl.h"
+#include "refuse.h"
 #include "setup.h"
-#include "check.h"
 
 #define D0  0.1  /* spacing, m */
 #define H   0.13 /* smoothing length, m */
@@ -111,6 +111,25 @@ static PetscErrorCode TestScales(void)
   CHECK_CLOSE(StepperReferenceVelocity(stepper), PetscSqrtReal(25 + 10 + capillary), 1e-12, "scene: velocity");
   CHECK_CLOSE(StepperEnergyAtHand(stepper), 12.5 + 40 + capillary, 1e-12, "scene: energy at hand");
   CHECK_CLOSE(s.pressure->relaxation_time, 2 * H / PetscSqrtReal(35 + capillary), 1e-12, "scene: relaxation time");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Liquids whose densities are too far apart are refused. */
+static PetscErrorCode TestDensities(void)
+{
+  PetscErrorCode code;
+  Stepper        stepper;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(QUIET "-bodies a,b -b_lower 1,0 -b_upper 2,1 -b_density 300", &s));
+  PetscCall(PressureCreate(s.cloud, &s.pressure));
+  PetscCall(StepperCreate(s.cloud, s.tension, s.pressure, &stepper));
+  RefuseBegin();
+  code = StepperSetFromOptions(stepper);
+  RefuseEnd(code, "-a_density is 2.66667 times -b_density", "scene: densities too far apart");
   PetscCall(StepperDestroy(&stepper));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -309,6 +328,37 @@ static PetscErrorCode TestWork(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Implicit viscosity does the work that the velocities change by; a solver that gives up is told. */
+static PetscErrorCode TestImplicit(PetscBool gives_up)
+{
+  StepTrial trial = {0};
+  Stepper   stepper;
+  Setup     s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(gives_up ? BLOCK "-a_viscosity 8000 -viscous_ksp_max_it 1" : BLOCK "-a_viscosity 8000", &s));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a;
+
+    s.cloud->field[FIELD_VELOCITY][DIM * a]     = x[0] + x[0] * x[1];
+    s.cloud->field[FIELD_VELOCITY][DIM * a + 1] = 2 * x[1] - x[1] * x[1];
+  }
+  PetscCall(CloudUpdate(s.cloud, FIELD_VELOCITY));
+  stepper->viscous.implicit = PETSC_TRUE;
+  PetscCall(StepForces(stepper, 1e-3, s.cloud->rest_density, PETSC_FALSE, &trial));
+  if (gives_up)
+    CHECK(trial.viscous.reason == KSP_DIVERGED_ITS && TrialFailed(&trial), "implicit viscosity: solver that gives up");
+  else {
+    CHECK(trial.viscous.reason > 0 && Work(s.cloud) < 0, "implicit viscosity: it takes energy");
+    CHECK_CLOSE(SetupSum(trial.sum[SUM_VISCOUS_WORK]) / Work(s.cloud), 1, 1e-9, "implicit viscosity: its work");
+  }
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A disc of radius R that grows with v = x: length of the edge 2 pi R, inflow -2 pi R^2 dt, the integral of sigma kappa
    2 pi sigma, the work -2 pi sigma R dt. */
 static PetscErrorCode TestCapillaryWork(void)
@@ -424,12 +474,16 @@ int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
+  PetscCall(UserErrorHandlerPush());
   PetscCall(TestStep());
   PetscCall(TestScales());
+  PetscCall(TestDensities());
   PetscCall(TestRefused());
   PetscCall(TestSums());
   PetscCall(TestGuard());
   PetscCall(TestWork());
+  PetscCall(TestImplicit(PETSC_FALSE));
+  PetscCall(TestImplicit(PETSC_TRUE));
   PetscCall(TestCapillaryWork());
   PetscCall(TestShaken());
   PetscCall(TestSubsteps());
