@@ -331,7 +331,8 @@ static PetscErrorCode TestWork(void)
 /* Implicit viscosity does the work that the velocities change by; a solver that gives up is told. */
 static PetscErrorCode TestImplicit(PetscBool gives_up)
 {
-  StepTrial trial = {0};
+  StepTrial trial    = {0};
+  PetscReal momentum = 0, size = 0;
   Stepper   stepper;
   Setup     s;
 
@@ -346,12 +347,19 @@ static PetscErrorCode TestImplicit(PetscBool gives_up)
     s.cloud->field[FIELD_VELOCITY][DIM * a + 1] = 2 * x[1] - x[1] * x[1];
   }
   PetscCall(CloudUpdate(s.cloud, FIELD_VELOCITY));
+  for (PetscInt a = 0; a < s.cloud->n_total; a++)
+    s.cloud->field[FIELD_PRESSURE][a] = 4e5 * s.cloud->field[FIELD_POSITION][DIM * a + 1];
   stepper->viscous.implicit = PETSC_TRUE;
   PetscCall(StepForces(stepper, 1e-3, s.cloud->rest_density, PETSC_FALSE, &trial));
   if (gives_up)
     CHECK(trial.viscous.reason == KSP_DIVERGED_ITS && TrialFailed(&trial), "implicit viscosity: solver that gives up");
   else {
-    CHECK(trial.viscous.reason > 0 && Work(s.cloud) < 0, "implicit viscosity: it takes energy");
+    CHECK(trial.viscous.reason > 0 && Work(s.cloud) != 0, "implicit viscosity: it works");
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+      momentum += s.cloud->field[FIELD_VELOCITY_STAR][DIM * a + 1] - s.cloud->field[FIELD_VELOCITY][DIM * a + 1];
+      size += PetscAbsReal(s.cloud->field[FIELD_VELOCITY][DIM * a + 1]);
+    }
+    CHECK_CLOSE(SetupSum(momentum) / SetupSum(size), 0, 1e-6, "implicit viscosity: momentum, whatever the pressure is");
     CHECK_CLOSE(SetupSum(trial.sum[SUM_VISCOUS_WORK]) / Work(s.cloud), 1, 1e-9, "implicit viscosity: its work");
   }
   PetscCall(StepperDestroy(&stepper));
