@@ -2,90 +2,10 @@
    the number of triangles a ray meets. */
 #include "stl.h"
 
-#define CELL      0.5  /* distance of the table's nodes, spacings */
+#define FARTHEST  1e6  /* sizes of the box: a file of 32-bit numbers has no better precision there than the box */
 #define BAND      4    /* the distance is exact so many spacings from the surface, and has that size beyond */
 #define TILT      1e-4 /* rays pass the nodes by so many cells, and so miss edges and corners that lie on nodes */
 #define MAX_NODES 2e8  /* of the table: 0.8 GB */
-
-/* The table: nodes lower + (i, j, k) cell, x fastest, 0 <= i < n[0] and so on; the band's width around the surface. */
-typedef struct {
-  char      path[PETSC_MAX_PATH_LEN];
-  PetscReal scale, offset[DIM];      /* of the file's unit, m */
-  PetscReal lower[DIM], upper[DIM];  /* of the surface, m */
-  PetscReal origin[DIM], cell, band; /* m */
-  PetscInt  n[DIM];
-  float     distance[]; /* [n2][n1][n0] m */
-} Stl;
-
-/* Squared distance of p to the triangle a, b, c (Ericson 2005, Real-Time Collision Detection, 5.1.5). */
-static PetscReal TriangleDistance2(const PetscReal p[DIM], const PetscReal corner[9])
-{
-  PetscReal        ab[DIM], ac[DIM], ap[DIM], bp[DIM], cp[DIM], near[DIM], d1, d2, d3, d4, d5, d6, va, vb, vc, v, w;
-  const PetscReal *a = corner, *b = corner + DIM, *c = corner + 2 * DIM;
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    ab[d] = b[d] - a[d];
-    ac[d] = c[d] - a[d];
-    ap[d] = p[d] - a[d];
-    bp[d] = p[d] - b[d];
-    cp[d] = p[d] - c[d];
-  }
-  d1 = Dot(ab, ap);
-  d2 = Dot(ac, ap);
-  d3 = Dot(ab, bp);
-  d4 = Dot(ac, bp);
-  d5 = Dot(ab, cp);
-  d6 = Dot(ac, cp);
-  va = d3 * d6 - d5 * d4;
-  vb = d5 * d2 - d1 * d6;
-  vc = d1 * d4 - d3 * d2;
-  if (d1 <= 0 && d2 <= 0)
-    v = w = 0; /* a */
-  else if (d3 >= 0 && d4 <= d3) {
-    v = 1; /* b */
-    w = 0;
-  } else if (d6 >= 0 && d5 <= d6) {
-    v = 0; /* c */
-    w = 1;
-  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    v = d1 / (d1 - d3); /* edge ab */
-    w = 0;
-  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    v = 0;
-    w = d2 / (d2 - d6); /* edge ac */
-  } else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    w = (d4 - d3) / ((d4 - d3) + (d5 - d6)); /* edge bc */
-    v = 1 - w;
-  } else {
-    v = vb / (va + vb + vc);
-    w = vc / (va + vb + vc);
-  }
-  for (PetscInt d = 0; d < DIM; d++) near[d] = ap[d] - v * ab[d] - w * ac[d];
-  return Dot(near, near);
-}
-
-/* Lowers the distances of the nodes within the band around a triangle. */
-static void AddDistance(Stl *stl, const PetscReal corner[9])
-{
-  PetscInt first[DIM], last[DIM];
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal low  = PetscMin(corner[d], PetscMin(corner[DIM + d], corner[2 * DIM + d])),
-                    high = PetscMax(corner[d], PetscMax(corner[DIM + d], corner[2 * DIM + d]));
-
-    first[d] = PetscMax(0, (PetscInt)PetscCeilReal((low - stl->band - stl->origin[d]) / stl->cell));
-    last[d]  = PetscMin(stl->n[d] - 1, (PetscInt)PetscFloorReal((high + stl->band - stl->origin[d]) / stl->cell));
-  }
-  for (PetscInt k = first[2]; k <= last[2]; k++)
-    for (PetscInt j = first[1]; j <= last[1]; j++)
-      for (PetscInt i = first[0]; i <= last[0]; i++) {
-        const PetscReal p[DIM] = {stl->origin[0] + i * stl->cell, stl->origin[1] + j * stl->cell,
-                                  stl->origin[2] + k * stl->cell};
-        float          *s      = &stl->distance[(k * stl->n[1] + j) * stl->n[0] + i];
-
-        *s = (float)PetscMin((PetscReal)*s, PetscSqrtReal(TriangleDistance2(p, corner)));
-      }
-}
 
 /* Changes the sign of the nodes behind a triangle, seen along x: after all triangles a node has the sign of the number
    of crossings. */
@@ -128,7 +48,7 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
   PetscReal nodes  = 1, margin;
 
   PetscFunctionBegin;
-  head.cell = CELL * domain->spacing;
+  head.cell = STL_CELL * domain->spacing;
   head.band = BAND * domain->spacing;
   margin    = head.band + 2 * head.cell;
   for (PetscInt d = 0; d < DIM; d++) {
@@ -151,7 +71,7 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
   PetscCall(PetscFree(body->shape_data));
   body->shape_data = stl;
   for (PetscInt k = 0; k < (PetscInt)nodes; k++) stl->distance[k] = (float)head.band;
-  for (PetscInt t = 0; t < n; t++) AddDistance(stl, corner + 9 * t);
+  PetscCall(StlDistances(stl, n, corner));
   for (PetscInt t = 0; t < n; t++) AddCrossings(stl, corner + 9 * t);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -176,7 +96,7 @@ static PetscErrorCode StlSetUp(Body body)
   const Stl      *stl    = (const Stl *)body->shape_data;
   const char     *path   = stl->path;
   const PetscReal scale  = stl->scale;
-  PetscReal      *corner, lower[DIM], upper[DIM];
+  PetscReal      *corner, lower[DIM], upper[DIM], farthest = 0;
   PetscInt        n;
 
   PetscFunctionBegin;
@@ -185,15 +105,23 @@ static PetscErrorCode StlSetUp(Body body)
   for (PetscInt d = 0; d < DIM; d++) {
     lower[d] = PETSC_MAX_REAL;
     upper[d] = PETSC_MIN_REAL;
+    farthest = PetscMax(farthest, FARTHEST * (domain->upper[d] - domain->lower[d]));
   }
+  for (PetscInt k = 0; k < 9 * n; k++) {
+    corner[k] = scale * corner[k] + stl->offset[k % DIM];
+    PetscCheckUser(corner[k] - domain->lower[k % DIM] <= farthest && domain->lower[k % DIM] - corner[k] <= farthest,
+                   domain->comm,
+                   "the STL file %s has a corner at %c = %g m in triangle %" PetscInt_FMT
+                   ", not a place near the box; check the file and -%sscale",
+                   path, "xyz"[k % DIM], (double)corner[k], k / 9 + 1, body->prefix);
+  }
+  PetscCall(StlClose(domain->comm, path, &n, corner));
   for (PetscInt k = 0; k < 9 * n; k++) {
     const PetscInt d = k % DIM;
 
-    corner[k] = scale * corner[k] + stl->offset[d];
-    lower[d]  = PetscMin(lower[d], corner[k]);
-    upper[d]  = PetscMax(upper[d], corner[k]);
+    lower[d] = PetscMin(lower[d], corner[k]);
+    upper[d] = PetscMax(upper[d], corner[k]);
   }
-  PetscCall(StlCheckClosed(domain->comm, path, n, corner, lower, upper));
   for (PetscInt d = 0; d < domain->dim; d++)
     PetscCheckUser(lower[d] < domain->upper[d] && upper[d] > domain->lower[d], domain->comm,
                    "the body %s is wholly outside the box: the surface in %s reaches from %g to %g m along %c",

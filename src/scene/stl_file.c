@@ -1,13 +1,16 @@
-/* Reads STL files, binary or text, and checks that their surface is closed. */
+/* Reads STL files, binary or text. */
 #include "stl.h"
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #define HEADER_BYTES   80
-#define TRIANGLE_BYTES 50   /* of a binary file: normal, three corners, two bytes */
-#define WELD           1e-6 /* of the size of the surface: corners closer than this in each coordinate are one */
+#define TRIANGLE_BYTES 50             /* of a binary file: normal, three corners, two bytes */
+#define BYTE_ORDER     "\xEF\xBB\xBF" /* the mark that some editors put before a text */
+#define WORD_LENGTH    32             /* of a word in a text file, at most */
 
 /* The whole file; NULL if it cannot be read. */
 static char *ReadAll(const char path[], long *size)
@@ -32,138 +35,185 @@ static char *ReadAll(const char path[], long *size)
   return text;
 }
 
-/* Corners of a binary file, 12 floats of 50 bytes each; little-endian as the format demands and the machine is. */
-static PetscErrorCode ParseBinary(const char *bytes, PetscInt n, PetscReal corner[])
-{
-  PetscFunctionBegin;
-  for (PetscInt t = 0; t < n; t++) {
-    float number[12];
+/* --- binary: 80 bytes, the number of triangles, the triangles; little-endian as the machine is --- */
 
-    memcpy(number, bytes + HEADER_BYTES + 4 + TRIANGLE_BYTES * t, sizeof(number));
-    for (PetscInt k = 0; k < 9; k++) corner[9 * t + k] = (PetscReal)number[3 + k];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+/* The number of triangles that a binary file says it has; -1 if it is too short to say. */
+static long CountBinary(const char *bytes, long size)
+{
+  unsigned count;
+
+  if (size < HEADER_BYTES + (long)sizeof(count)) return -1;
+  memcpy(&count, bytes + HEADER_BYTES, sizeof(count));
+  return (long)count;
 }
 
-/* Corners of a text file: the three numbers after each word "vertex". Returns how many corners there are, or minus the
-   number of the corner that is broken, from 1 on. corner may be NULL. */
-static PetscInt ParseText(const char *text, PetscReal corner[])
+static long BinaryLength(long n)
 {
-  PetscInt n = 0;
+  return HEADER_BYTES + (long)sizeof(unsigned) + TRIANGLE_BYTES * n;
+}
 
-  for (const char *at = strstr(text, "vertex"); at; at = strstr(at, "vertex")) {
-    at += strlen("vertex");
-    for (PetscInt k = 0; k < DIM; k++) {
-      char           *end;
-      const PetscReal number = (PetscReal)strtod(at, &end);
+static void ParseBinary(const char *bytes, long n, PetscReal corner[])
+{
+  for (long t = 0; t < n; t++) {
+    float number[12];
 
-      if (end == at) return -(n + 1);
-      if (corner) corner[DIM * n + k] = number;
-      at = end;
-    }
-    n++;
+    memcpy(number, bytes + HEADER_BYTES + sizeof(unsigned) + TRIANGLE_BYTES * t, sizeof(number));
+    for (int k = 0; k < 9; k++) corner[9 * t + k] = (PetscReal)number[3 + k];
   }
-  return n;
+}
+
+/* --- text: words between blanks, in capitals or not; "solid" and "endsolid" are followed by a name of any words --- */
+
+typedef struct {
+  const char *at, *end;
+  long        line;
+} Text;
+
+/* Goes on to the next word and copies it in small letters; empty at the end of the text. A word that is too long is cut
+   and so is none of the format's. */
+static void NextWord(Text *text, char word[WORD_LENGTH])
+{
+  int length = 0;
+
+  for (; text->at < text->end && isspace((unsigned char)*text->at); text->at++) text->line += *text->at == '\n';
+  for (; text->at < text->end && !isspace((unsigned char)*text->at); text->at++)
+    if (length < WORD_LENGTH - 1) word[length++] = *text->at ? (char)tolower((unsigned char)*text->at) : '?';
+  word[length] = 0;
+}
+
+static PetscBool Expect(Text *text, const char expected[])
+{
+  char word[WORD_LENGTH];
+
+  NextWord(text, word);
+  return (PetscBool)!strcmp(word, expected);
+}
+
+static void SkipLine(Text *text)
+{
+  while (text->at < text->end && *text->at != '\n' && *text->at != '\r') text->at++;
+}
+
+/* Three numbers; what they mean may be left open (NULL). */
+static PetscBool Numbers(Text *text, PetscReal number[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) {
+    char           *end;
+    const PetscReal value = (PetscReal)strtod(text->at, &end);
+
+    if (end == text->at || end > text->end) return PETSC_FALSE;
+    for (; text->at < end; text->at++) text->line += *text->at == '\n';
+    if (number) number[d] = value;
+  }
+  return PETSC_TRUE;
+}
+
+/* "facet" has been read: the rest of it. */
+static PetscBool Facet(Text *text, PetscReal corner[9])
+{
+  if (!Expect(text, "normal") || !Numbers(text, NULL) || !Expect(text, "outer") || !Expect(text, "loop"))
+    return PETSC_FALSE;
+  for (PetscInt c = 0; c < 3; c++)
+    if (!Expect(text, "vertex") || !Numbers(text, corner + DIM * c)) return PETSC_FALSE;
+  return (PetscBool)(Expect(text, "endloop") && Expect(text, "endfacet"));
+}
+
+/* All triangles, in a buffer to be freed with free. Returns false at what is no such text, at text->line. */
+static PetscBool ParseText(Text *text, long *n, PetscReal **corner)
+{
+  char      word[WORD_LENGTH];
+  long      room  = 0;
+  PetscBool solid = PETSC_FALSE; /* inside one */
+
+  *n      = 0;
+  *corner = NULL;
+  for (NextWord(text, word); word[0]; NextWord(text, word)) {
+    if (!solid && !strcmp(word, "solid")) {
+      solid = PETSC_TRUE;
+      SkipLine(text);
+    } else if (solid && !strcmp(word, "endsolid")) {
+      solid = PETSC_FALSE;
+      SkipLine(text);
+    } else if (solid && !strcmp(word, "facet")) {
+      if (*n == room) {
+        PetscReal *more = (PetscReal *)realloc(*corner, 9 * sizeof(PetscReal) * (size_t)(room = 2 * room + 1024));
+
+        if (!more) return PETSC_FALSE;
+        *corner = more;
+      }
+      if (!Facet(text, *corner + 9 * *n)) return PETSC_FALSE;
+      (*n)++;
+    } else
+      return PETSC_FALSE;
+  }
+  return (PetscBool)!solid; /* else it is cut off */
+}
+
+/* --- both --- */
+
+/* Whether a file begins like a text: perhaps a byte-order mark, blanks, "solid"; and has no byte 0 where the header of
+   a binary file stands, which may begin with "solid" too. */
+static PetscBool BeginsLikeText(const char *bytes, long size, const char **start)
+{
+  const char *at = bytes;
+
+  if (!strncmp(at, BYTE_ORDER, strlen(BYTE_ORDER))) at += strlen(BYTE_ORDER);
+  while (isspace((unsigned char)*at)) at++;
+  *start = at;
+  return (PetscBool)(!strncasecmp(at, "solid", strlen("solid")) &&
+                     !memchr(bytes, 0, (size_t)PetscMin(size, HEADER_BYTES)));
+}
+
+static PetscErrorCode ReadTextFile(MPI_Comm comm, const char path[], const char start[], const char end[], PetscInt *n,
+                                   PetscReal **corner)
+{
+  Text            text = {.at = start, .end = end, .line = 1};
+  PetscReal      *found;
+  long            count;
+  const PetscBool whole = ParseText(&text, &count, &found);
+  const PetscBool ended = (PetscBool)(text.at >= text.end);
+
+  PetscFunctionBegin;
+  if (!whole || count > PETSC_MAX_INT / 9) free(found);
+  PetscCheckUser(whole || !ended, comm, "the STL file %s is cut off: it ends before its 'endsolid'", path);
+  PetscCheckUser(whole, comm,
+                 "the STL file %s is broken at its line %ld: 'solid', then triangles of 'facet normal', 'outer loop', "
+                 "three times 'vertex', 'endloop', 'endfacet', and 'endsolid' are expected",
+                 path, text.line);
+  PetscCheckUser(count <= PETSC_MAX_INT / 9, comm, "the STL file %s has %ld triangles, more than the %ld allowed", path,
+                 count, (long)PETSC_MAX_INT / 9);
+  *n = (PetscInt)count;
+  PetscCall(PetscMalloc1(9 * count + 1, corner));
+  PetscCall(PetscArraycpy(*corner, found, 9 * count));
+  free(found);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode StlRead(MPI_Comm comm, const char path[], PetscInt *n, PetscReal **corner)
 {
-  long      size;
-  char     *text     = ReadAll(path, &size);
-  unsigned  count    = 0;
-  PetscBool binary   = PETSC_FALSE;
-  PetscInt  vertices = 0;
+  long           size, said;
+  char          *bytes = ReadAll(path, &size);
+  const char    *start;
+  PetscErrorCode bad = PETSC_SUCCESS;
 
   PetscFunctionBegin;
-  PetscCheckUser(text, comm, "the STL file %s cannot be read", path);
-  if (size >= HEADER_BYTES + 4) {
-    memcpy(&count, text + HEADER_BYTES, sizeof(count));
-    binary = (PetscBool)(size == HEADER_BYTES + 4 + (long)TRIANGLE_BYTES * (long)count);
-  }
-  if (!binary) vertices = strncmp(text, "solid", 5) ? 0 : ParseText(text, NULL);
-  if (!binary && (vertices <= 0 || vertices % 3)) {
-    free(text);
-    PetscCheckUser(vertices >= 0, comm, "the STL file %s is broken at its vertex number %" PetscInt_FMT, path,
-                   -vertices);
-    PetscCheckUser(vertices == 0, comm,
-                   "the STL file %s has %" PetscInt_FMT " vertices, which is no whole number of triangles", path,
-                   vertices);
-    PetscCheckUser(PETSC_FALSE, comm,
-                   "%s is no STL file: neither text with 'solid' and 'vertex' nor binary of the length it says", path);
-  }
-  *n = binary ? (PetscInt)count : vertices / 3;
-  PetscCall(PetscMalloc1(9 * *n + 1, corner));
-  if (binary)
-    PetscCall(ParseBinary(text, *n, *corner));
-  else
-    (void)ParseText(text, *corner);
-  free(text);
+  PetscCheckUser(bytes, comm, "the STL file %s cannot be read", path);
+  *n   = -1;
+  said = CountBinary(bytes, size);
+  if (said >= 0 && size == BinaryLength(said) && said <= PETSC_MAX_INT / 9) {
+    *n = (PetscInt)said;
+    PetscCall(PetscMalloc1(9 * said + 1, corner));
+    ParseBinary(bytes, said, *corner);
+  } else if (BeginsLikeText(bytes, size, &start))
+    bad = ReadTextFile(comm, path, start, bytes + size, n, corner);
+  free(bytes);
+  PetscCall(bad);
+  PetscCheckUser(*n >= 0 || said < 0, comm,
+                 "%s is no whole STL file: it does not begin with 'solid', and as a binary file it says %ld triangles, "
+                 "%ld bytes, but is %ld bytes long (at most %ld triangles are allowed)",
+                 path, said, BinaryLength(said), size, (long)PETSC_MAX_INT / 9);
+  PetscCheckUser(*n >= 0, comm, "%s is no STL file: it does not begin with 'solid' and is too short for a binary one",
+                 path);
   PetscCheckUser(*n > 0, comm, "the STL file %s has no triangle", path);
-  for (PetscInt k = 0; k < 9 * *n; k++)
-    PetscCheckUser(!PetscIsInfOrNanReal((*corner)[k]), comm,
-                   "the STL file %s has a number that is not finite in triangle "
-                   "%" PetscInt_FMT,
-                   path, k / 9 + 1);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* An edge between two corners, given as whole numbers of the welding length; low before high. */
-typedef struct {
-  long long end[2 * DIM];
-} Edge;
-
-static int CompareCorners(const long long a[], const long long b[])
-{
-  for (PetscInt d = 0; d < DIM; d++)
-    if (a[d] != b[d]) return a[d] < b[d] ? -1 : 1;
-  return 0;
-}
-
-static int CompareEdges(const void *a, const void *b)
-{
-  const long long *x = ((const Edge *)a)->end, *y = ((const Edge *)b)->end;
-  const int        first = CompareCorners(x, y);
-
-  return first ? first : CompareCorners(x + DIM, y + DIM);
-}
-
-PetscErrorCode StlCheckClosed(MPI_Comm comm, const char path[], PetscInt n, const PetscReal corner[],
-                              const PetscReal lower[DIM], const PetscReal upper[DIM])
-{
-  const PetscReal weld = WELD * PetscMax(upper[0] - lower[0], PetscMax(upper[1] - lower[1], upper[2] - lower[2]));
-  Edge           *edge;
-  PetscInt        edges = 0, open = 0;
-
-  PetscFunctionBegin;
-  PetscCheckUser(weld > 0, comm, "the surface in the STL file %s is a single point", path);
-  PetscCall(PetscMalloc1(3 * n, &edge));
-  for (PetscInt t = 0; t < n; t++) {
-    long long place[3][DIM];
-
-    for (PetscInt c = 0; c < 3; c++)
-      for (PetscInt d = 0; d < DIM; d++)
-        place[c][d] = (long long)PetscFloorReal((corner[9 * t + DIM * c + d] - lower[d]) / weld + 0.5);
-    for (PetscInt c = 0; c < 3; c++) {
-      const long long *p = place[c], *q = place[(c + 1) % 3];
-      const int        order = CompareCorners(p, q);
-
-      if (order == 0) continue; /* a triangle of no area */
-      memcpy(edge[edges].end, order < 0 ? p : q, sizeof(place[0]));
-      memcpy(edge[edges++].end + DIM, order < 0 ? q : p, sizeof(place[0]));
-    }
-  }
-  qsort(edge, (size_t)edges, sizeof(*edge), CompareEdges);
-  for (PetscInt k = 0; k < edges;) {
-    PetscInt same = 1;
-
-    while (k + same < edges && !CompareEdges(&edge[k], &edge[k + same])) same++;
-    open += same % 2;
-    k += same;
-  }
-  PetscCall(PetscFree(edge));
-  PetscCheckUser(open == 0, comm,
-                 "the surface in the STL file %s is not closed: %" PetscInt_FMT " edges belong to an odd number of "
-                 "triangles; repair it, so that inside and outside differ",
-                 path, open);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
