@@ -349,6 +349,20 @@ void DomainConfine(Domain domain, PetscReal x[DIM])
   }
 }
 
+void DomainWallVelocity(Domain domain, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  PetscInt faces = 0;
+
+  for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal *face = domain->wall_velocity[d][x[d] < domain->lower[d] ? 0 : 1];
+
+    if (x[d] >= domain->lower[d] && x[d] <= domain->upper[d]) continue;
+    for (PetscInt c = 0; c < DIM; c++) v[c] = faces == 0 || v[c] == face[c] ? face[c] : 0;
+    faces++;
+  }
+}
+
 PetscBool DomainOutside(Domain domain, const PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < domain->dim; d++) {

@@ -6,7 +6,7 @@
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
 #define CHECKPOINT_VERSION 2
-#define SCENE_TEXT         65536 /* room for the description of the scene: the most that HDF5 keeps in an attribute */
+#define HEAD_TEXT          65536 /* room for a text: the most that HDF5 keeps in an attribute */
 
 /* The head of the file: real and whole numbers, by name. */
 #define HEAD_REALS(X)                                                                                                  \
@@ -78,12 +78,13 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
 
 /* --- writing --- */
 
-static void HeadPut(H5File *h5, const Head *head, const char scene[])
+static void HeadPut(H5File *h5, const Head *head, const char scene[], const char options[])
 {
   H5FilePutText(h5, "format", CHECKPOINT_FORMAT);
   H5FilePutInt(h5, "format_version", CHECKPOINT_VERSION);
   H5FilePutText(h5, "version", ISPH_VERSION);
   H5FilePutText(h5, "scene", scene);
+  H5FilePutText(h5, "options", options);
   for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) H5FilePutReal(h5, real_names[k], 1, &head->real[k]);
   for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
 }
@@ -154,7 +155,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(H5FileCreate(output->comm, path, &h5));
   PetscCall(RestartSceneText(output, &scene));
-  HeadPut(&h5, &head, scene);
+  HeadPut(&h5, &head, scene, output->options ? output->options : "");
   PetscCall(PetscFree(scene));
   PetscCall(FieldsPut(output, &h5, &arrays, rows));
   PetscCall(H5FileClose(&h5, &failed));
@@ -184,9 +185,14 @@ static PetscBool HeadRead(H5File *h5, Head *head)
   return whole;
 }
 
-/* Reads the head and the description of the scene ([SCENE_TEXT], empty if there is none), if the file is a checkpoint.
+/* The texts in the head, empty where there is none: the scene's description, the options of the run that wrote it. */
+typedef struct {
+  char scene[HEAD_TEXT], options[HEAD_TEXT];
+} Texts;
+
+/* Reads the head and its texts, if the file is a checkpoint.
    Rank 0. */
-static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, char scene[], FileVerdict *verdict)
+static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *texts, FileVerdict *verdict)
 {
   H5File      h5;
   PetscBool   failed;
@@ -207,7 +213,8 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, char sce
   else if (H5FileGetInt(&h5, "format_version", &version) && version != CHECKPOINT_VERSION)
     *verdict = FILE_OTHER_VERSION;
   else if (HeadRead(&h5, head) && seal == SEAL_GOOD) {
-    (void)H5FileGetText(&h5, "scene", scene, SCENE_TEXT);
+    (void)H5FileGetText(&h5, "scene", texts->scene, HEAD_TEXT);
+    (void)H5FileGetText(&h5, "options", texts->options, HEAD_TEXT);
     *verdict = FILE_GOOD;
   }
   PetscCall(H5FileClose(&h5, &failed));
@@ -348,6 +355,21 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   output->checkpoint.next = ScheduleAfter(&output->checkpoint, time);
 }
 
+/* The walls move as the options say now. */
+static PetscErrorCode MoveWalls(Output output)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.integer[INT_BODY][a] == BODY_WALL)
+      DomainWallVelocity(output->cloud->domain, arrays.real[FIELD_POSITION] + DIM * a,
+                         arrays.real[FIELD_VELOCITY] + DIM * a);
+  PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
 {
   Head        head;
@@ -356,7 +378,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   Seal        seal;
   PetscBool   failed, strays, good = PETSC_FALSE;
   PetscInt    present;
-  char       *scene;
+  Texts      *texts;
 
   PetscFunctionBegin;
   ProgressBegin("the restart", "the checkpoint is as it was");
@@ -364,13 +386,12 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));
   PetscCall(FileCheckSeal(output->comm, file, &seal));
-  PetscCall(PetscCalloc1(SCENE_TEXT, &scene));
-  if (!output->rank) PetscCall(HeadGet(file, seal, &head, scene, &verdict));
+  PetscCall(PetscNew(&texts));
+  if (!output->rank) PetscCall(HeadGet(file, seal, &head, texts, &verdict));
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
   PetscCall(HeadCheck(output, file, &head, verdict));
-  PetscCall(RestartSceneCheck(output, file, scene));
-  PetscCall(PetscFree(scene));
+  PetscCall(RestartSceneCheck(output, file, texts->scene));
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
   strays = h5.strays;
@@ -383,6 +404,9 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCheckUser(good && !failed, output->comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   PetscCall(RestartCheckParticles(output, file));
+  PetscCall(MoveWalls(output));
   HeadUse(output, &head, state);
+  PetscCall(RestartOptionsSay(output, texts->options));
+  PetscCall(PetscFree(texts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

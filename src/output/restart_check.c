@@ -2,8 +2,9 @@
    was written, not who wrote it. */
 #include "output_impl.h"
 
-#define FLAW_LENGTH 256
-#define WALL_MARGIN 2 /* kernel supports and spacings: dummies of the walls are nearer to the box */
+#define FLAW_LENGTH   256
+#define WALL_MARGIN   2 /* kernel supports and spacings: dummies of the walls are nearer to the box */
+#define LIQUID_MARGIN 2 /* spacings: a negative -wall_guard lets liquid one behind a wall */
 
 /* Says what is wrong with a particle, unless something was wrong before. */
 static void Note(char flaw[FLAW_LENGTH], const char format[], ...)
@@ -54,7 +55,6 @@ static void CheckKind(Scene scene, const ParticleArrays *arrays, PetscInt a, cha
     Note(flaw, "particle %d has the mark %d of the free surface, not 0, 1 or 2", (int)id, (int)surface);
 }
 
-/* Liquid may be a little out of the box: it is put back into it, or taken away, in the next step. */
 static void CheckPlace(Cloud cloud, const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_LENGTH])
 {
   const Domain     domain = cloud->domain;
@@ -64,7 +64,7 @@ static void CheckPlace(Cloud cloud, const ParticleArrays *arrays, PetscInt a, ch
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscBool real   = (PetscBool)(d < domain->dim);
-    const PetscReal margin = !liquid ? wall : domain->face[d][0] == FACE_PERIODIC ? 0 : domain->spacing;
+    const PetscReal margin = !liquid ? wall : domain->face[d][0] == FACE_PERIODIC ? 0 : LIQUID_MARGIN * domain->spacing;
 
     if (real ? x[d] < domain->lower[d] - margin || x[d] > domain->upper[d] + margin : x[d] != 0 || v[d] != 0)
       Note(flaw, "particle %d is out of the box: %c = %g m", (int)arrays->integer[INT_ID][a], "xyz"[d], (double)x[d]);

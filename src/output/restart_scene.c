@@ -193,3 +193,59 @@ PetscErrorCode RestartSceneCheck(Output output, const char file[], const char st
                           file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Options that say how a run begins. Emitters need the packing's later, too. */
+static PetscBool OnlyAtStart(Scene scene, const char line[])
+{
+  static const char start[] = "-time_start", packing[] = "-packing_", cache[] = "-packing_cache";
+
+  if (!strncmp(line, cache, strlen(cache))) return PETSC_FALSE;
+  if (!strncmp(line, packing, strlen(packing))) return (PetscBool)!SceneEmits(scene);
+  return (PetscBool)(!strncmp(line, start, strlen(start)));
+}
+
+/* The line of a text of options that is of the same option as this line, or NULL. name: the length of its name. */
+static const char *SameOption(const char text[], const char line[], size_t name)
+{
+  const char *found = FindLine(text, line, name);
+
+  while (found && found[name] && found[name] != ' ' && found[name] != '\n') { /* a longer name */
+    found += strcspn(found, "\n");
+    found = FindLine(found + (*found == '\n'), line, name);
+  }
+  return found;
+}
+
+/* Prints the lines of a text of options that another text has not, or has with another value if 'values'. */
+static PetscErrorCode SayOptions(Scene scene, const char text[], const char other[], PetscBool values, PetscInt *said)
+{
+  PetscFunctionBegin;
+  for (const char *line = text, *next; *line; line = next) {
+    const size_t name = strcspn(line, " \n"), length = strcspn(line, "\n");
+    const char  *found  = line[0] == '-' ? SameOption(other, line, name) : line;
+    const size_t before = found ? strcspn(found, "\n") : 0;
+
+    next = line + length + (line[length] == '\n');
+    if (found && (!values || (before == length && !strncmp(line, found, length)))) continue;
+    if (!(*said)++) PetscCall(PetscPrintf(PETSC_COMM_SELF, "Options changed since the checkpoint was written:\n"));
+    PetscCall(PetscPrintf(PETSC_COMM_SELF, "  %.*s", (int)length, line));
+    if (found)
+      PetscCall(PetscPrintf(PETSC_COMM_SELF, " (was%.*s)", (int)(before - name), found + name));
+    else
+      PetscCall(PetscPrintf(PETSC_COMM_SELF, values ? " (was not given)" : " (not given any more)"));
+    PetscCall(
+      PetscPrintf(PETSC_COMM_SELF, "%s\n", OnlyAtStart(scene, line) ? ": acts at the start of a run only" : ""));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode RestartOptionsSay(Output output, const char stored[])
+{
+  PetscInt said = 0;
+
+  PetscFunctionBegin;
+  if (output->rank || !stored[0] || !output->options) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SayOptions(output->cloud->scene, output->options, stored, PETSC_TRUE, &said));
+  PetscCall(SayOptions(output->cloud->scene, stored, output->options, PETSC_FALSE, &said));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -3,6 +3,7 @@
 #include "packing_impl.h"
 #include <unistd.h>
 
+#define STRAY         2 /* spacings: a negative -wall_guard lets liquid one behind a wall */
 #define CACHE_VERSION 3 /* raise it when the same options give another packing, or the files another content */
 /* The hash is FNV-1a of 64 bits (Fowler, Noll, Vo; http://www.isthe.com/chongo/tech/comp/fnv). */
 #define HASH_START 0xCBF29CE484222325ULL
@@ -89,12 +90,13 @@ static PetscErrorCode FileName(const char folder[], unsigned long long hash, cha
 }
 
 /* Whether the contents are those of a packing: each id once, bodies that are liquid from the start and all of them,
-   places in the box, from which particles that came to rest may have strayed by the slack of the ghosts. */
+   places in the box, from which particles that came to rest may have strayed by the slack of the ghosts or behind a
+   wall. */
 static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const PetscInt body[], const PetscReal x[],
                        PetscBool seen[])
 {
   const Domain    domain                   = cloud->domain;
-  const PetscReal margin                   = cloud->slack + domain->spacing;
+  const PetscReal margin                   = cloud->slack + STRAY * domain->spacing;
   PetscBool       filled[SCENE_MAX_BODIES] = {PETSC_FALSE};
 
   for (PetscInt k = 0; k < n; k++) {

@@ -56,21 +56,6 @@ static PetscInt WallOrdinal(const Walls *walls, const PetscInt at[DIM])
   return CellIndex(walls->lattice.n, at[0], at[1], at[2]) - inside;
 }
 
-/* The wall's velocity v (m/s): that of the face; in an edge or corner zero in each component in which the faces
-   differ. */
-static void WallVelocity(const Walls *walls, const PetscInt at[DIM], PetscReal v[DIM])
-{
-  PetscInt faces = 0;
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal *face = walls->domain->wall_velocity[d][at[d] < walls->low[d] ? 0 : 1];
-
-    if (!StepsOutside(walls, d, at[d])) continue;
-    for (PetscInt c = 0; c < DIM; c++) v[c] = faces == 0 || v[c] == face[c] ? face[c] : 0;
-    faces++;
-  }
-}
-
 static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *context)
 {
   const Walls   *walls   = (const Walls *)source;
@@ -89,7 +74,7 @@ static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *cont
       sample.x[d] = lattice->origin[d] + (at[d] - walls->low[d]) * lattice->pitch[d];
       parent[d]   = PetscMax(walls->low[d] - 1, PetscMin(walls->high[d], at[d]));
     }
-    WallVelocity(walls, at, sample.v);
+    DomainWallVelocity(walls->domain, sample.x, sample.v);
     sample.id     = walls->first_id + number++;
     sample.parent = walls->first_id + WallOrdinal(walls, parent);
     PetscCall(visitor(context, &sample));

@@ -25,8 +25,11 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                              sim->time_end, &sim->time_end, &sim->has_end));
   PetscCall(
     OptionInt("-steps_max", "number of steps after which the run ends (1); 0: no bound", "[0, inf)", &sim->steps_max));
-  PetscCall(PetscOptionsString("-restart", "checkpoint file to continue from", "SimSetFromOptions", sim->restart,
-                               sim->restart, sizeof(sim->restart), NULL));
+  PetscCall(
+    PetscOptionsString("-restart",
+                       "checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids "
+                       "and bodies must be the same, but for their viscosity and color",
+                       "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
   PetscCall(PetscOptionsBool("-dry_run",
                              "set up, print particles, memory, time-step bounds, estimated time and output, draw the "
                              "scene, stop",

@@ -397,7 +397,7 @@ OTHER = (  # options in place of those of the scene, words of the refusal
     ("-box_lower 0.4,0 -box_upper 1.4,1", "-box_lower"),
     ("-box_upper 1.00001,1", "-box_upper"), ("-box_x wall", "-box_xmin"), ("-box_x open", "-box_xmax"),
     ("-box_x symmetry", "-box_xmin"), ("-box_ymin open", "-box_ymin"), ("-box_ymax wall", "-box_ymax"),
-    ("-bodies drop,film", "-bodies"), ("-bodies film", "bodies"),
+    ("-bodies drop,film", "-bodies"), ("-bodies film", "drop"),
     ("-bodies film,drop,more -more_lower 0.9,0.9", "bodies"),
     ("-film_density 900", "-film_density"), ("-drop_tension 2", "-drop_tension"), ("-film_upper 1,0.35", "film"),
     ("-drop_radius 0.14", "drop"), ("-drop_center 0.5,0.56", "drop"), ("-drop_shape box -drop_lower 0,.5", "drop"),
@@ -410,7 +410,7 @@ OTHER = (  # options in place of those of the scene, words of the refusal
     ("-film_type emitter -film_velocity 0,1", "film"),
     ("-drop_type emitter", "-drop_type"))
 SAME = ("-gravity 0,-1", "-film_viscosity 2", "-ksp_rtol 1e-9", "-time_cfl 0.1", "-film_color 7", "-shifting 0",
-        "-snapshot_double -snapshot_interval 0.01", "-kernel_ratio 1.3", "-box_upper 1,1.0")
+        "-snapshot_double -snapshot_interval 0.01", "-kernel_ratio 1.3", "-box_upper 1,1.0", "-packing_seed 7")
 
 
 def scenes(number, rng):
@@ -421,9 +421,16 @@ def scenes(number, rng):
         code, _, err = attempt(SCENE + options + f" -steps_max 1 -restart {good} -output_dir {folder}", 1 + k % 4)
         judge("other scene", options, code, err, "refused", folder, (word,))
     for k, options in enumerate(rng.sample(SAME, min(max(2, number // 3), len(SAME)))):
-        code, _, err = attempt(f"{SCENE} {options} -steps_max 1 -restart {good} -output_dir {folder} -output_overwrite",
-                               1 + k % 4)
+        code, out, err = attempt(f"{SCENE} {options} -steps_max 1 -restart {good} -output_dir {folder} "
+                                 "-output_overwrite", 1 + k % 4)
         judge("same scene", options, code, err, "run", folder)
+        said = [line for line in out.splitlines() if line.startswith(f"  {options.split()[0]} ") and "(was" in line]
+        runs.check(len(said) == 1 and ("start of a run only" in said[0]) == ("packing" in options),
+                   f"a restart says {options}", out[:300])
+    folder = runs.run(SCENE + f"-box_ymin_velocity 3,0 -steps_max 1 -restart {good}", "moving")
+    with h5py.File(runs.numbered(folder, "checkpoint")[-1], "r") as file:
+        wall = file["body"][:] == -1
+        runs.check(wall.any() and (file["velocity"][:][wall] == (3, 0, 0)).all(), "a wall moves as a restart says")
     runs.check(not tally["other scene"]["failed"] and not tally["same scene"]["failed"], "scenes_at_a_restart")
 
 

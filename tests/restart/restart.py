@@ -60,7 +60,7 @@ def test(name, scene, spacing, ranks, others):
         if n == ranks:
             runs.check(not same(final, again), label + "_bitwise", f"differing fields: {same(final, again)}")
             heads = runs.head(end), runs.head(runs.numbered(b, "checkpoint")[-1])
-            other = [k for k in heads[0] if k != "wall_time" and heads[0][k] != heads[1].get(k)]
+            other = [k for k in heads[0] if k not in ("wall_time", "options") and heads[0][k] != heads[1].get(k)]
             runs.check(not other, label + "_head", f"differing: {other}")
             compare_series(label + "_series", runs.series(a), runs.series(b))
             last = [runs.fields(runs.numbered(folder, "snapshot")[-1]) for folder in (a, b)]
