@@ -40,6 +40,7 @@ static void CheckReals(const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_
       if (PetscIsInfOrNanReal(arrays->real[f][Fields[f].width * a + c]))
         Note(flaw, "the %s of particle %d is not finite", Fields[f].name, id);
   if (arrays->real[FIELD_DENSITY][a] < 0) Note(flaw, "the density of particle %d is negative", id);
+  if (arrays->real[FIELD_VOLUME] && arrays->real[FIELD_VOLUME][a] <= 0) Note(flaw, "particle %d has no volume", id);
 }
 
 static void CheckKind(Scene scene, const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_LENGTH])
