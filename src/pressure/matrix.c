@@ -241,7 +241,7 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, RowEntries 
         s->oa[off++] = -e->weight[k];
       }
     }
-    PetscCall(PetscSortIntWithScalarArray(off - s->oi[r], s->oj + s->oi[r], s->oa + s->oi[r]));
+    if (off > s->oi[r]) PetscCall(PetscSortIntWithScalarArray(off - s->oi[r], s->oj + s->oi[r], s->oa + s->oi[r]));
   }
   PetscCall(PetscFree(end));
   PetscFunctionReturn(PETSC_SUCCESS);
