@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Very viscous liquid in the long steps of implicit viscosity: a sheet from an emitter stays whole, a tank comes to rest,
-and a hanging sheet stretches as it does in small steps."""
+"""Very viscous liquid in the long steps of implicit viscosity: a sheet from an emitter stays whole, a tank comes to
+rest, and a hanging sheet stretches as it does in small steps."""
 import os
 import sys
 
