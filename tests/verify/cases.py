@@ -19,7 +19,7 @@ class Entry(NamedTuple):
     printed   of the reference scheme, as printed
     file      options file of the case
     spacings  of `make convergence`, from coarse to fine; none: not part of it
-    named     of the program's own parts beside its defaults, "Cahn-Hilliard" say: reported, never judged
+    named     of the program's own parts beside its defaults: "Cahn-Hilliard", say
     ranks     processes; entries with more than one run alone
     """
     case: str
@@ -122,7 +122,7 @@ ENTRIES += [Entry("dam_break", "collapse", REGULAR, TEST, spacings=(5.715e-3, 2.
 # surface tension: with the default model, the paper's (calibrated for the program; as printed), and the whole scheme
 # as printed
 def tensions(case, label="", size=SHORT, spacings=(), coarse=(), as_printed="", **more):
-    """The entry of the default, and those that are reported beside it, at the coarse spacings; as_printed goes to the
+    """The entry of the default, and those of other models beside it, at the coarse spacings; as_printed goes to the
     last alone."""
     paper = dict(more, size=SHORT, printed=True, spacings=coarse or spacings)
     ch = "-tension_type cahn_hilliard"

@@ -97,8 +97,8 @@ def codes(measured):
 runs.check(codes(2.1) == (0, 0), "known_misses_end_with_0", codes(2.1))
 for measured in (0.9, 1.7, 2.3):
     runs.check(codes(measured) == (1, 1), f"others_end_with_1_{measured}", codes(measured))
-reported = runner.Outcome(entry._replace(named="other"), [physics.at_most("a", 2, 1)]).rows({})
-runs.check(reported[0]["pass"] == "reported: no", "named_parts_are_reported", reported)
+other = runner.Outcome(entry._replace(named="other"), [physics.at_most("a", 2, 1)]).rows({})
+runs.check(other[0]["pass"] == misses.FAILED, "named_parts_are_judged", other)
 
 
 def refused(*lines):

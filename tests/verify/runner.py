@@ -80,8 +80,6 @@ class Outcome:
         rows = []
         for name, words, value, passed in lines:
             word, remark = misses.judge(passed, value, records.get((self.entry.id, name)))
-            if self.entry.named and passed is not None:
-                word, remark = f"reported: {'yes' if passed else 'no'}", ""
             rows.append((name, words, value, word, remark))
         if not self.reason:
             rows += [(name, ("-", "-", "-"), math.nan, misses.FAILED, remark)
