@@ -16,7 +16,7 @@ static const char *const EventNames[EVENT_COUNT] = {
   [EVENT_RESIDUAL] = "SphResidual",   [EVENT_GRADIENT] = "SphGradient",
   [EVENT_SHIFT] = "SphShift",         [EVENT_GUARD] = "SphGuard",
   [EVENT_PACKING] = "SphPacking",     [EVENT_OUTPUT] = "SphOutput",
-  [EVENT_GAUGES] = "SphGauges",
+  [EVENT_GAUGES] = "SphGauges",       [EVENT_RESAMPLING] = "SphResampling",
 };
 
 static const char *const StageNames[STAGE_COUNT] = {

@@ -24,7 +24,8 @@
   X(DIVERGENCE, "divergence")                                                                                          \
   X(SPACING, "spacing")                                                                                                \
   X(LEVEL, "level")                                                                                                    \
-  X(WALL_TIME, "wall_time")
+  X(WALL_TIME, "wall_time")                                                                                            \
+  X(RESAMPLING_LOSS, "resampling_loss")
 #define HEAD_INTS(X)                                                                                                   \
   X(DIMENSION, "dimension")                                                                                            \
   X(BODIES, "bodies")                                                                                                  \
@@ -33,7 +34,9 @@
   X(STEP, "step")                                                                                                      \
   X(ITERATIONS, "iterations")                                                                                          \
   X(REJECTED, "rejected")                                                                                              \
-  X(LOST, "lost")
+  X(LOST, "lost")                                                                                                      \
+  X(JOINED, "joined")                                                                                                  \
+  X(SPLIT, "split")
 #define HEAD_REAL_ID(id, name) HEAD_##id,
 #define HEAD_NAME(id, name)    name,
 enum { HEAD_REALS(HEAD_REAL_ID) HEAD_REAL_COUNT };
@@ -63,6 +66,7 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
   head->real[HEAD_START_DENSITY]      = state->start_density;
   head->real[HEAD_TENSION_WORK]       = state->tension_work;
   head->real[HEAD_DIVERGENCE]         = state->divergence;
+  head->real[HEAD_RESAMPLING_LOSS]    = state->resampling_loss;
   head->real[HEAD_SPACING]            = domain->spacing;
   head->real[HEAD_LEVEL]              = GaugesLevel(output->gauges);
   head->real[HEAD_WALL_TIME]          = OutputWallTime(output);
@@ -74,6 +78,8 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
   head->integer[HEAD_ITERATIONS]      = state->iterations;
   head->integer[HEAD_REJECTED]        = state->rejected;
   head->integer[HEAD_LOST]            = state->lost;
+  head->integer[HEAD_JOINED]          = state->joined;
+  head->integer[HEAD_SPLIT]           = state->split;
 }
 
 /* --- writing --- */
@@ -175,13 +181,15 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 /* What rank 0 finds wrong with a file. */
 typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION } FileVerdict;
 
-/* Whether all numbers of the head are there. */
+/* Whether all numbers of the head are there. Those of joining and splitting are zero in a file of before. */
 static PetscBool HeadRead(H5File *h5, Head *head)
 {
   PetscBool whole = PETSC_TRUE;
 
-  for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++) whole = H5FileGetReal(h5, real_names[k], &head->real[k]);
-  for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++) whole = H5FileGetInt(h5, int_names[k], &head->integer[k]);
+  for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++)
+    whole = (PetscBool)(H5FileGetReal(h5, real_names[k], &head->real[k]) || k == HEAD_RESAMPLING_LOSS);
+  for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++)
+    whole = (PetscBool)(H5FileGetInt(h5, int_names[k], &head->integer[k]) || k == HEAD_JOINED || k == HEAD_SPLIT);
   return whole;
 }
 
@@ -348,6 +356,9 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->iterations         = (PetscInt)head->integer[HEAD_ITERATIONS];
   state->rejected           = (PetscInt)head->integer[HEAD_REJECTED];
   state->lost               = (PetscInt)head->integer[HEAD_LOST];
+  state->resampling_loss    = head->real[HEAD_RESAMPLING_LOSS];
+  state->joined             = (PetscInt)head->integer[HEAD_JOINED];
+  state->split              = (PetscInt)head->integer[HEAD_SPLIT];
   output->wall_before       = head->real[HEAD_WALL_TIME];
   GaugesSetLevel(output->gauges, head->real[HEAD_LEVEL]);
   output->series.next     = ScheduleAfter(&output->series, time);

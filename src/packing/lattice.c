@@ -7,7 +7,8 @@
                         */
 #define SUBPOINTS   6  /* a direction: the share of a lattice cell inside a body is exact to about a percent */
 #define RING_POINTS 40 /* the same of rings, whose cells are few */
-#define TIE         0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
+
+#define TIE 0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
 
 typedef struct {
   PetscReal jitter; /* largest displacement a component, in spacings */

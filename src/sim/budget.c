@@ -49,7 +49,7 @@ PetscErrorCode BudgetReport(Sim sim)
   viscous   = totals.multiplicity * state->viscous_work;
   tension   = totals.multiplicity * state->tension_work;
   gain      = Energy(&totals) - state->start_energy;
-  residual  = gain - viscous - tension;
+  residual  = gain - viscous - tension + totals.multiplicity * state->resampling_loss;
   exchanged = totals.kinetic_energy + PetscAbsReal(viscous) + PetscAbsReal(tension) + PetscAbsReal(gain);
   PetscCall(
     PetscPrintf(sim->comm,
@@ -59,6 +59,11 @@ PetscErrorCode BudgetReport(Sim sim)
                 "  divergence  rms %.2g a step (times the time step), of which the solver left %.2g\n",
                 (double)state->density_error, 100 * (double)(state->start_density / state->density_mean - 1),
                 state->lost, (double)state->divergence, (double)state->solver_error));
+  if (state->joined + state->split > 0)
+    PetscCall(PetscPrintf(sim->comm,
+                          "  particles   %" PetscInt_FMT " joined with others, %" PetscInt_FMT
+                          " split, which took %.3g %s of kinetic energy\n",
+                          state->joined, state->split, (double)(totals.multiplicity * state->resampling_loss), joule));
   PetscCall(PetscPrintf(sim->comm,
                         "  energy      kinetic %.4g, potential %.4g, together %+.4g %s since the start; viscosity gave "
                         "%.4g, tension %.4g\n"

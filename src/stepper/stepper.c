@@ -185,6 +185,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(SetViscosityFromOptions(s));
   PetscCall(SurfaceTestSetFromOptions(s->cloud->comm, &s->surface_test));
   PetscCall(TimeStepSetFromOptions(s));
+  PetscCall(ResamplingSetFromOptions(s->cloud, &s->resampling));
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
   PetscCall(CheckRings(s));
@@ -266,13 +267,29 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   if (sum[SUM_AREA] > 0) state->tension_work -= sum[SUM_INFLOW] * sum[SUM_CAPILLARY_AREA] / sum[SUM_AREA];
 }
 
+/* Joins and splits particles after an accepted step, if it is time; not in a step that has lost some, after which the
+   cloud knows nothing of the step any more. */
+static PetscErrorCode JoinAndSplit(Stepper stepper, PetscBool lost, StepState *state)
+{
+  const PetscInt   interval = stepper->resampling.interval;
+  ResamplingReport report;
+
+  PetscFunctionBegin;
+  if (interval == 0 || state->step % interval || lost || stepper->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Resample(stepper->cloud, &stepper->resampling, &report));
+  state->resampling_loss += report.energy;
+  state->joined += report.joined;
+  state->split += report.split;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length)
 {
   Cloud     cloud = stepper->cloud;
   StepTrial trial;
   PetscReal dt;
-  PetscInt  iterations = 0;
+  PetscInt  iterations = 0, lost = state->lost;
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, end, &dt));
@@ -300,6 +317,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscCall(CloudCommit(cloud, &state->lost));
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
+  PetscCall(JoinAndSplit(stepper, (PetscBool)(state->lost > lost), state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

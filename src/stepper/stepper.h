@@ -5,6 +5,7 @@
 
 #include "../operators/operators.h"
 #include "../pressure/pressure.h"
+#include "../resampling/resampling.h"
 #include "../tension/tension.h"
 
 typedef struct _p_Stepper *Stepper;
@@ -20,10 +21,12 @@ typedef struct {
   PetscReal surface_energy;     /* sigma times the area of the free surface, J (J/m in two dimensions) */
   PetscReal viscous_work;       /* done by viscosity on the fluid so far, J: what it dissipates counts negative */
   PetscReal tension_work;       /* done by surface tension on the fluid so far, J */
+  PetscReal resampling_loss;    /* kinetic energy lost by joining and splitting particles so far, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
   PetscReal start_density;      /* density_mean then */
   PetscInt  rejected;           /* steps rolled back so far */
   PetscInt  lost;               /* particles that left through open faces so far */
+  PetscInt  joined, split;      /* particles that are gone by joining, that came by splitting so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
 } StepState;
 

@@ -102,6 +102,7 @@ struct _p_Stepper {
   PetscReal      fastest; /* m/s, of all the liquid, at that time */
   Viscosity      viscosity;
   SurfaceTest    surface_test;
+  Resampling     resampling;
   Viscous        viscous;
   PetscReal      guard;              /* spacings that particles keep from walls */
   PetscReal      density_ratio_max;  /* of the densities of two bodies */

@@ -35,6 +35,12 @@ RINGS = """-dimension axisymmetric -spacing 0.8e-3 -box_lower 0,-6.4e-3 -box_upp
  -box_ymin wall -gravity 0,-9.81 -bodies film,drop -film_lower 0,-6.4e-3 -film_upper 16e-3,0 -film_density 1100
  -film_viscosity 3.5e-3 -film_tension 0.067 -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.2e-3
  -drop_velocity 0,-3 -drop_density 1100 -drop_viscosity 3.5e-3 -drop_tension 0.067 -time_step 4e-5 """
+# Two rings of liquid, one that grows thin and one that grows fat: particles join and split.
+TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall
+ -gravity 0,-9.81 -bodies a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_viscosity 3.5e-3
+ -a_tension 0.067
+ -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
+ -time_step 8e-5 -resampling_interval 3 """
 TOLERANCE = 1e-10  # spacings
 COMMON = "-ksp_rtol 1e-12 -steps_max 20 "
 
@@ -59,6 +65,7 @@ compare("splash", SPLASH, (2, 3, 4), 0.8e-3, 3, TOLERANCE)
 start = runs.numbered(runs.run(PAPER + "-ksp_rtol 1e-12 -steps_max 1", "paper_start"), "checkpoint")[-1]
 compare("splash_paper", PAPER + f"-restart {start} ", (2, 3), 0.8e-3, 3, TOLERANCE)
 compare("rings", RINGS, (2, 4), 0.8e-3, 3, TOLERANCE)
+compare("tori", TORI, (2, 4), 1e-3, 3, TOLERANCE)
 compare("periodic_2d", PERIODIC_2D, (2, 3, 4), 0.02, 4, TOLERANCE)
 compare("lonely", LONELY, (2, 4), 1e-3, 1, TOLERANCE)
 runs.done()

@@ -21,6 +21,13 @@ RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 1
  -gravity 0,-9.81 -bodies film,drop -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3 -film_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.8e-3 -drop_velocity 0,-3 -drop_tension 0.067 -snapshot_double
  -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4 """
+# Two rings of liquid, one that grows thin and one that grows fat: particles join and split.
+TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall
+ -gravity 0,-9.81 -bodies a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_viscosity 3.5e-3
+ -a_tension 0.067
+ -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
+ -time_step 8e-5 -resampling_interval 3 -snapshot_double -checkpoint_interval 9e-4
+ -series_interval 1e-4 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
@@ -75,6 +82,7 @@ test("impact", IMPACT, 1e-3, 1, [])
 test("impact_parallel", IMPACT, 1e-3, 2, [1, 3])
 test("plane", PLANE, 0.02, 1, [2])
 test("rings", RINGS, 1e-3, 2, [1])
+test("tori", TORI, 1e-3, 1, [3])
 # in the folder of the checkpoint itself: the series goes on behind the restart
 folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
 before = runs.series(folder)

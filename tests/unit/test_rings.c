@@ -1,5 +1,6 @@
 /* Rings (-dimension axisymmetric): volumes, and the operators near the axis against fields with known answers. Lengths
    in spacings. Runs on any number of ranks. */
+#include "../../src/resampling/resampling.h"
 #include "setup.h"
 #include "check.h"
 
@@ -287,6 +288,90 @@ static PetscErrorCode TestTension(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sums over the liquid: volume, of it times height, radial and axial velocity, and half its square. */
+typedef struct {
+  PetscReal V, z, v[2], energy;
+  PetscReal least, most; /* ring areas over V_0; largest inside */
+  PetscInt  count, highest;
+} Sums;
+
+static Sums SumUp(Setup *s)
+{
+  Cloud cloud = s->cloud;
+  Sums  sums  = {.least = PETSC_MAX_REAL};
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *v = cloud->field[FIELD_VELOCITY] + DIM * a,
+                    V = cloud->volume[a], area = V / DomainRingLength(cloud->domain, x);
+
+    sums.V += V;
+    sums.z += V * x[1];
+    for (PetscInt d = 0; d < 2; d++) sums.v[d] += V * v[d];
+    sums.energy += 0.5 * cloud->rest_density[a] * V * Dot(v, v);
+    sums.least = PetscMin(sums.least, area);
+    if (Inside(cloud, a)) sums.most = PetscMax(sums.most, area); /* there is no room for two in a corner of the box */
+    sums.count++;
+    sums.highest = PetscMax(sums.highest, cloud->integer[INT_ID][a]);
+  }
+  sums.V      = SetupSum(sums.V);
+  sums.z      = SetupSum(sums.z);
+  sums.v[0]   = SetupSum(sums.v[0]);
+  sums.v[1]   = SetupSum(sums.v[1]);
+  sums.energy = SetupSum(sums.energy);
+  sums.least  = -SetupMax(-sums.least);
+  sums.most   = SetupMax(sums.most);
+  sums.count  = (PetscInt)SetupSum((PetscReal)sums.count);
+  return sums;
+}
+
+/* Every third ring of a tank that flows is made thin and every seventh fat: joining and splitting take the areas back
+   between their bounds and keep volume, its height and momentum; energy changes by what is reported. */
+static PetscErrorCode TestResampling(void)
+{
+  Setup            s;
+  ParticleArrays   arrays;
+  Resampling       resampling;
+  ResamplingReport report;
+  Sums             before, after;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(TANK "-packing_jitter 0.2", &s));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt id = arrays.integer[INT_ID][a];
+
+    arrays.real[FIELD_VOLUME][a] *= id % 7 == 0 ? 1.7 : id % 3 == 0 ? 0.3 : 0.9;
+    Vortex(arrays.real[FIELD_POSITION] + DIM * a, arrays.real[FIELD_VELOCITY] + DIM * a);
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscArraycpy(s.cloud->field[FIELD_VELOCITY_STAR], s.cloud->field[FIELD_VELOCITY], DIM * s.cloud->n_total));
+  PetscCall(SetupDivergence(&s));
+  before = SumUp(&s);
+  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
+  PetscCall(Resample(s.cloud, &resampling, &report));
+  after = SumUp(&s);
+  CHECK(report.joined > 50 && report.split > 20, "resampling_joins_and_splits");
+  CHECK(after.count == before.count - report.joined + report.split, "resampling_counts");
+  CHECK_CLOSE(after.V / before.V, 1, 1e-13, "resampling_keeps_the_volume");
+  CHECK_CLOSE((after.z - before.z) / before.V, 0, 1e-13, "resampling_keeps_the_height");
+  CHECK_CLOSE((after.v[0] - before.v[0]) / before.V, 0, 1e-13, "resampling_keeps_the_flow_outwards");
+  CHECK_CLOSE((after.v[1] - before.v[1]) / before.V, 0, 1e-13, "resampling_keeps_momentum");
+  CHECK_CLOSE((before.energy - after.energy - report.energy) / before.energy, 0, 1e-13,
+              "resampling_reports_the_energy");
+  CHECK(before.most > 1.6 && after.most < 1.6, "resampling_leaves_none_fat");
+  for (PetscInt k = 0; k < 5; k++) { /* of three in a row one waits for the next time */
+    PetscCall(SetupMoments(&s));
+    PetscCall(SetupDivergence(&s));
+    PetscCall(Resample(s.cloud, &resampling, &report));
+  }
+  after = SumUp(&s);
+  CHECK(before.least < 0.35 && after.least > 0.55 && after.count < 0.9 * before.count, "resampling_joins_the_thin");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -295,6 +380,7 @@ int main(int argc, char **argv)
   PetscCall(TestLaplacian());
   PetscCall(TestViscosity());
   PetscCall(TestTension());
+  PetscCall(TestResampling());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

@@ -1,0 +1,154 @@
+/* Which particles change, and how the swarm becomes what they are then. */
+#include "resampling_impl.h"
+
+/* Chosen for rings, no reference: joined, two of the smallest are 1.2 at most; split, the largest is two of 0.8. */
+#define INTERVAL 10
+#define LEAST    0.6
+#define MOST     1.6
+#define TOGETHER 1.3
+#define REACH    1.25
+#define PATH     0.45 /* 0.75 spacings for a share of 0.6; what is almost nothing may go further */
+
+PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
+{
+  PetscFunctionBegin;
+  *r = (Resampling){
+    .interval = INTERVAL, .least = LEAST, .most = MOST, .together = TOGETHER, .reach = REACH, .path = PATH};
+  PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings", "Resampling");
+  if (cloud->domain->rings || HelpWanted()) {
+    PetscCall(OptionInt("-resampling_interval",
+                        "steps from one joining and splitting of rings to the next (1); 0: never", "[0, inf)",
+                        &r->interval));
+    PetscCall(
+      OptionReal("-resampling_least", "ring area over spacing^2 below which rings join (1)", "[0, 1)", &r->least));
+    PetscCall(
+      OptionReal("-resampling_most", "ring area over spacing^2 above which rings split (1)", "(1.2, inf)", &r->most));
+  } else
+    r->interval = 0;
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
+{
+  const Domain domain = cloud->domain;
+
+  PetscFunctionBegin;
+  *change = (Change){.split = 0};
+  PetscCall(
+    PetscMalloc3(cloud->n_owned, &change->keep, cloud->n_owned, &change->changed, cloud->n_total, &change->share));
+  PetscCall(PetscMalloc2(cloud->n_fluid, &change->parent, DIM * cloud->n_fluid, &change->at));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    change->keep[a]    = PETSC_TRUE;
+    change->changed[a] = PETSC_FALSE;
+  }
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    change->share[a] =
+      cloud->volume[a] / (DomainRingLength(domain, cloud->field[FIELD_POSITION] + DIM * a) * domain->volume);
+  PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ids of the new particles ([split]): behind all there are, in the order of their parents' ids over all ranks. */
+static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[])
+{
+  PetscInt    last = 0, *own, *all;
+  PetscMPIInt size, n = (PetscMPIInt)change->split, *count, *start, total = 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) last = PetscMax(last, cloud->integer[INT_ID][a]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPIU_INT, MPI_MAX, cloud->comm));
+  PetscCall(PetscMalloc3(size, &count, size, &start, n, &own));
+  for (PetscMPIInt k = 0; k < n; k++) own[k] = cloud->integer[INT_ID][change->parent[k]];
+  PetscCallMPI(MPI_Allgather(&n, 1, MPI_INT, count, 1, MPI_INT, cloud->comm));
+  for (PetscMPIInt r = 0; r < size; r++) {
+    start[r] = total;
+    total += count[r];
+  }
+  PetscCall(PetscMalloc1(total, &all));
+  PetscCallMPI(MPI_Allgatherv(own, n, MPIU_INT, all, count, start, MPIU_INT, cloud->comm));
+  PetscCall(PetscSortInt(total, all));
+  for (PetscMPIInt k = 0; k < n; k++) {
+    PetscInt place;
+
+    PetscCall(PetscFindInt(own[k], total, all, &place));
+    id[k] = last + 1 + place;
+  }
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree3(count, start, own));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends the new halves behind the n particles of this rank that are left. */
+static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, const PetscInt id[])
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesAppend(cloud->particles, change->split));
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt k = 0; k < change->split; k++) {
+    const PetscInt   a = change->parent[k], b = n + k;
+    const PetscReal *at = change->at + DIM * k;
+    PetscReal        dv[DIM];
+
+    SplitVelocity(cloud, a, at, dv);
+    for (PetscInt d = 0; d < DIM; d++) {
+      arrays.real[FIELD_POSITION][DIM * b + d] = cloud->field[FIELD_POSITION][DIM * a + d] + at[d];
+      arrays.real[FIELD_VELOCITY][DIM * b + d] = cloud->field[FIELD_VELOCITY][DIM * a + d] + dv[d];
+    }
+    arrays.real[FIELD_PRESSURE][b] = cloud->field[FIELD_PRESSURE][a];
+    arrays.real[FIELD_DENSITY][b]  = cloud->field[FIELD_DENSITY][a];
+    arrays.real[FIELD_LAMBDA][b]   = cloud->field[FIELD_LAMBDA][a];
+    arrays.real[FIELD_VOLUME][b]   = 0.5 * cloud->volume[a];
+    arrays.integer[INT_ID][b] = arrays.integer[INT_PARENT][b] = id[k];
+    arrays.integer[INT_BODY][b]                               = cloud->integer[INT_BODY][a];
+    arrays.integer[INT_SURFACE][b]                            = cloud->integer[INT_SURFACE][a];
+  }
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The swarm after the change; what is in the cloud is that of before until CloudResync. */
+static PetscErrorCode Apply(Cloud cloud, Change *change)
+{
+  PetscInt n, *id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(change->split, &id));
+  PetscCall(NumberNew(cloud, change, id));
+  PetscCall(ParticlesRemove(cloud->particles, change->keep));
+  PetscCall(ParticlesLocalSize(cloud->particles, &n));
+  PetscCall(AppendNew(cloud, change, n, id));
+  PetscCall(PetscFree(id));
+  PetscCall(CloudResync(cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report)
+{
+  Change   change;
+  PetscInt done[2];
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESAMPLING), 0, 0, 0, 0));
+  *report = (ResamplingReport){.joined = 0};
+  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+  PetscCall(ChangeCreate(cloud, &change));
+  PetscCall(JoinSmall(cloud, resampling, &change, report));
+  PetscCall(SplitLarge(cloud, resampling, &change, report));
+  PetscCall(ParticlesClose(cloud->particles, &change.arrays));
+  done[0] = report->joined;
+  done[1] = report->split;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, done, 2, MPIU_INT, MPI_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->energy, 1, MPIU_REAL, MPI_SUM, cloud->comm));
+  report->joined = done[0];
+  report->split  = done[1];
+  if (done[0] + done[1] > 0) PetscCall(Apply(cloud, &change));
+  PetscCall(PetscFree2(change.parent, change.at));
+  PetscCall(PetscFree3(change.keep, change.changed, change.share));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESAMPLING), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,85 @@
+/* Splitting: in two halves of the same volume, so far apart as two particles of half the share are, in the direction in
+   which they stay farthest from all neighbours. A particle on the surface is split along it. */
+#include "resampling_impl.h"
+
+#define DIRECTIONS 8    /* tried, of half a turn */
+#define APART      0.6  /* of the halves, over the square root of the share and the spacing */
+#define AXIS_LEAST 0.25 /* spacings: no half comes nearer to the axis or to a face of the box */
+#define CLEARLY    1e-6 /* spacings: a direction is better by more than rounding */
+
+void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal dv[DIM])
+{
+  const PetscReal *G = cloud->field[FIELD_VELOCITY_GRADIENT] + DIM * DIM * a;
+  PetscReal        along[DIM];
+
+  TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, at[0], at[1], at[2], along);
+  for (PetscInt d = 0; d < DIM; d++)
+    dv[d] = cloud->field[FIELD_LAMBDA][a] > MOMENT_MINIMUM ? Dot(G + DIM * d, along) : 0;
+}
+
+/* How far (m) a point x is from all neighbours of a; negative where no half may be. */
+static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
+{
+  const Domain    domain = cloud->domain;
+  const PetscReal margin = AXIS_LEAST * domain->spacing;
+  PetscReal       least2 = PETSC_MAX_REAL;
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if (x[d] < domain->lower[d] + margin || x[d] > domain->upper[d] - margin) return -1;
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscReal *y     = cloud->field[FIELD_POSITION] + DIM * cloud->list[k],
+                    r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+
+    least2 = PetscMin(least2, Dot(r, r));
+  }
+  return PetscSqrtReal(least2);
+}
+
+/* Where the halves of particle a go: at (m) and the other way. False if there is no place for them. */
+static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal share, PetscReal at[DIM])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *n = cloud->field[FIELD_NORMAL] + DIM * a,
+                  half    = 0.5 * APART * PetscSqrtReal(share) * cloud->domain->spacing;
+  const PetscBool surface = (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && Norm(n) > 0);
+  PetscReal       best    = 0;
+
+  for (PetscInt k = 0; k < (surface ? 1 : DIRECTIONS); k++) {
+    const PetscReal angle  = PETSC_PI * k / DIRECTIONS;
+    const PetscReal e[DIM] = {surface ? -n[1] / Norm(n) : PetscCosReal(angle),
+                              surface ? n[0] / Norm(n) : PetscSinReal(angle), 0};
+    PetscReal there[DIM], here[DIM], clear;
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      there[d] = x[d] + half * e[d];
+      here[d]  = x[d] - half * e[d];
+    }
+    clear = PetscMin(Clearance(cloud, a, there), Clearance(cloud, a, here));
+    if (clear <= best + (best > 0 ? CLEARLY * cloud->domain->spacing : 0)) continue;
+    best = clear;
+    for (PetscInt d = 0; d < DIM; d++) at[d] = half * e[d];
+  }
+  return (PetscBool)(best > 0);
+}
+
+PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report)
+{
+  ParticleArrays *arrays = &change->arrays;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal *at = change->at + DIM * change->split, dv[DIM];
+
+    if (change->share[a] <= resampling->most || !change->keep[a] || change->changed[a]) continue;
+    if (!FindPlace(cloud, a, change->share[a], at)) continue;
+    SplitVelocity(cloud, a, at, dv);
+    change->parent[change->split++] = a;
+    arrays->real[FIELD_VOLUME][a] *= 0.5;
+    for (PetscInt d = 0; d < DIM; d++) {
+      arrays->real[FIELD_POSITION][DIM * a + d] -= at[d];
+      arrays->real[FIELD_VELOCITY][DIM * a + d] -= dv[d];
+    }
+    report->energy -= 0.5 * cloud->rest_density[a] * cloud->volume[a] * Dot(dv, dv);
+  }
+  report->split = change->split;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
