@@ -7,12 +7,12 @@
 
 /* The pressure operator A and what is made of it. */
 typedef struct {
-  Mat       A, inverse, preconditioned; /* the last two as shells */
-  KSP       ksp;                        /* solves with A, tightly */
-  Vec       b;                          /* a right side, borrowed */
-  Vec       constant;                   /* of the null space; NULL: there is none */
-  PCType    preconditioner;             /* its name */
-  PetscReal rtol;                       /* of the run's own solves */
+  Mat       A, watched, inverse, preconditioned; /* the last three as shells; watched: A with lines of progress */
+  KSP       ksp;                                 /* solves with A, tightly */
+  Vec       b;                                   /* a right side, borrowed */
+  Vec       constant;                            /* of the null space; NULL: there is none */
+  PCType    preconditioner;                      /* its name */
+  PetscReal rtol;                                /* of the run's own solves */
 } Operators;
 
 /* What was found. */
@@ -23,6 +23,18 @@ typedef struct {
   PetscInt  iterations;            /* from zero to the run's tolerance */
   PetscBool converged;             /* all of them */
 } Extremes;
+
+/* y = A x */
+static PetscErrorCode ApplyWatched(Mat shell, Vec x, Vec y)
+{
+  Operators *o;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(shell, &o));
+  PetscCall(ProgressWork(PetscObjectComm((PetscObject)shell), -1, "a product of the pressure operator"));
+  PetscCall(MatMult(o->A, x, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /* y = A^-1 x */
 static PetscErrorCode ApplyInverse(Mat shell, Vec x, Vec y)
@@ -45,6 +57,7 @@ static PetscErrorCode ApplyPreconditioned(Mat shell, Vec x, Vec y)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(shell, &o));
+  PetscCall(ProgressWork(PetscObjectComm((PetscObject)shell), -1, "a product of the preconditioned operator"));
   PetscCall(KSPGetPC(o->ksp, &pc));
   PetscCall(VecDuplicate(x, &Ax));
   PetscCall(MatMult(o->A, x, Ax));
@@ -201,6 +214,7 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
     PetscCall(MatNullSpaceRemove(null, o->b));
   }
   PetscCall(CreateTightSolver(model, &o->ksp));
+  PetscCall(CreateShell(o, ApplyWatched, &o->watched));
   PetscCall(CreateShell(o, ApplyInverse, &o->inverse));
   PetscCall(CreateShell(o, ApplyPreconditioned, &o->preconditioned));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -209,6 +223,7 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
 static PetscErrorCode DestroyOperators(Operators *o)
 {
   PetscFunctionBegin;
+  PetscCall(MatDestroy(&o->watched));
   PetscCall(MatDestroy(&o->inverse));
   PetscCall(MatDestroy(&o->preconditioned));
   PetscCall(KSPDestroy(&o->ksp));
@@ -222,7 +237,7 @@ static PetscErrorCode FindExtremes(const Operators *o, Extremes *e)
   PetscBool found[4];
 
   PetscFunctionBegin;
-  PetscCall(SpectrumExtreme(o->A, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &e->largest, &found[0]));
+  PetscCall(SpectrumExtreme(o->watched, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &e->largest, &found[0]));
   PetscCall(SpectrumExtreme(o->inverse, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &inverse, &found[1]));
   e->smallest = 1 / inverse;
   PetscCall(
