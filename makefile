@@ -83,6 +83,12 @@ run: packages
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
+# The main case as rings around its axis (-dimension axisymmetric): ten seconds on one core, then its comparison.
+run-axisymmetric:
+	$(MAKE) isph
+	$(MPI) ./isph -options_file cases/drop_impact/axisymmetric.opts -output_dir $(RUN)_axisymmetric -output_overwrite
+	$(PYTHON) cases/drop_impact/compare.py $(RUN)_axisymmetric
+
 # The main case at the paper's spacing, 60 ms, then its figures: a quarter of the box (some ten minutes on two cores) or
 # with BOX=whole all of it (an hour or two); SPEED=242: the slower impact; paper-printed: the scheme as printed (hours).
 # FLAGS="-wall_clock_limit 3600" ends it with a checkpoint, FLAGS="-restart FILE" continues from that.
@@ -247,6 +253,6 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
 
-.PHONY: solver-sweep paper paper-printed seeds bench bench-readme all packages run test test-long verify verify-long convergence verify-readme reference \
+.PHONY: solver-sweep paper paper-printed seeds bench bench-readme all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs mutants mutants-readme compare-solvers tradeoff tradeoff-readme identical options-reference

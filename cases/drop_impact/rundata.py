@@ -22,9 +22,9 @@ def impact_speed(options):
     """Speed (m/s) at which the drop of a run reaches the level z = 0; NaN if the options do not tell."""
     velocity, center = vector(options, "drop_velocity"), vector(options, "drop_center")
     radius = number(options.get("drop_radius"))
-    if len(velocity) < 3 or len(center) < 3 or math.isnan(radius):
+    if len(velocity) < 2 or len(center) < 2 or math.isnan(radius):
         return math.nan
-    return math.sqrt(velocity[2] ** 2 + 2 * GRAVITY * max(0.0, center[2] - radius))
+    return math.sqrt(velocity[-1] ** 2 + 2 * GRAVITY * max(0.0, center[-1] - radius))  # of rings there are two numbers
 
 
 def reference_speed(folder):
