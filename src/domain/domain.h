@@ -86,8 +86,8 @@ void DomainWrap(Domain domain, PetscReal x[DIM]);
 void DomainConfine(Domain domain, PetscReal x[DIM]);
 /* DomainOutside - whether x (m) has left the box through an open face. Not collective. */
 PetscBool DomainOutside(Domain domain, const PetscReal x[DIM]);
-/* DomainWallVelocity - the velocity v (m/s) of the walls at x (m) outside of the box: that of the face; behind an edge or
-   a corner zero in each component in which the faces differ. Not collective. */
+/* DomainWallVelocity - the velocity v (m/s) of the walls at x (m) outside of the box: that of the face; behind an edge
+   or a corner zero in each component in which the faces differ. Not collective. */
 void DomainWallVelocity(Domain domain, const PetscReal x[DIM], PetscReal v[DIM]);
 /* DomainPartition - METIS on the cell graph, so that every rank gets its share of each of 'constraints' kinds of work:
    weight is [cells][constraints], summed over all ranks by this call. The same answer on every rank. Collective. */

@@ -171,7 +171,7 @@ static PetscErrorCode KeepOnce(Mesh *mesh, PetscInt *repeated)
     Order(&f.point[0], &f.point[1], &f.way);
     if (f.point[0] != f.point[1] && f.point[1] != f.point[2]) face[faces++] = f;
   }
-  qsort(face, (size_t)faces, sizeof(*face), CompareFaces);
+  if (faces) qsort(face, (size_t)faces, sizeof(*face), CompareFaces);
   for (PetscInt k = 0, next; k < faces; k = next) {
     int ways = 0;
 
@@ -209,7 +209,7 @@ static PetscErrorCode CountOpen(const Mesh *mesh, PetscInt *open)
 
     edge[k] = PetscMin(a, b) << 32 | PetscMax(a, b);
   }
-  qsort(edge, (size_t)edges, sizeof(*edge), CompareKeys);
+  if (edges) qsort(edge, (size_t)edges, sizeof(*edge), CompareKeys);
   for (PetscInt k = 0, same; k < edges; k += same) {
     for (same = 1; k + same < edges && edge[k] == edge[k + same]; same++) {
     }

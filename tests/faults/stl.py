@@ -17,6 +17,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
+os.environ.setdefault("ASAN_OPTIONS", "detect_leaks=0")  # leaks of Open MPI and HDF5 are not ours
+
 SCENE = """-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -bodies a -a_shape stl -gravity 0,0,-1 -steps_max 1 -dry_run
  -progress_interval 0 """
 SECONDS = 300  # a run of these takes less than one; the machine may be busy
@@ -153,7 +155,7 @@ def attempt(data, ranks):
         file.write(data)
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [runs.PROGRAM] + \
         shlex.split(SCENE + f"-a_file {path} -output_dir {runs.scratch('run')}")
-    environment = dict(runs.environment(ranks), ASAN_OPTIONS="detect_leaks=0")
+    environment = runs.environment(ranks)
     began = sum(os.times()[2:4])
     try:
         done = subprocess.run(command, cwd=runs.ROOT, env=environment, timeout=SECONDS, stdin=subprocess.DEVNULL,

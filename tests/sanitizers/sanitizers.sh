@@ -39,5 +39,8 @@ for name in packing operators points twolevel; do
 done
 export OMPI_MCA_mpi_yield_when_idle=1
 for ranks in 1 2 3; do impact $ranks >"$scratch/$ranks.log"; done
+export ISPH=$build/isph
+clean crafted_files tests/faults/crafted.py --checkpoints 8 --packings 2 --scenes 2 >"$scratch/crafted.log"
+clean stl_files tests/faults/stl.py --number 8 >"$scratch/stl.log"
 cat "$scratch"/*.log
 ! grep -q '^FAIL ' "$scratch"/*.log
