@@ -273,12 +273,11 @@ static PetscErrorCode Report(MPI_Comm comm, const Outcome out[], PetscReal rtol)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Compare(Sim sim, PetscBool *failed)
+/* state: file to take the particles from; NULL: the packing. */
+static PetscErrorCode Compare(Sim sim, const char state[], PetscBool *failed)
 {
   Outcome     out[CANDIDATES];
-  char        path[PETSC_MAX_PATH_LEN];
   const char *former = NULL;
-  PetscBool   set;
   PetscReal   dt, rtol = DEFAULT_RTOL;
   Vec         reference, b;
   Mat         A;
@@ -287,8 +286,7 @@ static PetscErrorCode Compare(Sim sim, PetscBool *failed)
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(out, CANDIDATES));
   PetscCall(PackingRun(sim->packing, &sim->report));
-  PetscCall(PetscOptionsGetString(NULL, NULL, "-state", path, sizeof(path), &set));
-  if (set) PetscCall(TakeState(sim, path));
+  if (state) PetscCall(TakeState(sim, state));
   PetscCall(PetscOptionsGetReal(NULL, NULL, "-ksp_rtol", &rtol, NULL));
   PetscCall(StepperPredict(sim->stepper, &sim->state, &dt));
   PetscCall(PressureAssemble(sim->pressure, dt, &A, &b));
@@ -311,14 +309,16 @@ static PetscErrorCode Compare(Sim sim, PetscBool *failed)
 static PetscErrorCode Run(PetscBool *failed)
 {
   Sim       sim;
-  PetscBool stop;
+  PetscBool stop, set;
+  char      state[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   PetscCall(LogRegister());
   PetscCall(PetscLogDefaultBegin());
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-state", state, sizeof(state), &set));
   PetscCall(SimCreate(PETSC_COMM_WORLD, &sim));
   PetscCall(SimSetFromOptions(sim, &stop));
-  PetscCall(Compare(sim, failed));
+  PetscCall(Compare(sim, set ? state : NULL, failed));
   PetscCall(SimDestroy(&sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -328,9 +328,10 @@ int main(int argc, char **argv)
   PetscBool failed = PETSC_FALSE;
   int       code;
 
-  if (UserErrorHandlerPush()) return 2;
+  if (MPI_Init(&argc, &argv) || UserErrorHandlerPush()) return 2;
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 2;
   code = (int)Run(&failed);
   (void)PetscFinalize();
+  (void)MPI_Finalize();
   return code || failed ? 1 : 0;
 }
