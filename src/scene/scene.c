@@ -205,34 +205,6 @@ PetscErrorCode SceneHelp(MPI_Comm comm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
-{
-  const PetscReal *g = scene->gravity;
-  PetscBool        ascii;
-
-  PetscFunctionBegin;
-  if (!viewer) PetscCall(PetscViewerASCIIGetStdout(scene->domain->comm, &viewer));
-  PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
-  if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-    PetscViewerASCIIPrintf(viewer,
-                           "Scene: %" PetscInt_FMT " bodies, gravity %g, %g, %g m/s2, central force rate %g 1/s\n",
-                           scene->count, (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
-  PetscCall(PetscViewerASCIIPushTab(viewer));
-  for (PetscInt b = 0; b < scene->count; b++) {
-    PetscCall(BodyView(scene->body[b], viewer));
-    PetscCall(PetscViewerASCIIPushTab(viewer));
-    PetscCall(SceneViewNumbers(scene, b, viewer));
-    PetscCall(PetscViewerASCIIPopTab(viewer));
-  }
-  for (PetscInt b = 0; b < scene->solids; b++) {
-    PetscCall(PetscViewerASCIIPrintf(viewer, "solid "));
-    PetscCall(BodyView(scene->solid[b], viewer));
-  }
-  PetscCall(PetscViewerASCIIPopTab(viewer));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscInt SceneCount(Scene scene)
 {
   return scene->count;

@@ -69,10 +69,6 @@ struct _p_Scene {
   PetscReal shake[DIM];                        /* that part at the time set last, m/s2 */
 };
 
-/* SceneViewNumbers - of body b: its least extent, in spacings too, and the dimensionless numbers made of it, of the
-   initial speed and of the body force; warns of what looks like wrong units or too coarse a spacing. Collective. */
-PetscErrorCode SceneViewNumbers(Scene scene, PetscInt b, PetscViewer viewer);
-
 /* The tables of shapes, one file each, and of types; registered in scene.c. The type's options are read last: it may
    use shape and velocity. */
 const BodyChoice *ShapeBox(void);

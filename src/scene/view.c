@@ -1,5 +1,5 @@
-/* Sizes, speeds and accelerations of bodies, the dimensionless numbers that follow from them, and what they say about
-   the spacing and the units of a scene. */
+/* SceneView: the bodies, their sizes, speeds and accelerations, the dimensionless numbers that follow from them, and
+   what they say about the spacing and the units of a scene. */
 #include "scene_impl.h"
 
 #define SAMPLES      5   /* points a direction at which velocity and body force of a body are read */
@@ -48,7 +48,9 @@ static PetscErrorCode Warn(Body body, PetscReal across, PetscReal bond, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
+/* Of body b: its least extent, in spacings too, and the dimensionless numbers made of it, of the initial speed and of the
+   body force; warns of what looks like wrong units or too coarse a spacing. */
+static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
 {
   Body            body = SceneBody(scene, b);
   const Material *m    = &body->material;
@@ -80,5 +82,33 @@ PetscErrorCode SceneViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "least extent %.3g m, %.3g spacings%s\n", (double)L, (double)across, text));
   PetscCall(
     Warn(body, across, m->tension > 0 ? weight / m->tension : 0, m->tension > 0 ? inertia / m->tension : 0, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
+{
+  const PetscReal *g = scene->gravity;
+  PetscBool        ascii;
+
+  PetscFunctionBegin;
+  if (!viewer) PetscCall(PetscViewerASCIIGetStdout(scene->domain->comm, &viewer));
+  PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
+  if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+    PetscViewerASCIIPrintf(viewer,
+                           "Scene: %" PetscInt_FMT " bodies, gravity %g, %g, %g m/s2, central force rate %g 1/s\n",
+                           scene->count, (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
+  PetscCall(PetscViewerASCIIPushTab(viewer));
+  for (PetscInt b = 0; b < scene->count; b++) {
+    PetscCall(BodyView(scene->body[b], viewer));
+    PetscCall(PetscViewerASCIIPushTab(viewer));
+    PetscCall(ViewNumbers(scene, b, viewer));
+    PetscCall(PetscViewerASCIIPopTab(viewer));
+  }
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, "solid "));
+    PetscCall(BodyView(scene->solid[b], viewer));
+  }
+  PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
