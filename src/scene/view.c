@@ -48,8 +48,8 @@ static PetscErrorCode Warn(Body body, PetscReal across, PetscReal bond, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of body b: its least extent, in spacings too, and the dimensionless numbers made of it, of the initial speed and of the
-   body force; warns of what looks like wrong units or too coarse a spacing. */
+/* Of body b: its least extent, in spacings too, and the dimensionless numbers made of it, of the initial speed and of
+   the body force; warns of what looks like wrong units or too coarse a spacing. */
 static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
 {
   Body            body = SceneBody(scene, b);
