@@ -26,16 +26,17 @@ static PetscInt Points(PetscMPIInt rank, PetscMPIInt size, PetscReal widths, Pet
 }
 
 /* The grid over the points of all ranks of comm; its sum of the restricted values k of the points and the sum of their
-   squares, the least and largest value of ones on the nodes at the points, the norm of its matrix. */
+   squares, the least and largest value of ones on the nodes at the points, the norm of its matrix, and of one whose
+   cells have all more points than fit. */
 typedef struct {
-  PetscReal sum, square, least, most, matrix;
+  PetscReal sum, square, least, most, matrix, full;
 } Grid;
 
-static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, Grid *out)
+static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, PetscBool twice, Grid *out)
 {
-  const PetscBool periodic[DIM] = {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE};
-  PetscBool       skip[POINTS]  = {PETSC_FALSE};
-  PetscReal       x[DIM * POINTS], surplus[POINTS];
+  const PetscBool periodic[DIM]    = {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE};
+  PetscBool       skip[2 * POINTS] = {PETSC_FALSE};
+  PetscReal       x[DIM * 2 * POINTS], surplus[2 * POINTS];
   PetscMPIInt     rank, size;
   PetscInt        n, local;
   PetscScalar    *values;
@@ -47,6 +48,10 @@ static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, Grid *out)
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
   n = Points(rank, size, widths, x);
+  if (twice) {
+    PetscCall(PetscArraycpy(x + DIM * n, x, DIM * n));
+    n *= 2;
+  }
   PetscCall(CoarseGridCreate(comm, DIM, n, x, skip, 1.5, lower, upper, periodic, &grid));
   PetscCall(CoarseGridSizes(grid, &local, NULL));
   PetscCall(VecCreateMPI(comm, n, PETSC_DETERMINE, &fine));
@@ -68,6 +73,9 @@ static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, Grid *out)
   PetscCall(CoarseGridMatrix(grid, 1, 0.5, surplus, &A)); /* some cells have more points than fit */
   PetscCall(MatNorm(A, NORM_FROBENIUS, &out->matrix));
   PetscCall(MatDestroy(&A));
+  PetscCall(CoarseGridMatrix(grid, 1, 50, surplus, &A));
+  PetscCall(MatNorm(A, NORM_FROBENIUS, &out->full));
+  PetscCall(MatDestroy(&A));
   PetscCall(VecDestroy(&fine));
   PetscCall(VecDestroy(&coarse));
   PetscCall(CoarseGridDestroy(&grid));
@@ -76,18 +84,20 @@ static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, Grid *out)
 
 static PetscErrorCode TestGrid(void)
 {
-  Grid parts, whole, moved;
+  Grid parts, whole, moved, twice;
 
   PetscFunctionBegin;
-  PetscCall(Measure(PETSC_COMM_WORLD, 0, &parts));
-  PetscCall(Measure(PETSC_COMM_SELF, 0, &whole));
-  PetscCall(Measure(PETSC_COMM_WORLD, -2, &moved));
+  PetscCall(Measure(PETSC_COMM_WORLD, 0, PETSC_FALSE, &parts));
+  PetscCall(Measure(PETSC_COMM_SELF, 0, PETSC_FALSE, &whole));
+  PetscCall(Measure(PETSC_COMM_WORLD, -2, PETSC_FALSE, &moved));
+  PetscCall(Measure(PETSC_COMM_WORLD, 0, PETSC_TRUE, &twice));
   CHECK_CLOSE(parts.sum / (0.5 * POINTS * (POINTS - 1)), 1, 1e-12, "restricted_values_have_the_sum_of_the_points");
   CHECK_CLOSE(parts.least, 1, 1e-12, "ones_are_ones_at_the_points_least");
   CHECK_CLOSE(parts.most, 1, 1e-12, "ones_are_ones_at_the_points_most");
   CHECK_CLOSE(moved.square / parts.square, 1, 1e-10, "points_outside_a_periodic_box_are_wrapped");
   CHECK_CLOSE(parts.square / whole.square, 1, 1e-12, "restriction_on_any_number_of_ranks");
   CHECK_CLOSE(parts.matrix / whole.matrix, 1, 1e-12, "matrix_on_any_number_of_ranks");
+  CHECK_CLOSE(twice.full / whole.full, 1, 1e-12, "full_cells_count_no_more_points");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
