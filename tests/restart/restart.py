@@ -26,7 +26,7 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -gravity 0,-9.81 -bodies a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_viscosity 3.5e-3
  -a_tension 0.067
  -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
- -time_step 8e-5 -resampling_interval 3 -snapshot_double -checkpoint_interval 9e-4
+ -time_step 8e-5 -resampling_interval 3 -snapshot_double -checkpoint_interval 1.1e-3
  -series_interval 1e-4 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
