@@ -138,7 +138,7 @@ refused("emitter_at_rest", GOOD + "-bodies film,jet -jet_type emitter -jet_lower
 refused("unknown_body_type", GOOD + "-film_type gas", ["gas", "liquid", "emitter"])
 refused("shaken_without_frequency", GOOD + "-gravity_amplitude 1,0,0", ["-gravity_frequency"])
 refused("stl_missing", GOOD + "-solids s -s_shape stl -s_file /nowhere.stl", ["/nowhere.stl"])
-refused("stl_is_text", GOOD + "-solids s -s_shape stl -s_file README.md", ["README.md", "no STL file"])
+refused("stl_is_text", GOOD + "-solids s -s_shape stl -s_file README.md", ["README.md", "no whole STL file"])
 open_stl = runs.scratch("open.stl")
 with open(open_stl, "w", encoding="utf-8") as file:
     file.write("solid one\nfacet normal 0 0 1\nouter loop\nvertex 1 1 1\nvertex 5 1 1\nvertex 1 5 1\nendloop\n"

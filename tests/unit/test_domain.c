@@ -66,6 +66,8 @@ static PetscErrorCode TestOptions(void)
 static PetscErrorCode TestRefusals(void)
 {
   PetscFunctionBegin;
+  PetscCall(
+    Refused("-dimension 4294967298 -spacing 0.1 -box_lower 0,0 -box_upper 1,1", "at most 32 bits", "refuse_wrapped"));
   PetscCall(Refused("-box_lower 0,0,0 -box_upper 1,1,1", 0.1, "-spacing is missing", "refuse_no_spacing"));
   PetscCall(Refused(CUBE "-spacing 0", 0.1, "-spacing", "refuse_spacing_zero"));
   PetscCall(Refused(CUBE "-spacing -1", 0.1, "-spacing", "refuse_spacing_negative"));
