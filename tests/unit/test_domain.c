@@ -67,7 +67,7 @@ static PetscErrorCode TestRefusals(void)
 {
   PetscFunctionBegin;
   PetscCall(
-    Refused("-dimension 4294967298 -spacing 0.1 -box_lower 0,0 -box_upper 1,1", "at most 32 bits", "refuse_wrapped"));
+    Refused("-dimension 4294967298 -spacing 0.1 -box_lower 0,0 -box_upper 1,1", 0.1, "must be 2, 3", "refuse_wrapped"));
   PetscCall(Refused("-box_lower 0,0,0 -box_upper 1,1,1", 0.1, "-spacing is missing", "refuse_no_spacing"));
   PetscCall(Refused(CUBE "-spacing 0", 0.1, "-spacing", "refuse_spacing_zero"));
   PetscCall(Refused(CUBE "-spacing -1", 0.1, "-spacing", "refuse_spacing_negative"));
