@@ -135,6 +135,22 @@ static PetscErrorCode TestDensities(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A whole number of more than 32 bits is refused, not taken for its last 32. */
+static PetscErrorCode TestWrapped(void)
+{
+  PetscErrorCode code;
+  Setup          s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(QUIET "-pressure_rebuild_interval 4294967297", &s));
+  PetscCall(PressureCreate(s.cloud, &s.pressure));
+  RefuseBegin();
+  code = PressureSetFromOptions(s.pressure);
+  RefuseEnd(code, "-pressure_rebuild_interval is 4294967297", "scene: a wrapped number");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* --- trial --- */
 
 /* Whether a trial is refused, with these numbers on top of those of a good one. */
@@ -486,6 +502,7 @@ int main(int argc, char **argv)
   PetscCall(TestStep());
   PetscCall(TestScales());
   PetscCall(TestDensities());
+  PetscCall(TestWrapped());
   PetscCall(TestRefused());
   PetscCall(TestSums());
   PetscCall(TestGuard());
