@@ -2,6 +2,8 @@
 #include "../neighbors/pairs.h"
 #include "gauges_impl.h"
 
+#define TIE 1e-6 /* spacings within which depths are equal */
+
 static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
 
 /* The wall faces of the box in order: direction and side of number 'index'; returns their number. */
@@ -54,7 +56,8 @@ static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which receiver a dummy particle belongs to: its solid, or the wall that it is deepest behind. */
+/* Which receiver a dummy particle belongs to: its solid, or the wall that it is deepest behind, of equals
+   (behind an edge) the first. */
 static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
 {
   const Domain   domain  = gauges->cloud->domain;
@@ -69,7 +72,7 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
 
     (void)WallFace(domain, f, &d, &s);
     depth = s ? x[d] - domain->upper[d] : domain->lower[d] - x[d];
-    if (depth > deepest) {
+    if (depth > deepest + TIE * domain->spacing) {
       deepest = depth;
       best    = f;
     }

@@ -15,7 +15,7 @@
         "2.5,2 -crumb_upper 2.7,2.1 -crumb_velocity 0,3 -gauge_droplets "
 #define TANK                                                                                                           \
   SPACE "-box_lower 0,0.5 -box_upper 2,2.5 -box_x wall -box_ymin wall -bodies a -a_lower 0,0.5 -a_upper 2,1.5 "        \
-        "-packing_jitter 0 -solids block -block_lower 0.8,0.3 -block_upper 1.2,0.9 "
+        "-solids block -block_lower 0.8,0.3 -block_upper 1.2,0.9 "
 
 typedef void (*Fill)(PetscInt layer, const PetscReal x[], PetscReal v[], PetscReal *p);
 
