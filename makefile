@@ -83,10 +83,11 @@ run: packages
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
-# The main case as rings around its axis (-dimension axisymmetric): ten seconds on one core, then its comparison.
-run-axisymmetric:
+# The main case as rings around its axis (-dimension axisymmetric): ten seconds on one core, then its figures.
+run-axisymmetric: packages
 	$(MAKE) isph
 	$(MPI) ./isph -options_file cases/drop_impact/axisymmetric.opts -output_dir $(RUN)_axisymmetric -output_overwrite
+	$(PYTHON) cases/drop_impact/figures.py $(RUN)_axisymmetric
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)_axisymmetric
 
 # The main case at the paper's spacing, 60 ms, then its figures: a quarter of the box (some ten minutes on two cores) or

@@ -58,6 +58,10 @@ def read_snapshot(path, options, quarter):
         level = np.nan_to_num(first(file.attrs["level"])) if "level" in file.attrs else 0.0
         corners = [np.ravel(file.attrs[name]) if name in file.attrs else rundata.vector(options, name)
                    for name in ("box_lower", "box_upper")]
+        if "axisymmetric" in file.attrs and first(file.attrs["axisymmetric"]):
+            if "volume" not in file:
+                raise rundata.RunError(f"{path} holds no volume of its rings (-snapshot_fields).")
+            return rings(points, np.ravel(file["volume"]), body, spacing, corners, level)
     if points.ndim != 2 or points.shape[1] != 3:
         raise rundata.RunError(f"{path} is not of a run in three dimensions.")
     liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
@@ -75,6 +79,17 @@ def read_snapshot(path, options, quarter):
             lower[axis] = 2 * lower[axis] - upper[axis]
     down = np.array([0, 0, level])
     return surface.Liquid(points - down, is_drop, spacing, lower - down, upper - down)
+
+
+def rings(points, volume, body, spacing, corners, level):
+    """The liquid of a snapshot with rings at points (r, z): their section, mirrored at the axis."""
+    liquid = body >= 0
+    r, z = points[liquid, 0], points[liquid, 1] - level
+    share = ring_share(r, volume[liquid], spacing)
+    points = np.concatenate([np.stack([side * r, 0 * r, z], axis=1) for side in (1, -1)])
+    reach, bottom, top = corners[1][0], corners[0][1] - level, corners[1][1] - level
+    return surface.Liquid(points, np.tile(body[liquid] == 1, 2), spacing, np.array([-reach, -reach, bottom]),
+                          np.array([reach, reach, top]), np.tile(share, 2))
 
 
 def draw_section(axes, liquid):
@@ -191,4 +206,5 @@ if __name__ == "__main__":
         import matplotlib.pyplot as plt
         with_display()
         import surface
+        from run import ring_share
         main()

@@ -27,7 +27,7 @@ def frame(run, state, arguments, ends, view, path):
         unit, name = data.scale(upper[0] - lower[0])
         views.section(axes, run, state, arguments.color, ends, unit)
         axes.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
-        axes.set(xlabel=f"x ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
+        axes.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
     else:
         colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
         axes.imshow(views.picture(run, state, arguments.color, ends, colormap, *view))

@@ -3,9 +3,9 @@
 
     mesh.py RUN_FOLDER [--format vtp|ply] [--times S ...] [--least N] [--particles]
 
-Three dimensions. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply), a mesh a snapshot, without pieces of less than
-N particles (8), with speed, pressure and body at the corners (vtp); surface.pvd makes a series of them in ParaView.
---particles: also particles_<number>.vtp and particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
+Three dimensions, or rings, whose surface is one of revolution. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply),
+a mesh a snapshot, without pieces of less than N particles (8), with speed, pressure and body at the corners (vtp);
+surface.pvd makes a series of them in ParaView. --particles: also particles_<number>.vtp and particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
 """
 import argparse
 import os
@@ -72,7 +72,7 @@ def series(folder, name, files):
 def surface_of(run, state, least):
     """The mesh of a state, without small pieces."""
     table = np.column_stack([state.speed, state.pressure, state.body])
-    fluid = views.Fluid(run, state.points, table)
+    fluid = views.Fluid(run, state.points, table, state.share)
     points, normals, cells, _ = fluid.mesh()
     if len(cells):
         size, region = pieces(points, cells, run.spacing)

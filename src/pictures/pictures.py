@@ -76,7 +76,7 @@ def sections(run, states, color, ends, folder):
         views.section(panel, run, state, color, ends, unit)
         panel.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
         panel.set_title(data.duration(state.time), fontsize=10)
-        panel.set(xlabel=f"x ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
+        panel.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
         panel.label_outer()
     key(figure, axes, run, color, ends)
     save(figure, folder, "section.png")

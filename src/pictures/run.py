@@ -16,18 +16,32 @@ def text(value):
 
 
 class State:
-    """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]."""
+    """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: of rings the area over
+    spacing^2, else 1. Rings lie in the plane y = 0 on both sides of the axis z."""
 
-    def __init__(self, time, points, velocity, pressure, body):
+    def __init__(self, time, points, velocity, pressure, body, share):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
+        self.share = share
 
     @property
     def speed(self):
         return np.linalg.norm(self.velocity, axis=1)
 
 
+def upright(vectors):
+    """Vectors (r, z, 0) of rings as (x, y, z) in the plane y = 0."""
+    return vectors[:, [0, 2, 1]]
+
+
+def ring_share(r, volume, spacing):
+    """Areas of rings over spacing^2 out of their distances from the axis (m) and volumes (m3), as in the program."""
+    length = 2 * np.pi * np.where(r > 0.5 * spacing, r, 0.5 * (r + 0.5 * spacing))
+    return volume / (length * spacing**2)
+
+
 class Run:
-    """A folder of a run. lower, upper: corners of the box with its mirror images; faces[d]: its two faces' kinds."""
+    """A folder of a run. lower, upper: corners of the box with its mirror images; faces[d]: its two faces' kinds. A run
+    with rings is one in three dimensions, its box the one around their cylinder."""
 
     def __init__(self, folder):
         if not os.path.isdir(folder):
@@ -45,11 +59,12 @@ class Run:
         self.options = tables.read_options(folder)
         with h5py.File(self.files[0][1], "r") as file:
             head, self.fields = dict(file.attrs), set(file)
-        self.dim = int(np.ravel(head["dimension"])[0])
-        self.up = self.dim - 1
+        self.rings = bool(np.ravel(head.get("axisymmetric", 0))[0])
+        self.dim = 3 if self.rings else int(np.ravel(head["dimension"])[0])
+        self.up, self.across = self.dim - 1, "r" if self.rings else "x"
         self.spacing = float(np.ravel(head["spacing"])[0])
         self.lower, self.upper = np.array(head["box_lower"], float), np.array(head["box_upper"], float)
-        self.faces = [[self.face(d, side) for side in ("min", "max")] for d in range(self.dim)]
+        self.faces = [[self.face(d, side) for side in ("min", "max")] for d in range(3)]
         self.mirrors = self.unfold()
         self.bodies = [name.strip() for name in self.options.get("bodies", "liquid").split(",")]
         self.solid = self.read_solid()
@@ -61,6 +76,11 @@ class Run:
 
     def unfold(self):
         """[(direction, place)] of the mirrors that pictures look through: one a horizontal direction."""
+        if self.rings:
+            (_, bottom, _), (reach, top, _) = self.lower, self.upper
+            self.lower, self.upper = np.array([-reach, -reach, bottom]), np.array([reach, reach, top])
+            self.faces = [[self.faces[0][1]] * 2] * 2 + [self.faces[1]]
+            return [(0, 0.0)]
         mirrors = []
         for d in range(self.dim - 1):
             for side in range(2):
@@ -101,8 +121,18 @@ class Run:
             zero = np.zeros(len(points))
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
             pressure = np.ravel(file["pressure"])[liquid].astype(float) if "pressure" in file else zero
-        points, (velocity,), (pressure, body) = self.reflect(points, [velocity], [pressure, body[liquid]])
-        return State(time, points, velocity, pressure, body)
+            share = zero + 1
+            if self.rings and "volume" in file:
+                share = ring_share(points[:, 0], np.ravel(file["volume"])[liquid], self.spacing)
+        if self.rings:
+            points, velocity = upright(points), upright(velocity)
+        others = [pressure, body[liquid], share]
+        points, (velocity,), (pressure, body, share) = self.reflect(points, [velocity], others)
+        return State(time, points, velocity, pressure, body, share)
+
+    def around(self, points):
+        """Points and, of rings, also those that are a quarter of a turn further: what a picture must hold."""
+        return np.concatenate([points, points[:, [1, 0, 2]]]) if self.rings else points
 
     def read_solid(self):
         """Dummy particles of solid bodies, [n][3]; none without the file."""
@@ -111,6 +141,7 @@ class Run:
             return np.zeros((0, 3))
         with h5py.File(path, "r") as file:
             points = np.array(file["position"], float).reshape(-1, 3)
+        points = upright(points) if self.rings else points
         return self.reflect(points)[0]
 
     def moments(self, times=None, count=6):

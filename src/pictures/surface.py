@@ -1,13 +1,16 @@
 """The liquid's surface out of particles, and its picture: numpy makes field and light, VTK the mesh and the image.
 
 Lengths in m. The volume fraction is the particles' volume, spread by a Gaussian of FILTER spacings onto a grid; the
-surface is where it passes LEVEL. Particles too lonely to reach LEVEL are drawn as spheres of their own volume.
+surface is where it passes LEVEL. Particles too lonely to reach LEVEL are drawn as spheres of their own volume. Of rings
+the grid is one over the section through the axis, x and z, and half of its contour is swept round the axis.
 """
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
+from vtkmodules.vtkFiltersCore import (vtkCleanPolyData, vtkFlyingEdges2D, vtkFlyingEdges3D, vtkPolyDataNormals,
+                                       vtkStripper, vtkTriangleFilter, vtkWindowedSincPolyDataFilter)
+from vtkmodules.vtkFiltersModeling import vtkRotationalExtrusionFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingGeneral import vtkImageGaussianSmooth
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
@@ -23,6 +26,7 @@ MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cel
 SMOOTHING = 25  # iterations of the mesh filter
 PASS_BAND = 0.06  # of the mesh filter
 WIDE = 1.5e-3  # m: reach of the shade in hollows
+AROUND = 240  # corners of a surface of revolution around its axis
 
 FILM_COLOR = np.array([0.07, 0.35, 0.63])
 DROP_COLOR = np.array([0.93, 0.36, 0.09])
@@ -44,11 +48,13 @@ def blur(field, width):
 
 
 def deposit(places, shape, weight):
-    """Spreads a weight a point onto the 2^d nodes around it, linearly. places [n][d] in nodes; points outside: none."""
+    """Spreads the points' weights onto the 2^d nodes around each, linearly. places [n][d] in nodes; weight: [n] or one
+    for all; points outside: none."""
     dim = len(shape)
     base = np.floor(places).astype(np.int64)
     inside = np.all((base >= 0) & (base < np.array(shape) - 1), axis=1)
     base, rest = base[inside], (places - np.floor(places))[inside]
+    weight = np.broadcast_to(weight, len(places))[inside]
     total = np.zeros(int(np.prod(shape)))
     for corner in np.ndindex(*(2,) * dim):
         share = np.prod(np.where(np.array(corner) == 1, rest, 1 - rest), axis=1)
@@ -58,20 +64,21 @@ def deposit(places, shape, weight):
 
 
 def sample(field, places):
-    """Linear interpolation of a field at places [n][3] (nodes), clamped to the grid."""
+    """Linear interpolation of a field at places [n][d] (nodes), clamped to the grid."""
     top = np.array(field.shape) - 1.001
     places = np.clip(places, 0, top)
     base = places.astype(np.int64)
     rest = places - base
     value = np.zeros(len(places))
-    for corner in np.ndindex(2, 2, 2):
+    for corner in np.ndindex(*(2,) * field.ndim):
         share = np.prod(np.where(np.array(corner) == 1, rest, 1 - rest), axis=1)
         value += share * field[tuple((base + corner).T)]
     return value
 
 
-def with_images(points, flags, lower, upper, margin):
-    """Adds the periodic images of the points within a margin (m) beyond the four sides of the box."""
+def with_images(points, flags, share, lower, upper, margin):
+    """Adds the periodic images of the points within a margin (m) beyond the four sides of the box. Of the section of
+    rings, mirrored at the axis, they are the mirror images in the cylinder around them."""
     for axis in (0, 1):
         length = upper[axis] - lower[axis]
         low = points[:, axis] < lower[axis] + margin
@@ -79,45 +86,55 @@ def with_images(points, flags, lower, upper, margin):
         shift = np.zeros(3)
         shift[axis] = length
         points = np.concatenate([points, points[low] + shift, points[high] - shift])
-        flags = np.concatenate([flags, flags[low], flags[high]])
-    return points, flags
+        flags, share = (np.concatenate([array, array[low], array[high]]) for array in (flags, share))
+    return points, flags, share
+
+
+def in_plane(points, axes):
+    """Points [n][3] in the coordinates of a grid over these axes; without y the distance from the axis is the first."""
+    return points if len(axes) == 3 else np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
 
 
 class Liquid:
     """The volume fractions of all liquid and of the drop on a grid over the box.
 
     points [n][3] (m); is_drop [n]; spacing, lower, upper (m): of the particles, and the corners of the whole box.
+    share [n]: of rings, whose points lie at y = 0 on both sides of the axis: areas over spacing^2.
     """
 
-    def __init__(self, points, is_drop, spacing, lower, upper):
+    def __init__(self, points, is_drop, spacing, lower, upper, share=None):
         inside = np.all((points >= lower) & (points <= upper), axis=1)
+        self.rings, self.axes = share is not None, (0, 1, 2) if share is None else (0, 2)
+        self.share = (share if self.rings else np.ones(len(points)))[inside]
         self.points, self.is_drop, self.spacing = points[inside], is_drop[inside], spacing
+        axes, dim = list(self.axes), len(self.axes)
         top = min(upper[2], self.points[:, 2].max() + 3 * spacing)
-        extent = np.array([upper[0] - lower[0], upper[1] - lower[1], top - lower[2]])
-        cell = max(CELL * spacing, (np.prod(extent) / MOST_NODES) ** (1 / 3))
-        self.cell = extent[0] / np.ceil(extent[0] / cell)
+        extent = np.array([upper[0] - lower[0], upper[1] - lower[1], top - lower[2]])[axes]
+        cell = max(CELL * spacing, (np.prod(extent) / MOST_NODES) ** (1 / dim))
+        half = 2 if self.rings else 1  # a node is on the axis
+        self.cell = extent[0] / (half * np.ceil(extent[0] / (half * cell)))
         margin = int(np.ceil(4 * FILTER * spacing / self.cell))
-        self.origin = np.asarray(lower, float) - margin * self.cell
+        self.origin = np.asarray(lower, float)[axes] - margin * self.cell
         shape = tuple(np.ceil(extent / self.cell).astype(int) + 2 * margin + 1)
-        near, flags = with_images(self.points, self.is_drop, lower, upper, margin * self.cell)
-        places, weight = self.places(near), (spacing / self.cell) ** 3
+        near, flags, share = with_images(self.points, self.is_drop, self.share, lower, upper, margin * self.cell)
+        places, weight = (near[:, axes] - self.origin) / self.cell, share * (spacing / self.cell) ** dim
         width = FILTER * spacing / self.cell
-        self.drop = blur(deposit(places[flags], shape, weight), width)
-        self.all = self.drop + blur(deposit(places[~flags], shape, weight), width)
-        self.hollow = blur(np.minimum(self.all[::4, ::4, ::4], 1), WIDE / (4 * self.cell))
+        self.drop = blur(deposit(places[flags], shape, weight[flags]), width)
+        self.all = self.drop + blur(deposit(places[~flags], shape, weight[~flags]), width)
+        self.hollow = blur(np.minimum(self.all[(slice(None, None, 4),) * dim], 1), WIDE / (4 * self.cell))
         # The block of liquid ends at the sides and the bottom of the box with flat faces.
         layer = int(np.ceil(spacing / self.cell))
         self.block = np.minimum(self.all, 1)
-        self.block[:, :, :margin + layer] = self.block[:, :, margin + layer, None]
-        for axis in range(2):
+        self.block[..., :margin + layer] = self.block[..., margin + layer, None]
+        for axis in range(dim - 1):
             beyond = np.ones(shape[axis], bool)
             beyond[margin:margin + int(round(extent[axis] / self.cell)) + 1] = False
             np.moveaxis(self.block, axis, 0)[beyond] = 0
-        self.block[:, :, :margin] = 0
+        self.block[..., :margin] = 0
 
     def places(self, points):
         """Points (m) in nodes of the grid."""
-        return (points - self.origin) / self.cell
+        return (in_plane(points, self.axes) - self.origin) / self.cell
 
     def lonely(self, field, level, flags):
         """Flags of those of the flagged particles that the surface of a field at a level does not hold."""
@@ -143,37 +160,107 @@ class Liquid:
         return np.clip(1.15 - 0.8 * sample(self.hollow, places), 0.4, 1)
 
 
-def triangles(field, level, origin, cell):
-    """The smoothed surface of a field at a level: points [n][3], normals [n][3] (outward), triangles [m][3]."""
+def contour(field, level, origin, cell, edges):
+    """The contour (vtkPolyData) of a field at a level as VTK's filter 'edges' finds it."""
     image = vtkImageData()
-    image.SetDimensions(*field.shape)
+    image.SetDimensions(*(field.shape + (1,) * (3 - field.ndim)))
     image.SetSpacing(cell, cell, cell)
-    image.SetOrigin(*origin)
-    values = numpy_to_vtk(field.ravel(order="F"), deep=True)
-    image.GetPointData().SetScalars(values)
-    contour = vtkFlyingEdges3D()
-    contour.SetInputData(image)
-    contour.SetValue(0, level)
-    contour.ComputeNormalsOff()
-    contour.ComputeScalarsOff()
+    image.SetOrigin(*(tuple(origin) + (0,) * (3 - field.ndim)))
+    image.GetPointData().SetScalars(numpy_to_vtk(field.ravel(order="F"), deep=True))
+    edges.SetValue(0, level)
+    edges.ComputeScalarsOff()
+    return passed(edges, image)
+
+
+def passed(algorithm, mesh):
+    """What a filter makes of a mesh."""
+    algorithm.SetInputData(mesh)
+    algorithm.Update()
+    return algorithm.GetOutput()
+
+
+def smoothed(mesh):
+    """A mesh of triangles or lines (vtkPolyData), smoothed."""
     smooth = vtkWindowedSincPolyDataFilter()
-    smooth.SetInputConnection(contour.GetOutputPort())
     smooth.SetNumberOfIterations(SMOOTHING)
     smooth.SetPassBand(PASS_BAND)
     smooth.FeatureEdgeSmoothingOff()
     smooth.NormalizeCoordinatesOn()
+    return passed(smooth, mesh)
+
+
+def with_normals(mesh, closed):
+    """Points [n][3], normals [n][3] (outward) and triangles [m][3] of a mesh (vtkPolyData); closed: without hint which
+    side is out but that it is closed."""
     normals = vtkPolyDataNormals()
-    normals.SetInputConnection(smooth.GetOutputPort())
     normals.SetFeatureAngle(70)
-    normals.ConsistencyOff()
-    normals.Update()
-    mesh = normals.GetOutput()
+    normals.SetConsistency(closed)
+    normals.SetAutoOrientNormals(closed)
+    mesh = passed(normals, mesh)
     if mesh.GetNumberOfPoints() == 0:
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
     points = vtk_to_numpy(mesh.GetPoints().GetData()).astype(float)
     vectors = vtk_to_numpy(mesh.GetPointData().GetNormals()).astype(float)
     cells = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     return points, vectors, cells
+
+
+def triangles(field, level, origin, cell):
+    """The smoothed surface of a field at a level: points [n][3], normals [n][3] (outward), triangles [m][3]. A field in
+    two dimensions is of rings, the first of them across the axis."""
+    if field.ndim == 2:
+        first = int(round(-origin[0] / cell))
+        joined = vtkStripper()
+        joined.JoinContiguousSegmentsOn()
+        joined.SetMaximumLength(max(field.size, 4))
+        edges = contour(np.ascontiguousarray(field[first:]), level, (0, origin[1]), cell, vtkFlyingEdges2D())
+        return revolve(smoothed(passed(joined, edges)))
+    edges = vtkFlyingEdges3D()
+    edges.ComputeNormalsOff()
+    return with_normals(smoothed(contour(field, level, origin, cell, edges)), False)
+
+
+def revolve(lines):
+    """The surface that lines (vtkPolyData; x is the distance from the axis, y the place along it) sweep round the axis
+    z: what triangles() gives."""
+    if lines.GetNumberOfPoints() == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
+    flat = vtk_to_numpy(lines.GetPoints().GetData()).astype(float)
+    places = np.stack([np.maximum(flat[:, 0], 0), 0 * flat[:, 0], flat[:, 1]], axis=1)
+    profile, corners = vtkPolyData(), vtkPoints()
+    corners.SetData(numpy_to_vtk(places, deep=True))
+    profile.SetPoints(corners)
+    profile.SetLines(lines.GetLines())
+    sweep, clean = vtkRotationalExtrusionFilter(), vtkCleanPolyData()
+    sweep.SetResolution(AROUND)
+    sweep.CappingOff()
+    clean.SetTolerance(1e-7)  # joins the corners of the seam, and those on the axis to one
+    return with_normals(passed(clean, passed(vtkTriangleFilter(), passed(sweep, profile))), True)
+
+
+def strays(centers, spacing, share=None):
+    """Particles alone at centers [n][3] (m), each as a sphere of its volume, spacing^3; rings, share [n] of their areas
+    over spacing^2, as tori."""
+    if share is None:
+        return spheres(centers, spacing * (3 / (4 * np.pi)) ** (1 / 3))
+    once = centers[:, 0] > 0  # not the mirror images
+    return tori(centers[once], spacing * np.sqrt(share[once] / np.pi))
+
+
+def tori(centers, radius):
+    """Tori about the axis z through centers [n][3] at y = 0 (m), of the radii [n] (m): points, normals, triangles."""
+    turn = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    flat = np.zeros((len(centers), len(turn), 3))
+    flat[..., 0] = np.abs(centers[:, 0])[:, None] + radius[:, None] * np.cos(turn)
+    flat[..., 1] = centers[:, 2][:, None] + radius[:, None] * np.sin(turn)
+    lines, corners, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
+    corners.SetData(numpy_to_vtk(flat.reshape(-1, 3), deep=True))
+    loops = np.arange(flat.shape[0] * len(turn)).reshape(-1, len(turn))
+    loops = np.concatenate([loops, loops[:, :1]], axis=1)
+    cells.SetData(len(turn) + 1, numpy_to_vtkIdTypeArray(np.ascontiguousarray(loops.ravel(), np.int64), deep=True))
+    lines.SetPoints(corners)
+    lines.SetLines(cells)
+    return revolve(lines)
 
 
 def spheres(centers, radius):
@@ -194,8 +281,9 @@ def surface(liquid, spread=False):
     """Points, normals, triangles and drop shares (spread: see drop_share) of the liquid's surface."""
     mesh = triangles(liquid.block, LEVEL, liquid.origin, liquid.cell)
     loose = liquid.lonely(liquid.block, LEVEL, np.ones(len(liquid.points), bool))
-    balls = spheres(liquid.points[loose], liquid.spacing * (3 / (4 * np.pi)) ** (1 / 3))
+    balls = strays(liquid.points[loose], liquid.spacing, liquid.share[loose] if liquid.rings else None)
     own = np.repeat(liquid.is_drop[loose].astype(float), len(balls[0]) // max(1, loose.sum()))
+    own = liquid.drop_share(balls[0]) if liquid.rings else own
     share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1], spread), own])
     return (np.concatenate([mesh[0], balls[0]]), np.concatenate([mesh[1], balls[1]]),
             np.concatenate([mesh[2], balls[2] + len(mesh[0])]), share)
@@ -308,7 +396,8 @@ def picture(liquid, camera, size, pale=False):
 
 
 def section(liquid, half_thickness, window, pixels):
-    """A section through the axis, |y| <= half_thickness (m), seen along y: image [rows][columns][4], from 0 to 1.
+    """A section through the axis, |y| <= half_thickness (m), seen along y: image [rows][columns][4], from 0 to 1. Rings
+    are all in it.
 
     window: x and z limits (x0, x1, z0, z1), m; pixels: the size of a pixel, m.
     """
@@ -316,10 +405,11 @@ def section(liquid, half_thickness, window, pixels):
     points, is_drop = liquid.points[slab][:, [0, 2]], liquid.is_drop[slab]
     shape = (int(round((window[1] - window[0]) / pixels)), int(round((window[3] - window[2]) / pixels)))
     places = (points - [window[0], window[2]]) / pixels - 0.5
-    weight = liquid.spacing ** 3 / (2 * half_thickness * pixels ** 2)
+    weight = liquid.share[slab] * liquid.spacing ** 2 / pixels ** 2
+    weight *= 1 if liquid.rings else liquid.spacing / (2 * half_thickness)
     width = FILTER * liquid.spacing / pixels
-    drop = blur(deposit(places[is_drop], shape, weight), width)
-    both = drop + blur(deposit(places[~is_drop], shape, weight), width)
+    drop = blur(deposit(places[is_drop], shape, weight[is_drop]), width)
+    both = drop + blur(deposit(places[~is_drop], shape, weight[~is_drop]), width)
     share = np.clip((drop / np.maximum(both, 1e-6) - 0.4) / 0.2, 0, 1)[..., None]
     cover = np.clip((both - LEVEL) * 4 + 0.5, 0, 1)[..., None]
     image = np.concatenate([FILM_COLOR + share * (DROP_COLOR - FILM_COLOR), cover], axis=2)

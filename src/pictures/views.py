@@ -70,32 +70,37 @@ def frame(axes, run, unit):
 
 
 class Fluid:
-    """Volume fraction of the particles on a grid over the box, and the mean of values there."""
+    """Volume fraction of the particles on a grid over the box, of rings over its section through the axis, and the mean
+    of values there."""
 
-    def __init__(self, run, points, values):
+    def __init__(self, run, points, values, share):
         inside = np.all((points >= run.lower - run.spacing) & (points <= run.upper + run.spacing), axis=1)
         self.points, self.spacing = points[inside], run.spacing
-        values = values[inside]
+        values, share = values[inside], share[inside]
+        self.share = share if run.rings else None
+        self.axes = axes = [0, 2] if run.rings else [0, 1, 2]
         margin = 4 * surface.FILTER * run.spacing
-        lower = np.maximum(run.lower, self.points.min(axis=0) - margin)
-        upper = np.minimum(run.upper, self.points.max(axis=0) + margin)
-        self.cell = max(surface.CELL * run.spacing, (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / 3))
+        lower = np.maximum(run.lower, self.points.min(axis=0) - margin)[axes]
+        upper = np.minimum(run.upper, self.points.max(axis=0) + margin)[axes]
+        self.cell = max(surface.CELL * run.spacing, (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / len(axes)))
         self.origin = lower - np.ceil(margin / self.cell) * self.cell
-        shape = tuple(np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1)
-        near, value = images(run, self.points, values, margin)
-        places, weight = (near - self.origin) / self.cell, (run.spacing / self.cell) ** 3
+        if run.rings:  # a node is on the axis
+            self.origin[0] = self.cell * np.floor(self.origin[0] / self.cell)
+        shape = np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1 + run.rings
+        near, (value, share) = images(run, self.points, [values, share], margin)
+        places, weight = (near[:, axes] - self.origin) / self.cell, share * (run.spacing / self.cell) ** len(axes)
         width = surface.FILTER * run.spacing / self.cell
         self.fraction = surface.blur(surface.deposit(places, shape, weight), width)
         self.moment = [surface.blur(surface.deposit(places, shape, weight * column), width) for column in value.T]
-        for d in range(3):  # liquid ends flat at faces that are not open
+        for d, axis in enumerate(axes):  # liquid ends flat at faces that are not open
             nodes = self.origin[d] + self.cell * np.arange(shape[d])
-            for side, beyond in ((0, nodes < run.lower[d] - 0.5 * self.cell),
-                                 (1, nodes > run.upper[d] + 0.5 * self.cell)):
-                if run.faces[d][side] != "open":
+            for side, beyond in ((0, nodes < run.lower[axis] - 0.5 * self.cell),
+                                 (1, nodes > run.upper[axis] + 0.5 * self.cell)):
+                if run.faces[axis][side] != "open":
                     np.moveaxis(self.fraction, d, 0)[beyond] = 0
 
     def places(self, points):
-        return (points - self.origin) / self.cell
+        return (surface.in_plane(points, self.axes) - self.origin) / self.cell
 
     def values(self, points):
         """[n][columns]: the mean of the values at points of the surface."""
@@ -110,12 +115,12 @@ class Fluid:
         return points, normals, cells, lonely
 
 
-def images(run, points, values, margin):
-    """Points within a margin beyond the faces too: copies through periodic faces, images in walls and mirrors."""
+def images(run, points, others, margin):
+    """Points within a margin beyond the faces too: copies through periodic faces, images in walls and mirrors; others
+    are arrays, a row a point, that are copied."""
     for d in range(3):
         length = run.upper[d] - run.lower[d]
-        new = [points]
-        more = [values]
+        new, more = [points], [others]
         for side, face in ((0, run.lower[d]), (1, run.upper[d])):
             kind = run.faces[d][side]
             if kind == "open":
@@ -128,9 +133,9 @@ def images(run, points, values, margin):
             else:
                 copy[:, d] = 2 * face - copy[:, d]
             new.append(copy)
-            more.append(values[near])
-        points, values = np.concatenate(new), np.concatenate(more)
-    return points, values
+            more.append([other[near] for other in others])
+        points, others = np.concatenate(new), [np.concatenate(parts) for parts in zip(*more)]
+    return points, others
 
 
 def value_table(state, color, bodies):
@@ -153,7 +158,7 @@ def solid_mesh(run):
     """Triangles of the solid bodies."""
     if not len(run.solid):
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
-    return Fluid(run, run.solid, np.zeros((len(run.solid), 1))).mesh()[:3]
+    return Fluid(run, run.solid, np.zeros((len(run.solid), 1)), np.ones(len(run.solid))).mesh()[:3]
 
 
 def floor_mesh(run, focus, half):
@@ -163,12 +168,17 @@ def floor_mesh(run, focus, half):
     x0, y0 = np.maximum(run.lower[:2], focus[:2] - half)
     x1, y1 = np.minimum(run.upper[:2], focus[:2] + half)
     z = run.lower[2]
+    if run.rings:
+        turn = np.linspace(0, 2 * np.pi, surface.AROUND, endpoint=False)
+        rim = min(half, run.upper[0]) * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+        corner = np.arange(1, len(turn) - 1)
+        return rim + [0, 0, z], np.stack([0 * corner, corner, corner + 1], axis=1)
     return np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]]), np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def camera(run, states, azimuth, elevation):
     """A perspective that holds the box around the liquid of all states; and half of that box' diagonal."""
-    points = np.concatenate([state.points for state in states] + [run.solid])
+    points = run.around(np.concatenate([state.points for state in states] + [run.solid]))
     lower = np.maximum(run.lower, np.percentile(points, 0.5, axis=0) - run.spacing)
     upper = np.minimum(run.upper, np.percentile(points, 99.5, axis=0) + run.spacing)
     focus = 0.5 * (lower + upper)
@@ -187,7 +197,7 @@ def camera(run, states, azimuth, elevation):
 
 def above(run, states):
     """A parallel view from above."""
-    points = np.concatenate([state.points for state in states])
+    points = run.around(np.concatenate([state.points for state in states]))
     lower, upper = np.maximum(run.lower, points.min(axis=0)), np.minimum(run.upper, points.max(axis=0))
     focus = 0.5 * (lower + upper)
     wide, high = upper[:2] - lower[:2] + 4 * run.spacing
@@ -197,10 +207,9 @@ def above(run, states):
 
 def picture(run, state, color, ends, colormap, view, half, size=PANEL):
     """Renders the liquid's surface, solids and floor: [height][width][3] bytes."""
-    fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)))
+    fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share)
     points, normals, cells, lonely = fluid.mesh()
-    radius = run.spacing * (3 / (4 * np.pi)) ** (1 / 3)
-    balls = surface.spheres(fluid.points[lonely], radius)
+    balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely] if run.rings else None)
     points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
     cells = np.concatenate([cells, balls[2] + len(points) - len(balls[0])])
     base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)

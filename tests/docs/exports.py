@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """What other programs read: the XDMF file names data sets that exist with the shapes it says; VTK reads the series of
 snapshots and the meshes back; what -snapshot_fields, -snapshot_lower and so on leave out is out, and the rest as
-without them; the mesh of a sphere has its volume, and stray particles are not in it; columns of tables have units."""
+without them; the mesh of a sphere has its volume, and stray particles are not in it; columns of tables have units;
+rings are mirrored at their axis and swept round it."""
 import os
 import subprocess
 import sys
@@ -11,9 +12,11 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
+import run as data  # noqa: E402
 from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
 from vtkmodules.vtkFiltersCore import vtkMassProperties  # noqa: E402
 from vtkmodules.vtkIOHDF import vtkHDFReader  # noqa: E402
+from vtkmodules.vtkIOImage import vtkPNGReader  # noqa: E402
 from vtkmodules.vtkIOPLY import vtkPLYReader  # noqa: E402
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: E402
 
@@ -137,4 +140,41 @@ runs.check_within(velocity[:, 0].max(), 0.0999, 0.1001, "particles_velocity")
 series = ElementTree.parse(os.path.join(folder, "mesh", "surface.pvd")).getroot().findall(".//DataSet")
 present = all(os.path.exists(os.path.join(folder, "mesh", s.get("file"))) for s in series)
 runs.check(present and len(series) == len(grids), "pvd_series", [s.get("file") for s in series])
+
+# rings: a ball on the axis, cut to its meridian, is swept to a whole ball; a single ring beside it is no piece of it
+RINGS = f"""-dimension axisymmetric -spacing 0.125 -box_lower 0,-2 -box_upper 2,2 -box_ymin wall -bodies ball,stray
+ -ball_shape sphere -ball_center 0,0 -ball_radius {RADIUS} -stray_lower 1.5,1.5 -stray_upper 1.625,1.625
+ -ball_velocity 0,0.1 -steps_max 1 -time_step 1e-3 -checkpoint_interval 0"""
+folder = runs.run(RINGS, "rings")
+drawn = subprocess.run([sys.executable, mesh, folder, "--particles", "--least", "30"], stdout=subprocess.PIPE,
+                       stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+if runs.check(drawn.returncode == 0, "rings_mesh", drawn.stdout[-300:]):
+    surface = read(vtkXMLPolyDataReader(), os.path.join(folder, "mesh", "surface_000000.vtp"))
+    corners = vtk_to_numpy(surface.GetPoints().GetData())
+    radius = np.linalg.norm(corners, axis=1)
+    mass = vtkMassProperties()
+    mass.SetInputData(surface)
+    mass.Update()
+    runs.check_within(mass.GetVolume() / (4 / 3 * np.pi * RADIUS**3), 0.95, 1.05, "rings_volume")
+    runs.check_within(radius.min(), 0.85 * RADIUS, RADIUS, "rings_mesh_is_a_ball")
+    runs.check_below(radius.max(), 1.15 * RADIUS, "rings_mesh_without_stray")
+    sides = [np.sum(sign * corners[:, axis] > 0.5 * RADIUS) for axis in (0, 1) for sign in (1, -1)]
+    runs.check(min(sides) == max(sides) > 100, "rings_mesh_of_revolution", sides)
+drawn = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/pictures.py"), folder, "--count", "1"],
+                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+made = [os.path.join(folder, "figures", name) for name in ("section.png", "surface.png", "top.png")]
+if runs.check(drawn.returncode == 0 and all(os.path.exists(p) for p in made), "rings_pictures", drawn.stdout[-300:]):
+    for path in made[1:]:  # the ball is in the middle of its panel; the legend above it is left out
+        image = read(vtkPNGReader(), path)
+        pixels = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(image.GetDimensions()[1], -1, 4).astype(int)
+        frame, lower = np.flatnonzero((pixels[:, :, 0] < 250).any(axis=0)), pixels[:len(pixels) // 2]
+        blue = np.flatnonzero((lower[:, :, 2] - lower[:, :, 0] > 60).any(axis=0))
+        runs.check(len(blue) > 100 and abs(blue.min() + blue.max() - frame.min() - frame.max()) < 10,
+                   f"rings_{os.path.basename(path)}_centred", (blue[[0, -1]], frame[[0, -1]]))
+state = data.Run(folder).read(runs.numbered(folder, "snapshot")[0])
+right = state.points[:, 0] > 0
+mirrored = np.array_equal(state.points[right] * [-1, 1, 1], state.points[~right]) and not state.points[:, 1].any()
+runs.check(mirrored and 2 * right.sum() == len(right) > 100, "rings_mirrored", state.points[:3])
+area = 0.125**2 * np.sum(state.share[right]) / (np.pi / 2 * RADIUS**2 + 0.125**2)
+runs.check_within(area, 0.97, 1.03, "rings_share")
 runs.done()
