@@ -10,34 +10,39 @@ import physics  # noqa: E402
 
 
 def check(folder):
-    errors, instant, speed, floor = [], [], [], []
+    errors, instant, speed, floor, motion = [], [], [], [], []
     for time, head, f in physics.snapshots(folder):
-        dim = int(head["dimension"])
-        up = dim - 1
-        z = f["position"][:, up]
+        rings = physics.rings(head)
+        up = int(head["dimension"]) - 1
+        z, volume = f["position"][:, up], physics.volumes(head, f)
         if time == 0:
             n = len(f["id"])
-            rho, g, low, high = (1100.0, 9.81, -0.01, 0.0) if dim == 3 else (1000.0, 1.0, 0.0, 0.9)
+            rho, g, low, high = (1100.0, 9.81, -0.01, 0.0) if up == 2 or rings else (1000.0, 1.0, 0.0, 0.9)
             depth, relaxed = high - low, 3 * np.sqrt((high - low) / g)
-            first = z.mean()
+            first = np.average(z, weights=volume)
         if time < relaxed or len(z) != n:
             continue
         e = f["pressure"] / (rho * g * depth) - (high - z) / depth
         errors.append(e)
         instant.append(np.sqrt((e**2).mean()))
-        speed.append(np.sqrt((f["velocity"]**2).sum(axis=1).mean() / (g * depth)))
+        motion.append((f["velocity"]**2).sum(axis=1) / (g * depth))
+        speed.append(np.sqrt(np.average(motion[-1], weights=volume)))
         near = z < low + 0.2 * depth  # the pressure at the floor: a straight line through the lowest fifth
         floor.append(np.polyval(np.polyfit(z[near], f["pressure"][near], 1), low))
     lost = physics.at_most("particles lost", n - len(z), 0)
     if not errors:
         raise ValueError(f"no snapshot after {relaxed:.3g} s, when the liquid should be at rest")
-    level, mean = high + 2 * (z.mean() - first), np.mean(errors, axis=0)
+    level, mean = high + 2 * (np.average(z, weights=volume) - first), np.mean(errors, axis=0)
+    axis = [physics.at_most("pressure error in the first two rings over that elsewhere",
+                            physics.at_axis(head, f, mean), 2),
+            physics.at_most("speed in the first two rings over that elsewhere",
+                            physics.at_axis(head, f, np.sqrt(np.mean(motion, axis=0))), 2)] if rings else []
     return [physics.relative("mean pressure at the floor", np.mean(floor), rho * g * depth, 0.02, "Pa"),
             physics.at_most("mean pressure, rms error over rho g H", np.sqrt((mean**2).mean()), 0.02),
             physics.at_most("largest instantaneous rms pressure error over rho g H", max(instant), 0.05),
             physics.at_most("rms speed over sqrt(g H), second half", np.mean(speed[len(speed) // 2:]), 2e-3),
             physics.relative("depth, from the centre of mass", level - low, depth, 0.005, "m"),
-            lost]
+            lost] + axis
 
 
 if __name__ == "__main__":

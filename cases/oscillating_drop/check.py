@@ -29,27 +29,27 @@ def fit(t, q, frequency, damping):
 
 
 def check(folder):
-    times, q, lost = [], [], 0
+    times, q = [], []
     for t, head, f in physics.snapshots(folder):
         d0 = float(np.ravel(head["spacing"])[0])
         x = f["position"]
-        dim = 2 if np.ptp(x[:, 2]) == 0 else 3
-        whole = dim == 2 or x[:, 0].min() < 0  # not an octant
-        if whole:
-            x = x - x.mean(axis=0)
-        n = len(x) * (1 if whole else 8)
-        lost = n - lost if not times else lost
-        radius = d0 * np.sqrt(n / np.pi) if dim == 2 else d0 * np.cbrt(0.75 * n / np.pi)
-        m = (x**2).mean(axis=0) / radius**2
+        volume, rings = physics.volumes(head, f), physics.rings(head)
+        dim = 3 if rings else int(head["dimension"])
+        whole = x[:, 0].min() < 0  # not an octant
+        if whole or rings:
+            x = x - np.average(x, weights=volume, axis=0) * ([0, 1, 0] if rings else 1)
+        volume = volume * (1 if whole or rings else 8)
+        radius = np.sqrt(volume.sum() / np.pi) if dim == 2 else np.cbrt(0.75 * volume.sum() / np.pi)
+        m = np.average(x**2, weights=volume, axis=0) / radius**2
         times.append(t)
-        q.append(m[1] - m[0] if dim == 2 else m[2] - 0.5 * (m[0] + m[1]))
+        q.append(m[1] - 0.5 * m[0] if rings else m[1] - m[0] if dim == 2 else m[2] - 0.5 * (m[0] + m[1]))
     scale = SIGMA / (RHO * radius**3)  # Lamb, art. 275 and 355
     damping = (4 if dim == 2 else 5) * MU / (RHO * radius**2)
     frequency = np.sqrt((6 if dim == 2 else 8) * scale - damping**2)
     w, b, error = fit(np.array(times), np.array(q), frequency, damping)
     return [
-        physics.relative("period", 2e3 * np.pi / w, 2e3 * np.pi / frequency, 0.02, "ms"),
-        physics.relative("damping rate", b, damping, 0.5, "1/s"),
+        physics.relative("period", 2e3 * np.pi / w, 2e3 * np.pi / frequency, 0.01 if rings else 0.02, "ms"),
+        physics.relative("damping rate", b, damping, 0.3 if rings else 0.5, "1/s"),
         physics.at_most("deviation from a damped cosine, rms over the amplitude", error, 0.05),
         physics.shown("R/d0", radius / d0)]
 

@@ -53,7 +53,9 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6]);
 typedef enum {
   VISCOSITY_CLEARY, /* Eq. (1) of Kuri et al. (Cleary & Ha), zeta = dim + 2 (5 in 3-d as in the paper, whose 5 would be
                        25 % too viscous in 2-d): along the line of centres, keeps angular momentum */
-  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum */
+  VISCOSITY_MORRIS  /* Morris et al. 1997: the plain Laplacian, exact for shear, does not keep angular momentum. At a
+                       free surface it is not free of stress: a drop's oscillation loses half of what it should, one of
+                       rings a third */
 } ViscosityForm;
 
 /* The viscous term: its form, and what pairs of the fluid with walls count for, at distances k/WALL_FACTORS of the

@@ -162,6 +162,25 @@ static void ViscosityRings(Cloud cloud, PetscInt a, const PairRow *row, const Pe
   }
 }
 
+/* Multiplies the row's factors by the length of each pair's middle over that of ring a. */
+static void MultiplyLengths(Cloud cloud, PetscInt a, PairRow *row)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], length_a = DomainRingLength(cloud->domain, x + DIM * a);
+
+  for (PetscInt k = 0; k < row->n; k++)
+    row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / length_a;
+}
+
+/* What the growth of ring a resists with in the form of Cleary, m/s2: -nu v_r/R2. The pairs in the plane lose 2 S:S +
+   (tr S)2 times mu, of the rate of strain S in it; its trace is -v_r/r, for all three directions together do not change
+   the volume. The loss in all is 2 S:S + 2 (v_r/r)2, so that (v_r/r)2 remains for the growth. */
+static PetscReal GrowthFriction(Cloud cloud, PetscInt a, PetscReal nu, const PetscReal v[])
+{
+  const PetscReal r = DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a) / (2 * PETSC_PI);
+
+  return -nu * v[DIM * a] / (r * r);
+}
+
 /* Divides the row's factors F by r2 + eta2 (m2). */
 static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, PairRow *row)
 {
@@ -230,6 +249,10 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
     if (factor != 1)
       for (PetscInt k = 0; k < row.n; k++)
         if (cloud->integer[INT_LAYER][row.index[k]]) row.f[k] *= factor;
+    if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings) {
+      MultiplyLengths(cloud, a, &row);
+      acceleration[DIM * a] += GrowthFriction(cloud, a, mu[a] / density[a], v);
+    }
     if (viscosity->form == VISCOSITY_CLEARY)
       ViscosityCleary(cloud, a, &row, v, sum);
     else if (cloud->domain->rings)

@@ -36,7 +36,7 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 PetscBool StepViscosityFused(Stepper stepper)
 {
   return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity.form == VISCOSITY_CLEARY &&
-                     OperatorsOneLiquid(stepper->cloud));
+                     !stepper->cloud->domain->rings && OperatorsOneLiquid(stepper->cloud));
 }
 
 static void AddBodyForce(Cloud cloud, PetscReal acceleration[])

@@ -115,14 +115,14 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
 static PetscErrorCode SetViscosityFromOptions(Stepper s)
 {
   const char *const forms[] = {"cleary", "morris"}, *const walls[] = {"rest", "linear"};
-  PetscInt form = s->cloud->domain->rings ? VISCOSITY_MORRIS : s->viscosity.form, wall = s->no_slip;
+  PetscInt form = s->viscosity.form, wall = s->no_slip;
 
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Viscosity", "Stepper");
   PetscCall(PetscOptionsEList(
     "-viscosity_form",
-    "form of the viscous force: cleary is Eq. (1) and keeps angular momentum, morris is exact for shear flow and the "
-    "only one of rings",
+    "form of the viscous force: cleary is Eq. (1) and keeps angular momentum, morris is exact for shear flow and "
+    "loses too little at free surfaces",
     "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
   PetscCall(PetscOptionsEList("-viscosity_wall",
                               "velocity behind a wall: rest is the wall's own, as printed, and lets the first layer "
@@ -168,10 +168,6 @@ static PetscErrorCode CheckRings(Stepper s)
   PetscCall(PetscStrcmp(s->scheme_type, SCHEME_CONSISTENT, &good));
   PetscCheckUser(good, comm, "-scheme %s cannot be used with -dimension axisymmetric yet; " SCHEME_CONSISTENT " can",
                  s->scheme_type);
-  PetscCheckUser(
-    s->viscosity.form == VISCOSITY_MORRIS, comm,
-    "-viscosity_form cleary cannot be used with -dimension axisymmetric: it takes the flow along the plane "
-    "to have no divergence there; morris can, and slows no rigid motion down");
   PetscCall(PressureCheckRings(s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

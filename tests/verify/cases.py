@@ -52,6 +52,7 @@ def both(case, label="", options="", size=SHORT, as_printed="", **more):
             Entry(case, label, f"{shared} {PRINTED}{as_printed}".strip(), twin_size, True, **more)]
 
 
+RINGS = "rings.opts"  # the case's file for particles that are rings
 LATTICE = "-packing_type lattice"
 REGULAR = "-packing_jitter 0"
 QUINTIC = "-kernel_type quintic_spline -kernel_ratio 1"
@@ -96,6 +97,7 @@ ENTRIES += [Entry("film_at_rest", "tank, 0.05", REGULAR + " -spacing 0.05", TEST
             Entry("film_at_rest", "tank, 0.05, 60 s", REGULAR + " -spacing 0.05 -time_end 60", file="tank.opts")]
 ENTRIES += both("film_at_rest", "tank", REGULAR, shared="-spacing 0.025", file="tank.opts", twin_size=TEST,
                 spacings=(0.1, 0.05, 0.025))
+ENTRIES += [Entry("film_at_rest", "rings", size=TEST, file=RINGS)]
 
 # free surface without gravity: negative pressure, large deformation, long runs
 FIRST = "-steps_max 6 -snapshot_interval 1e-5 -ksp_rtol 1e-8"
@@ -137,6 +139,8 @@ ENTRIES += tensions("laplace_jump", "2-d", TEST, (0.5e-3, 0.25e-3, 0.125e-3), fi
 ENTRIES += [Entry("laplace_jump", f"2-d, seed {seed}", f"-packing_seed {seed}", file="circle.opts")
             for seed in range(2, 6)]
 ENTRIES += tensions("laplace_jump", "3-d", spacings=(0.5e-3, 1e-3 / 3, 0.25e-3))
+ENTRIES += [Entry("laplace_jump", "rings", file=RINGS), Entry("laplace_jump", "rings, R/d0 = 8", "-spacing 0.25e-3",
+                                                               file=RINGS)]
 ENTRIES += tensions("oscillating_drop", "2-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3), file="circle.opts")
 ENTRIES += tensions("oscillating_drop", "3-d", spacings=(0.5e-3, 0.25e-3, 0.125e-3),
                     coarse=(0.5e-3, 1e-3 / 3, 0.25e-3))

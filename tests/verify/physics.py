@@ -80,6 +80,25 @@ def snapshots(folder):
         yield float(attributes["time"]), attributes, runs.fields(path)
 
 
+def rings(head):
+    """Whether the particles of a run are rings: x is their distance from the axis, y is along it."""
+    return bool(head["axisymmetric"])
+
+
+def volumes(head, f):
+    """The volume of each particle of a snapshot (m^dim), of rings the whole one (m3)."""
+    return f["volume"] if rings(head) else np.full(len(f["id"]), float(head["spacing"])**int(head["dimension"]))
+
+
+def at_axis(head, f, error):
+    """Root of the mean square of an error of rings, of those within two spacings of the axis over that of all others,
+    a spacing and a half from the outermost and beyond not counted: the wall or surface there has errors of its own."""
+    r = f["position"][:, 0]
+    d0 = float(head["spacing"])
+    near, far = r < 2 * d0, (r > 2 * d0) & (r < r.max() - 1.5 * d0)
+    return np.sqrt((error[near]**2).mean() / (error[far]**2).mean())
+
+
 def options(head):
     """The options of a run, {name: value}, from the attributes of a snapshot."""
     lines = (line.split(None, 1) for line in head["options"].decode().splitlines())
