@@ -2,8 +2,9 @@
    wide, a thousand neighbours: they are summed in single precision, relative to a point nearby. */
 #include "tension_impl.h"
 
-#define NO_COLUMN -1
-#define FAR_AWAY  10 /* supports */
+#define FAR_AWAY       10        /* supports */
+#define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over that of a particle at rest density */
+#define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
 
 /* Adds grad phi of the walls around x: each wall face stands for a half-space full of liquid. */
 static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], PetscReal gradient[DIM])
@@ -67,33 +68,49 @@ static inline void Separations(Tension tension, PetscInt begin, PetscInt m, cons
   KernelSingle(tension->kernel, m, s, NULL, F);
 }
 
-/* The sum of w grad W^H at x over m candidates, w in this column; without one w is 1. */
-static void SumGradient(Tension tension, PetscInt m, PetscInt column, const float x[DIM], PetscReal gradient[DIM])
+/* Adds the sum of w_b grad W^H without the kernel's scale over a chunk of m candidates, whose w F is in F. */
+static inline void AddGradient(PetscReal scale, PetscInt m, const float dx[], const float dy[], const float dz[],
+                               const float F[], PetscReal gradient[DIM])
 {
-  const float *restrict w = tension->single + PetscMax(column, 0) * tension->single_stride;
-  float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK];
+  float gx = 0, gy = 0, gz = 0;
+
+  SIMD_LOOP(reduction(+ : gx, gy, gz))
+  for (PetscInt k = 0; k < m; k++) {
+    gx += F[k] * dx[k];
+    gy += F[k] * dy[k];
+    gz += F[k] * dz[k];
+  }
+  gradient[0] += scale * gx;
+  gradient[1] += scale * gy;
+  gradient[2] += scale * gz;
+}
+
+/* The sum of grad W^H at x over m candidates; with -tension_density summed the two of w grad W^H, w in VOLUME_COLUMN
+   and in DENSITY_COLUMN. */
+static void SumGradients(Tension tension, PetscInt m, const float x[DIM], PetscReal gradient[2][DIM])
+{
+  const PetscInt stride     = tension->single_stride;
+  const float *restrict w   = tension->single + VOLUME_COLUMN * stride;
+  const float *restrict rho = tension->single + DENSITY_COLUMN * stride;
+  float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK], weighted[CHUNK];
   PetscReal scale_w, scale_f, inverse_h2;
 
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
-  gradient[0] = gradient[1] = gradient[2] = 0;
+  for (PetscInt d = 0; d < DIM; d++) gradient[0][d] = gradient[1][d] = 0;
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt count = PetscMin(CHUNK, m - begin);
-    float          gx = 0, gy = 0, gz = 0;
 
     Separations(tension, begin, count, x, dx, dy, dz, F);
-    if (column != NO_COLUMN) {
-      SIMD_LOOP()
-      for (PetscInt k = 0; k < count; k++) F[k] *= w[begin + k];
+    if (!tension->summed) {
+      AddGradient(scale_f, count, dx, dy, dz, F, gradient[0]);
+      continue;
     }
-    SIMD_LOOP(reduction(+ : gx, gy, gz))
-    for (PetscInt k = 0; k < count; k++) {
-      gx += F[k] * dx[k];
-      gy += F[k] * dy[k];
-      gz += F[k] * dz[k];
-    }
-    gradient[0] += scale_f * gx;
-    gradient[1] += scale_f * gy;
-    gradient[2] += scale_f * gz;
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < count; k++) weighted[k] = F[k] * w[begin + k];
+    AddGradient(scale_f, count, dx, dy, dz, weighted, gradient[0]);
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < count; k++) weighted[k] = F[k] * rho[begin + k];
+    AddGradient(scale_f, count, dx, dy, dz, weighted, gradient[1]);
   }
 }
 
@@ -145,9 +162,6 @@ static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, cons
   return (PetscBool)(a < cloud->n_owned && BandNear(&tension->band_cells, x));
 }
 
-#define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over that of a particle at rest density */
-#define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
-
 /* With -tension_density summed: the columns that the first pass reads. */
 static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
 {
@@ -166,14 +180,13 @@ static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
 }
 
 /* Adds the part of Eq. (1) with the particle's own stress, S_a/rho_a^2 sum m_b grad W^H, and turns S_a into what the
-   others take from it, S_a rho_0/rho_a^2. */
-static void AddOwnForce(Tension tension, Cloud cloud, PetscInt m, PetscInt a, const PetscReal x[DIM],
-                        const float place[DIM], PetscReal S[6])
+   others take from it, S_a rho_0/rho_a^2. gradient: of the density over V_0, without walls. */
+static void AddOwnForce(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM], PetscReal gradient[DIM],
+                        PetscReal S[6])
 {
   const PetscReal V = cloud->domain->volume, rest = cloud->rest_density[a], rho = cloud->field[FIELD_DENSITY][a];
-  PetscReal       gradient[DIM], walls[DIM] = {0}, force[DIM];
+  PetscReal       walls[DIM] = {0}, force[DIM];
 
-  SumGradient(tension, m, DENSITY_COLUMN, place, gradient);
   AddWalls(tension, cloud->domain, x, walls);
   for (PetscInt d = 0; d < DIM; d++) gradient[d] = V * gradient[d] + rest * walls[d];
   TensorApply(S, gradient[0], gradient[1], gradient[2], force);
@@ -194,7 +207,7 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
-    PetscReal      x[DIM], gradient[DIM];
+    PetscReal      x[DIM], gradient[2][DIM];
     float          place[DIM]; /* x, relative to the origin of the candidates */
 
     LiquidPosition(liquid, p, x);
@@ -206,12 +219,12 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
       PetscCall(Narrow(tension, n, summed ? DIM + 2 : DIM, origin, &m));
     }
     for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
-    SumGradient(tension, m, summed ? VOLUME_COLUMN : NO_COLUMN, place, gradient);
-    for (PetscInt d = 0; d < DIM; d++) gradient[d] *= V;
-    AddWalls(tension, cloud->domain, x, gradient);
+    SumGradients(tension, m, place, gradient);
+    for (PetscInt d = 0; d < DIM; d++) gradient[0][d] *= V;
+    AddWalls(tension, cloud->domain, x, gradient[0]);
     Stress(tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
-           gradient, stress + 6 * a);
-    if (summed) AddOwnForce(tension, cloud, m, a, x, place, stress + 6 * a);
+           gradient[0], stress + 6 * a);
+    if (summed) AddOwnForce(tension, cloud, a, x, gradient[1], stress + 6 * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,8 +3,10 @@
 
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
 {
-  const PetscInt *layer = cloud->integer[INT_LAYER];
-  PetscReal      *x;
+  const PetscInt *layer = cloud->integer[INT_LAYER],
+                 across = (PetscInt)(support / (LIQUID_CELL * cloud->domain->spacing)),
+                 cells  = PetscMax(LIQUID_CELLS_LEAST, PetscMin(LIQUID_CELLS_MOST, across));
+  PetscReal *x;
 
   PetscFunctionBegin;
   if (cloud->n_total > liquid->capacity) {
@@ -21,7 +23,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const 
   PetscCall(PetscMalloc1(DIM * liquid->count, &x));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * liquid->index[k] + d];
-  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / LIQUID_CELLS, 1));
+  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / cells, 1));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
   PetscCall(PetscFree(x));

@@ -12,9 +12,11 @@
 
 #define LIQUID_WIDTH  9 /* columns: x, y, z, then whatever a pass sums over */
 #define WEIGHT_COLUMN 8 /* of rings: the ring area over V_0 */
-/* Cells in the length of a support: so small that the cells around a particle are not much more than its sphere, so
-   large that the particles of a cell share the work of collecting what is around it. */
-#define LIQUID_CELLS 2
+/* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
+   that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells. */
+#define LIQUID_CELL        1.6
+#define LIQUID_CELLS_LEAST 2
+#define LIQUID_CELLS_MOST  4
 
 /* The liquid (fluid particles, ghosts too) sorted into cells. A particle has a place in the sorted order and a local
    index in the cloud. */
@@ -22,7 +24,7 @@ typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m */
   PetscInt   capacity, count, stride;
-  PetscInt   reach, along[LIQUID_CELLS + 2][LIQUID_CELLS + 2]; /* cells within the support: see CellsAlong */
+  PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within the support: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
   PetscInt  *index;  /* [count] local index of each particle before the sort: see LiquidParticle */
