@@ -5,7 +5,8 @@
 
 Three dimensions, or rings, whose surface is one of revolution. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply),
 a mesh a snapshot, without pieces of less than N particles (8), with speed, pressure and body at the corners (vtp);
-surface.pvd makes a series of them in ParaView. --particles: also particles_<number>.vtp and particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
+surface.pvd makes a series of them in ParaView. --particles: also particles_<number>.vtp and particles.pvd. Needs
+Debian's python3-h5py, python3-vtk9.
 """
 import argparse
 import os
