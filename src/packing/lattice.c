@@ -101,8 +101,9 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
 }
 
 /* The share of the lattice cell around x that is inside body and box, displaced as the body displaces it; *length: the
-   mean length (m) of the rings in the cell, zero outside. */
-static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM], PetscReal *length)
+   mean length (m) of the rings in the cell, zero outside and in solids. */
+static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM],
+                           PetscReal *length)
 {
   const PetscInt m         = domain->rings ? RING_POINTS : SUBPOINTS,
                  last[DIM] = {m - 1, m - 1, domain->dim == DIM ? m - 1 : 0}, points = m * m * (last[2] + 1),
@@ -117,7 +118,7 @@ static PetscReal CellShare(Domain domain, const Lattice *lattice, Body body, con
     BodyDisplace(body, y);
     if (!BodyContains(body, y)) continue;
     inside++;
-    *length += 2 * PETSC_PI * y[0];
+    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0) *length += 2 * PETSC_PI * y[0];
   } while (CellNext(first, last, at));
   *length /= points;
   return (PetscReal)inside / points;
@@ -136,7 +137,8 @@ typedef struct {
 static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *lattice, Shells *shells)
 {
   const Domain    domain = packing->cloud->domain;
-  const Body      body   = SceneBody(packing->cloud->scene, b);
+  const Scene     scene  = packing->cloud->scene;
+  const Body      body   = SceneBody(scene, b);
   const PetscReal reach  = 0.5 * domain->spacing * domain->dim; /* the surface crosses no cell farther away */
   PetscSegBuffer  near;
   size_t          n;
@@ -145,7 +147,7 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   *shells = (Shells){.bound = LEVEL_MAX * domain->spacing * (1 + POINT_TOLERANCE)};
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &near));
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    PetscReal x[DIM], placed[DIM], s, *kept, length;
+    PetscReal x[DIM], placed[DIM], s, solid, *kept, length, share;
     PetscBool inside;
 
     LatticePoint(lattice, point, x);
@@ -153,8 +155,12 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
     BodyDisplace(body, placed);
     inside = InsideBox(domain, placed);
     s      = PointDistance(packing, b, point, placed);
-    length = inside ? 2 * PETSC_PI * x[0] : 0;
-    shells->target += s < -reach ? inside : s > reach ? 0 : CellShare(domain, lattice, body, x, &length);
+    solid  = domain->rings ? SceneSolidDistance(scene, placed, NULL) : PETSC_MAX_REAL;
+    length = inside && solid > 0 ? 2 * PETSC_PI * x[0] : 0;
+    share  = inside;
+    if (PetscAbsReal(s) <= reach || (s < 0 && PetscAbsReal(solid) <= reach))
+      share = CellShare(scene, domain, lattice, body, x, &length);
+    shells->target += s < -reach ? inside : s > reach ? 0 : share;
     if (s <= reach) shells->length += length;
     if (!inside || s > shells->bound) continue;
     if (s < -shells->bound)

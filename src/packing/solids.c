@@ -19,7 +19,7 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
   if (!SceneSolidCount(solids->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   LatticeOfBox(solids->domain, &box);
   for (PetscInt point = 0; point < LatticeCount(&box); point++) {
-    Sample    sample = {.layer = 1};
+    Sample    sample = {.layer = 1, .area = box.pitch[0] * box.pitch[1] / solids->domain->volume};
     PetscReal s;
 
     LatticePoint(&box, point, sample.x);

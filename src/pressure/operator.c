@@ -131,11 +131,12 @@ static PetscErrorCode FindFreeSurface(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The diagonal: the sum of the pairs and what the closure adds; and whether the null space holds the constant. */
+/* The diagonal: the sum of the pairs and what the closure adds; whether the null space holds the constant, and how many
+   rows have nothing. */
 static PetscErrorCode SetDiagonal(Pressure pressure)
 {
-  Cloud    cloud  = pressure->cloud;
-  PetscInt closed = 0;
+  Cloud    cloud    = pressure->cloud;
+  PetscInt count[2] = {0, 0}; /* rows that are closed, rows that have nothing */
 
   PetscFunctionBegin;
   if (cloud->n_rows > pressure->rows_capacity) {
@@ -151,12 +152,14 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
     pressure->pair_diagonal[ParentRow(pressure, a)] += pressure->weight_scale * WeightSum(pressure, a);
   for (PetscInt r = 0; r < cloud->n_rows; r++) {
     pressure->closure_diagonal[r] = pressure->closure(pressure, r, pressure->pair_diagonal[r]);
-    closed += pressure->closure_diagonal[r] > 0;
+    count[0] += pressure->closure_diagonal[r] > 0;
+    count[1] += pressure->pair_diagonal[r] == 0;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closed, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, cloud->comm));
   /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
      null space is one constant or nothing. */
-  pressure->constant_null = (PetscBool)(closed == 0);
+  pressure->constant_null = (PetscBool)(count[0] == 0);
+  pressure->empty_rows    = count[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -71,6 +71,7 @@ struct _p_Pressure {
   PetscInt   rows_capacity;
   PetscInt64 weight_capacity;
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
+  PetscInt   empty_rows;    /* of all ranks, without pairs: deep in a solid, say. They have no part in the constant */
   PetscReal  dt;            /* s, of the right-hand side */
 
   /* numbers of the rows */

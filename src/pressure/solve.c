@@ -77,13 +77,34 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The constant on the rows that have pairs, of length 1. */
+static PetscErrorCode CreateConstant(Pressure pressure, Vec *constant)
+{
+  PetscScalar *value;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(pressure->b, constant));
+  PetscCall(VecGetArrayWrite(*constant, &value));
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = pressure->pair_diagonal[r] > 0 ? 1 : 0;
+  PetscCall(VecRestoreArrayWrite(*constant, &value));
+  PetscCall(VecNormalize(*constant, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Tells A that its null space is the constant, or that it has none. */
 static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
 {
-  MatNullSpace constant = NULL;
+  MatNullSpace   constant = NULL;
+  Vec            vector   = NULL;
+  const PetscInt vectors  = pressure->empty_rows > 0 ? 1 : 0;
 
   PetscFunctionBegin;
-  if (pressure->constant_null) PetscCall(MatNullSpaceCreate(pressure->cloud->comm, PETSC_TRUE, 0, NULL, &constant));
+  if (pressure->constant_null) {
+    if (vectors) PetscCall(CreateConstant(pressure, &vector));
+    PetscCall(MatNullSpaceCreate(pressure->cloud->comm, vectors ? PETSC_FALSE : PETSC_TRUE, vectors,
+                                 vectors ? &vector : NULL, &constant));
+    PetscCall(VecDestroy(&vector));
+  }
   PetscCall(MatSetNullSpace(A, constant));
   PetscCall(MatNullSpaceDestroy(&constant));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,5 +1,5 @@
 /* Circular cylinder about any axis, infinite unless a height is given. In two dimensions: a circle about z, a strip
-   about another axis. */
+   about another axis. With rings: about their axis, y. */
 #include "scene_impl.h"
 
 typedef struct {
@@ -19,7 +19,7 @@ static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptions
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a cylinder (m)",
                                 "ShapeCylinder", cylinder->center, NULL));
   PetscCall(OptionReal("-radius", "Radius of a cylinder (m), required", "(0, inf)", &cylinder->radius));
-  cylinder->axis[2] = 1;
+  cylinder->axis[domain->rings ? 1 : 2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
                             cylinder->axis));
   PetscCall(OptionReal("-height", "Height of a cylinder, centered (m); 0: infinite", "[0, inf)", &cylinder->height));
@@ -32,6 +32,11 @@ static PetscErrorCode CylinderSetUp(Body body)
 
   PetscFunctionBegin;
   PetscCall(BodyCheckLength(body, "-radius", cylinder->radius));
+  PetscCheckUser(!body->domain->rings || (cylinder->center[0] == 0 && PetscAbsReal(cylinder->axis[1]) == 1),
+                 body->domain->comm,
+                 "-%sshape cylinder must be about the axis with -dimension axisymmetric: the first number of "
+                 "-%scenter must be 0, and -%saxis y; a tube is a box",
+                 body->prefix, body->prefix, body->prefix);
   /* In two dimensions the plane cuts a cylinder about z half-way up, whatever its height. */
   if (body->domain->dim == 2 && cylinder->axis[2] != 0) cylinder->height = 0;
   cylinder->half_height = cylinder->height > 0 ? 0.5 * cylinder->height : PETSC_MAX_REAL;

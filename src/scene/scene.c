@@ -144,7 +144,6 @@ static PetscErrorCode CheckRings(Scene scene)
   PetscCheckUser(scene->gravity[0] == 0 && scene->amplitude[0] == 0, domain->comm,
                  "-gravity and -gravity_amplitude must have 0 as their first number: with -dimension axisymmetric they "
                  "act along the axis");
-  PetscCheckUser(scene->solids == 0, domain->comm, "-solids cannot be used with -dimension axisymmetric yet");
   for (PetscInt b = 0; b < scene->count; b++) {
     const Body body = scene->body[b];
     PetscReal  lower[DIM], upper[DIM];

@@ -29,7 +29,9 @@
    Velocities: rotation _rotation_rate (rad/s), _rotation_center;
    strain _strain_rate (1/s, diagonal or full gradient), _strain_center; shear _shear_rate (1/s), _shear_direction,
    _shear_normal, _shear_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
-   width of the box). In two dimensions a sphere is a circle and so on; z is ignored. */
+   width of the box). In two dimensions a sphere is a circle and so on; z is ignored. Rings: a shape in two dimensions
+   is the section of a body of revolution: a sphere off the axis is a torus, a box a tube, a half space along an
+   inclined plane a cone; a cylinder must be about the axis. */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 

@@ -199,6 +199,8 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
   KSP          model; /* of the run */
   PC           pc;
   MatNullSpace null;
+  PetscInt     vectors;
+  const Vec   *vector;
 
   PetscFunctionBegin;
   PetscCall(PressureSolver(s->pressure, &model, &o->b));
@@ -211,6 +213,8 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
   if (null) {
     PetscCall(VecDuplicate(o->b, &o->constant));
     PetscCall(VecSet(o->constant, 1));
+    PetscCall(MatNullSpaceGetVecs(null, NULL, &vectors, &vector));
+    if (vectors) PetscCall(VecCopy(vector[0], o->constant)); /* some rows have no part in it */
     PetscCall(MatNullSpaceRemove(null, o->b));
   }
   PetscCall(CreateTightSolver(model, &o->ksp));

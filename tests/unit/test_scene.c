@@ -292,6 +292,12 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-bodies a -a_shape ellipsoid -a_radii 1,0,1", "-a_radii", "refuse_radii"));
   PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis w", "is no direction", "refuse_axis"));
   PetscCall(Refused(CUBE "-bodies a -a_shape cylinder -a_radius 1 -a_axis 0,0,0", "not zero", "refuse_zero_axis"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -bodies a -a_shape cylinder "
+                    "-a_radius 0.5 -a_axis z",
+                    "must be about the axis", "refuse_cylinder_across_rings"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -bodies a -a_shape cylinder "
+                    "-a_radius 0.5 -a_center 0.5,0",
+                    "must be 0", "refuse_cylinder_off_the_axis"));
   PetscCall(Refused(SQUARE "-bodies a -a_shape half_space -a_normal z", "in the plane", "refuse_normal_2d"));
   PetscCall(Refused(CUBE "-bodies a -a_shape wave", "-a_wave_amplitude must be given", "refuse_no_amplitude"));
   PetscCall(Refused(CUBE "-bodies a -a_shape wave -a_wave_amplitude 0.1 -a_wave_length 0.7",
