@@ -40,7 +40,7 @@ def annulus(name, extra=""):
 
 annulus("annulus")
 
-# the same in the plane: a closed box whose solid is so thick that its middle has no part in the equation for the pressure
+# in the plane: a closed box whose solid is so thick that its middle has no part in the equation for the pressure
 PLANE = """-dimension 2 -spacing 0.5e-3 -box_lower 0,0 -box_upper 8e-3,4e-3 -box_x wall -box_xmax_velocity 0,0.01
  -box_y periodic -bodies water -water_viscosity 0.01 -solids slab -slab_upper 4e-3,4e-3 -steps_max 5 """
 runs.run(PLANE, "thick_solid_in_a_closed_box")
