@@ -1,14 +1,20 @@
 /* Emitters: liquid that comes into the box during the run. */
 #include "packing_impl.h"
 
-#define EMITTED_ID (PETSC_MAX_INT / 2) /* ids of emitted particles start here: the same after a restart */
+/* Points of an emitter as they are found. */
+typedef struct {
+  PetscSegBuffer x;
+  PetscReal      area; /* of each, as in Sample */
+} Points;
 
 static PetscErrorCode KeepPoint(void *context, const Sample *sample)
 {
+  Points    *points = (Points *)context;
   PetscReal *x;
 
   PetscFunctionBegin;
-  PetscCall(PetscSegBufferGet((PetscSegBuffer)context, DIM, &x));
+  points->area = sample->area;
+  PetscCall(PetscSegBufferGet(points->x, DIM, &x));
   PetscCall(PetscArraycpy(x, sample->x, DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -16,18 +22,19 @@ static PetscErrorCode KeepPoint(void *context, const Sample *sample)
 /* The points of an emitter, once. */
 static PetscErrorCode FindPoints(Packing packing, PetscInt b)
 {
-  Emission      *emission = &packing->emission[b];
-  PetscSegBuffer points;
-  size_t         size;
+  Emission *emission = &packing->emission[b];
+  Points    points   = {.area = 0};
+  size_t    size;
 
   PetscFunctionBegin;
   if (emission->x) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &points));
-  PetscCall(LatticeVisitBody(packing, b, KeepPoint, points));
-  PetscCall(PetscSegBufferGetSize(points, &size));
-  PetscCall(PetscSegBufferExtractAlloc(points, &emission->x));
-  PetscCall(PetscSegBufferDestroy(&points));
-  emission->n = (PetscInt)size / DIM;
+  PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &points.x));
+  PetscCall(LatticeVisitBody(packing, b, KeepPoint, &points));
+  PetscCall(PetscSegBufferGetSize(points.x, &size));
+  PetscCall(PetscSegBufferExtractAlloc(points.x, &emission->x));
+  PetscCall(PetscSegBufferDestroy(&points.x));
+  emission->n    = (PetscInt)size / DIM;
+  emission->area = points.area;
   PetscCheckUser(emission->n > 0, packing->cloud->comm,
                  "no particle of -spacing %g m fits into the emitter %s; it must be larger",
                  (double)packing->cloud->domain->spacing, BodyName(SceneBody(packing->cloud->scene, b)));
@@ -50,7 +57,9 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
   PetscFunctionBegin;
   BodyEmissionShift(portion->body, portion->k, portion->time, shift);
   for (PetscInt p = 0; p < portion->emission->n; p++) {
-    Sample sample = {.density = BodyMaterial(portion->body)->density, .body = portion->b};
+    Sample sample = {.density = BodyMaterial(portion->body)->density,
+                     .body    = portion->b,
+                     .area    = portion->emission->area};
 
     for (PetscInt d = 0; d < DIM; d++) sample.x[d] = portion->emission->x[DIM * p + d] + shift[d];
     BodyEmissionVelocity(portion->body, portion->time, sample.x, sample.v);

@@ -27,6 +27,7 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
 typedef struct {
   PetscInt   n, done; /* points; emissions so far */
   PetscReal *x;       /* [n][3] m; NULL: not yet known */
+  PetscReal  area;    /* of each, as in Sample */
 } Emission;
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */

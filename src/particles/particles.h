@@ -33,6 +33,9 @@ typedef enum {
   X(PARENT, "parent", "id of the top-layer particle a deeper wall particle takes its pressure from; own id otherwise") \
   X(SURFACE, "surface", "1: on the free surface, 2: near it, 0: inside")
 
+/* Ids of the particles that emitters bring start here: the same after a restart, and whatever else makes particles. */
+#define EMITTED_ID (PETSC_MAX_INT / 2)
+
 #define BODY_WALL  (-1)
 #define BODY_SOLID (-2) /* of the first of -solids; -3 of the second, and so on */
 

@@ -49,7 +49,8 @@ static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ids of the new particles ([split]): behind all there are, in the order of their parents' ids over all ranks. */
+/* Ids of the new particles ([split]): behind all there are, but for those of emitters, in the order of their parents'
+   ids over all ranks. */
 static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[])
 {
   PetscInt    last = 0, *own, *all;
@@ -57,7 +58,8 @@ static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[]
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) last = PetscMax(last, cloud->integer[INT_ID][a]);
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    if (cloud->integer[INT_ID][a] < EMITTED_ID) last = PetscMax(last, cloud->integer[INT_ID][a]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPIU_INT, MPI_MAX, cloud->comm));
   PetscCall(PetscMalloc3(size, &count, size, &start, n, &own));
   for (PetscMPIInt k = 0; k < n; k++) own[k] = cloud->integer[INT_ID][change->parent[k]];

@@ -134,7 +134,7 @@ static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses what is not the same all around the axis, or that rings cannot do yet. */
+/* Refuses what is not the same all around the axis, or what rings cannot do. */
 static PetscErrorCode CheckRings(Scene scene)
 {
   const Domain domain = scene->domain;
@@ -148,8 +148,10 @@ static PetscErrorCode CheckRings(Scene scene)
     const Body body = scene->body[b];
     PetscReal  lower[DIM], upper[DIM];
 
-    PetscCheckUser(!BodyEmits(body), domain->comm, "-%stype emitter cannot be used with -dimension axisymmetric yet",
-                   body->prefix);
+    PetscCheckUser(!BodyEmits(body) || (body->uniform[0] == 0 && !body->velocity->add), domain->comm,
+                   "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, with 0 as the "
+                   "first number of -%svelocity and -%svelocity_type uniform; else rings would grow on the way out",
+                   body->prefix, body->prefix, body->prefix);
     PetscCheckUser(!body->shape->displace, domain->comm,
                    "-%sshape %s cannot be used with -dimension axisymmetric: its waves are plane", body->prefix,
                    body->shape_type);

@@ -18,10 +18,11 @@ PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x perio
  -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -snapshot_double -checkpoint_interval 1e-2
  -sort_interval 7 """
 RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 14e-3,12e-3 -box_xmax wall -box_ymin wall
- -gravity 0,-9.81 -bodies film,drop -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3 -film_tension 0.067
+ -gravity 0,-9.81 -bodies film,drop,jet -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3 -film_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.8e-3 -drop_velocity 0,-3 -drop_tension 0.067 -snapshot_double
  -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4
- -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3e-3 -gauge_forces """
+ -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3e-3 -gauge_forces
+ -jet_type emitter -jet_lower 8e-3,3e-3 -jet_upper 11e-3,4e-3 -jet_velocity 0,-2 -jet_tension 0.067 """
 # Two rings of liquid, one that grows thin and one that grows fat: particles join and split.
 TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall
  -gravity 0,-9.81 -bodies a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_viscosity 3.5e-3

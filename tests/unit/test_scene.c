@@ -298,6 +298,9 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -bodies a -a_shape cylinder "
                     "-a_radius 0.5 -a_center 0.5,0",
                     "must be 0", "refuse_cylinder_off_the_axis"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -bodies a -a_type emitter "
+                    "-a_lower 0.4,0.4 -a_upper 0.6,0.6 -a_velocity 1,0",
+                    "must leave along the axis", "refuse_emitter_away_from_the_axis"));
   PetscCall(Refused(SQUARE "-bodies a -a_shape half_space -a_normal z", "in the plane", "refuse_normal_2d"));
   PetscCall(Refused(CUBE "-bodies a -a_shape wave", "-a_wave_amplitude must be given", "refuse_no_amplitude"));
   PetscCall(Refused(CUBE "-bodies a -a_shape wave -a_wave_amplitude 0.1 -a_wave_length 0.7",

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Parts of the program with rings (-dimension axisymmetric) against what is known of the whole body of revolution: the
-buoyancy of a ball in a cylinder, in whole newtons; the flow around a rod that does not slip along it."""
+buoyancy of a ball in a cylinder, in whole newtons; the flow around a rod that does not slip along it; what emitters
+bring; the liquid's level in a tube that it wets."""
 import os
 import sys
 
@@ -39,6 +40,35 @@ def annulus(name, extra=""):
 
 
 annulus("annulus")
+
+# emitters: a round jet, a tube and a train of drops bring the volume that flows out of them; ids stay unique while the
+# rings join and split on the floor
+JETS = """-dimension axisymmetric -spacing 0.25e-3 -box_lower 0,0 -box_upper 8e-3,4e-3 -box_ymin wall -box_xmax wall
+ -gravity 0,-9.81 -bodies jet,tube,rain -jet_type emitter -jet_shape cylinder -jet_radius 1e-3 -jet_height 1e-3
+ -jet_center 0,2.5e-3 -jet_velocity 0,-1 -jet_tension 0.07 -tube_type emitter -tube_lower 5e-3,2e-3
+ -tube_upper 6e-3,3e-3 -tube_velocity 0,-1 -tube_tension 0.07 -rain_type emitter -rain_shape sphere -rain_radius 0.5e-3
+ -rain_center 0,3.5e-3 -rain_velocity 0,-1 -rain_start 3.9e-3 -rain_interval 1.5e-3 -rain_count 2 -jet_count 4
+ -time_end 8e-3 -series_interval 5e-4 -checkpoint_interval 0 """
+folder = runs.run(JETS, "jets")
+series = runs.series(folder)
+expected = np.pi * ((1e-3**2) * 1e-3 * np.minimum(4, 1 + np.floor(series["time"] / 1e-3 + 1e-6))
+                    + (6e-3**2 - 5e-3**2) * 1e-3 * (1 + np.floor(series["time"] / 1e-3 + 1e-6)))
+drops = np.clip(1 + np.floor((series["time"] - 3.9e-3) / 1.5e-3 + 1e-6), 0, 2)
+expected += drops * 4 / 3 * np.pi * 0.5e-3**3
+runs.check_below(np.abs(series["volume"] / expected - 1)[series["lost"] == 0].max(), 1e-3, "emitted_volume")
+state = runs.fields(runs.numbered(folder, "checkpoint")[-1])
+halves = np.sum((state["body"] >= 0) & (state["id"] < (2**31 - 1) // 2))  # ids of emitted particles begin there
+runs.check(halves > 20 and len(np.unique(state["id"])) == len(state["id"]), "emitted_and_split_ids",
+           f"{halves} new ones, {len(state['id']) - len(np.unique(state['id']))} twice")
+
+# a tube that liquid wets at 60 degrees without weight: a meniscus of the radius R/cos(60), which sucks
+WETTED = """-dimension axisymmetric -spacing 0.4e-3 -box_lower 0,0 -box_upper 4e-3,6e-3 -box_xmax wall -box_ymin wall
+ -gravity 0,-0.001 -bodies water -water_upper 4e-3,3.2e-3 -water_viscosity 20e-3 -water_tension 0.07
+ -wall_contact_angle 60 -time_end 0.06 -checkpoint_interval 0 """
+state = runs.fields(runs.numbered(runs.run(WETTED, "wetted"), "checkpoint")[-1])
+liquid = state["body"] >= 0
+suction = np.mean(state["pressure"][liquid]) / (-2 * 0.07 * np.cos(np.radians(60)) / 4e-3)
+runs.check_within(suction, 0.95, 1.05, "suction_of_a_meniscus")
 
 # in the plane: a closed box whose solid is so thick that its middle has no part in the equation for the pressure
 PLANE = """-dimension 2 -spacing 0.5e-3 -box_lower 0,0 -box_upper 8e-3,4e-3 -box_x wall -box_xmax_velocity 0,0.01
