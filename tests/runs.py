@@ -2,6 +2,7 @@
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,9 @@ sys.path.insert(0, os.path.join(ROOT, "src", "pictures"))
 import tables  # noqa: E402
 
 PROGRAM = os.environ.get("ISPH", os.path.join(ROOT, "isph"))
+for _signal in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):  # a test in the background is born with some ignored;
+    if signal.getsignal(_signal) == signal.SIG_IGN:            # its runs are not
+        signal.signal(_signal, signal.SIG_DFL)
 _scratch = tempfile.TemporaryDirectory(prefix="isph-test-")
 _failures = 0
 
