@@ -16,7 +16,7 @@ def check(folder):
         up = int(head["dimension"]) - 1
         z, volume = f["position"][:, up], physics.volumes(head, f)
         if time == 0:
-            n = len(f["id"])
+            n, start = len(f["id"]), f
             rho, g, low, high = (1100.0, 9.81, -0.01, 0.0) if up == 2 or rings else (1000.0, 1.0, 0.0, 0.9)
             depth, relaxed = high - low, 3 * np.sqrt((high - low) / g)
             first = np.average(z, weights=volume)
@@ -29,7 +29,7 @@ def check(folder):
         speed.append(np.sqrt(np.average(motion[-1], weights=volume)))
         near = z < low + 0.2 * depth  # the pressure at the floor: a straight line through the lowest fifth
         floor.append(np.polyval(np.polyfit(z[near], f["pressure"][near], 1), low))
-    lost = physics.at_most("particles lost", n - len(z), 0)
+    lost = physics.lost(head, start, f)
     if not errors:
         raise ValueError(f"no snapshot after {relaxed:.3g} s, when the liquid should be at rest")
     level, mean = high + 2 * (np.average(z, weights=volume) - first), np.mean(errors, axis=0)

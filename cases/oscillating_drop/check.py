@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Period and damping of the second mode of a drop.
+"""Period and damping of the second mode of a drop, or of the third, of rings.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -30,6 +30,7 @@ def fit(t, q, frequency, damping):
 
 def check(folder):
     times, q = [], []
+    mode = 2
     for t, head, f in physics.snapshots(folder):
         d0 = float(np.ravel(head["spacing"])[0])
         x = f["position"]
@@ -42,10 +43,13 @@ def check(folder):
         radius = np.sqrt(volume.sum() / np.pi) if dim == 2 else np.cbrt(0.75 * volume.sum() / np.pi)
         m = np.average(x**2, weights=volume, axis=0) / radius**2
         times.append(t)
-        q.append(m[1] - 0.5 * m[0] if rings else m[1] - m[0] if dim == 2 else m[2] - 0.5 * (m[0] + m[1]))
+        q.append(m[1] - m[0] if dim == 2 else m[2] - 0.5 * (m[0] + m[1]))
+        if rings:
+            mode, r, z = int(physics.options(head)["-drop_wave_mode"]), x[:, 0] / radius, x[:, 1] / radius
+            q[-1] = np.average({2: z**2 - 0.5 * r**2, 3: z**3 - 1.5 * z * r**2}[mode], weights=volume)
     scale = SIGMA / (RHO * radius**3)  # Lamb, art. 275 and 355
-    damping = (4 if dim == 2 else 5) * MU / (RHO * radius**2)
-    frequency = np.sqrt((6 if dim == 2 else 8) * scale - damping**2)
+    damping = (4 if dim == 2 else (mode - 1) * (2 * mode + 1)) * MU / (RHO * radius**2)
+    frequency = np.sqrt((6 if dim == 2 else mode * (mode - 1) * (mode + 2)) * scale - damping**2)
     w, b, error = fit(np.array(times), np.array(q), frequency, damping)
     return [
         physics.relative("period", 2e3 * np.pi / w, 2e3 * np.pi / frequency, 0.01 if rings else 0.02, "ms"),

@@ -38,53 +38,57 @@ def growth(x):
     return low
 
 
-def pieces(x, reach):
-    """Sizes of the sets of particles that hang together by steps below reach (m), periodic in z, the largest first."""
+def pieces(x, share, reach, up):
+    """(share of the volume, number) of the sets of particles that hang together by steps below reach (m), periodic in
+    the direction up, the largest first."""
     free, sizes = np.ones(len(x), dtype=bool), []
     while free.any():
         front = [int(np.argmax(free))]
         free[front] = False
-        size = 0
+        piece = []
         while front:
-            size += len(front)
+            piece += front
             near = np.zeros(len(x), dtype=bool)
             for a in front:
                 r = x - x[a]
-                r[:, 2] -= LENGTH * np.round(r[:, 2] / LENGTH)
+                r[:, up] -= LENGTH * np.round(r[:, up] / LENGTH)
                 near |= (r**2).sum(axis=1) < reach**2
             front = list(np.flatnonzero(near & free))
             free[front] = False
-        sizes.append(size)
+        sizes.append((share[piece].sum(), len(piece)))
     return sorted(sizes, reverse=True)
 
 
 def check(folder):
+    times, height, broken, first, last = [], [], np.nan, None, []
     k = 2 * np.pi / LENGTH
-    times, height, broken, number, last = [], [], np.nan, 0, []
     for t, head, f in physics.snapshots(folder):
         d0 = float(np.ravel(head["spacing"])[0])
         x = f["position"]
-        number = number or len(x)
+        first = first or f
         times.append(t)
-        height.append(4 * d0**3 * np.cos(k * x[:, 2]).sum() / (np.pi * RADIUS**2 * LENGTH))  # of the radius, over it
-        last = pieces(x, 1.25 * d0)
-        around = np.histogram(x[:, 2], bins=np.arange(0, LENGTH + 1e-9, LENGTH / np.floor(LENGTH / (1.5 * d0))))[0]
+        volume = physics.volumes(head, f)
+        up, whole = (1, 1) if physics.rings(head) else (2, 4)  # a quarter of the thread
+        height.append(whole * (volume * np.cos(k * x[:, up])).sum() / (np.pi * RADIUS**2 * LENGTH))  # of R, over it
+        last = pieces(x, volume / volume.sum(), 1.25 * d0, up)
+        around = np.histogram(x[:, up], bins=np.arange(0, LENGTH + 1e-9, LENGTH / np.floor(LENGTH / (1.5 * d0))))[0]
         if np.isnan(broken) and (around == 0).any():
             broken = t
     times, ratio = np.array(times), np.array(height) / height[0]
     part = (ratio > FIRST) & (times < times[np.argmax(ratio > LAST)])
     rate = np.polyfit(times[part], np.arccosh(ratio[part]), 1)[0]
     exact, unit = growth(k * RADIUS), np.sqrt(SIGMA / (RHO * RADIUS**3))
-    drops = [n for n in last if n >= SMALL]
+    drops = [share for share, n in last if n >= SMALL]
     return [
-        physics.relative("growth rate, over sqrt(sigma/rho R^3)", rate / unit, exact / unit, 0.07),
-        physics.at_least("volume of the main drop over that of a wave length", drops[0] / number, 0.9),
+        physics.relative("growth rate, over sqrt(sigma/rho R^3)", rate / unit, exact / unit,
+                         0.05 if physics.rings(head) else 0.07),
+        physics.at_least("volume of the main drop over that of a wave length", drops[0], 0.9),
         physics.shown("drops a wave length at the end", len(drops), 2),
-        physics.shown("volume of the satellite over that of a wave length", drops[1] / number if drops[1:] else 0),
-        physics.shown("particles in smaller pieces, of all", 1 - sum(drops) / number),
+        physics.shown("volume of the satellite over that of a wave length", drops[1] if drops[1:] else 0),
+        physics.shown("particles in smaller pieces, of all", 1 - sum(drops)),
         physics.shown("break-up", broken * 1e3, np.log(2 / height[0]) / exact * 1e3, "ms"),
         physics.shown("height at the start over the radius", height[0], 0.03),
-        physics.at_most("particles lost", number - len(x), 0)]
+        physics.lost(head, first, f)]
 
 
 if __name__ == "__main__":

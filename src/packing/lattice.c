@@ -101,7 +101,7 @@ static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, P
 }
 
 /* The share of the lattice cell around x that is inside body and box, displaced as the body displaces it; *length: the
-   mean length (m) of the rings in the cell, zero outside and in solids. */
+   mean length (m) of the rings in the cell before they are displaced, zero outside and in solids. */
 static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM],
                            PetscReal *length)
 {
@@ -112,13 +112,14 @@ static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, B
 
   *length = 0;
   do {
-    PetscReal y[DIM] = {x[0], x[1], x[2]};
+    PetscReal y[DIM] = {x[0], x[1], x[2]}, r;
 
     for (PetscInt d = 0; d < domain->dim; d++) y[d] += ((at[d] + 0.5) / m - 0.5) * lattice->pitch[d];
+    r = y[0];
     BodyDisplace(body, y);
     if (!BodyContains(body, y)) continue;
     inside++;
-    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0) *length += 2 * PETSC_PI * y[0];
+    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0) *length += 2 * PETSC_PI * r;
   } while (CellNext(first, last, at));
   *length /= points;
   return (PetscReal)inside / points;
@@ -227,10 +228,13 @@ static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *la
 
   PetscFunctionBegin;
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    Sample sample = {.body = b, .area = area};
+    Sample    sample = {.body = b};
+    PetscReal length;
 
     LatticePoint(lattice, point, sample.x);
+    length = DomainRingLength(domain, sample.x);
     BodyDisplace(SceneBody(packing->cloud->scene, b), sample.x);
+    sample.area = area * (length / DomainRingLength(domain, sample.x)); /* what is displaced keeps its volume */
     if (!Belongs(packing, level, b, point, sample.x)) continue;
     sample.id = sample.parent = (*id)++;
     for (PetscInt d = 0; d < domain->dim; d++)
@@ -250,7 +254,7 @@ static PetscErrorCode AddLength(void *context, const Sample *sample)
 {
   RingSum *sum = (RingSum *)context;
 
-  sum->length += DomainRingLength(sum->domain, sample->x);
+  sum->length += sample->area * DomainRingLength(sum->domain, sample->x);
   return PETSC_SUCCESS;
 }
 

@@ -152,9 +152,6 @@ static PetscErrorCode CheckRings(Scene scene)
                    "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, with 0 as the "
                    "first number of -%svelocity and -%svelocity_type uniform; else rings would grow on the way out",
                    body->prefix, body->prefix, body->prefix);
-    PetscCheckUser(!body->shape->displace, domain->comm,
-                   "-%sshape %s cannot be used with -dimension axisymmetric: its waves are plane", body->prefix,
-                   body->shape_type);
     BodyBounds(body, lower, upper);
     for (PetscInt k = 0; k < AXIS_SAMPLES && lower[0] <= 0; k++) {
       const PetscReal x[DIM] = {0, lower[1] + (upper[1] - lower[1]) * k / (AXIS_SAMPLES - 1), 0};

@@ -1,9 +1,19 @@
-/* Sphere; a circle in two dimensions. */
+/* Sphere; a circle in two dimensions. With a wave: its points are moved along the flow of an oscillating drop's mode,
+   grad of r^n P_n, for a unit of time, a map that keeps volumes. */
 #include "scene_impl.h"
+
+#define STEPS         8   /* of Runge and Kutta's method along the map */
+#define MODE_LEAST    2   /* 0 and 1 are no oscillations */
+#define FAR           1.5 /* radii: so far out the flow is followed, and no wave reaches there */
+#define STEEPNESS_MAX 0.4 /* of n times amplitude over radius: the mode's linear field describes no larger wave */
 
 typedef struct {
   PetscReal center[DIM]; /* m */
   PetscReal radius;      /* m */
+  PetscReal amplitude;   /* of the wave at the poles, m */
+  PetscInt  mode;        /* n */
+  PetscInt  up;          /* the direction of the poles */
+  PetscReal stretch;     /* within FAR the map changes distances at most by this factor, 1 */
 } Sphere;
 
 static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsObject)
@@ -14,23 +24,86 @@ static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsOb
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a sphere (m)",
                                 "ShapeSphere", sphere->center, NULL));
   PetscCall(OptionReal("-radius", "Radius of a sphere (m), required", "(0, inf)", &sphere->radius));
+  PetscCall(PetscOptionsReal("-wave_amplitude",
+                             "Amplitude of a wave on a sphere, outwards at the upper pole (m); the volume stays",
+                             "ShapeSphere", sphere->amplitude, &sphere->amplitude, NULL));
+  sphere->mode = MODE_LEAST;
+  PetscCall(OptionInt("-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid (1)",
+                      "[2, 6]", &sphere->mode));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SphereSetUp(Body body)
 {
+  const Domain domain = body->domain;
+  Sphere      *sphere = (Sphere *)body->shape_data;
+
   PetscFunctionBegin;
-  PetscCall(BodyCheckLength(body, "-radius", ((const Sphere *)body->shape_data)->radius));
+  PetscCall(BodyCheckLength(body, "-radius", sphere->radius));
+  PetscCheckUser(sphere->mode * PetscAbsReal(sphere->amplitude) <= STEEPNESS_MAX * sphere->radius, domain->comm,
+                 "-%swave_amplitude is %g m; it must not be above %g m, 0.4 of the radius over the mode", body->prefix,
+                 (double)sphere->amplitude, STEEPNESS_MAX * (double)sphere->radius / (double)sphere->mode);
+  PetscCheckUser(sphere->amplitude == 0 || domain->dim == DIM || (domain->rings && sphere->center[0] == 0),
+                 domain->comm, "-%swave_amplitude needs three dimensions, or rings and a sphere on their axis",
+                 body->prefix);
+  sphere->up      = domain->dim - 1;
+  sphere->stretch = PetscExpReal(sphere->mode * PetscPowReal(FAR, (PetscReal)(sphere->mode - 2)) *
+                                 PetscAbsReal(sphere->amplitude) / sphere->radius);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal SphereDistance(Body body, const PetscReal x[DIM])
+/* The mode's velocity, up to a factor a second: (amplitude/n) grad S_n, S_n = r^n P_n of lengths in radii, by
+   (n + 1) S_n+1 = (2 n + 1) z S_n - n r^2 S_n-1 and the same of its slope to the distance from the poles' axis,
+   squared. */
+static void SphereFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  const Sphere   *sphere = (const Sphere *)shape;
+  const PetscInt  up = sphere->up, n = sphere->mode;
+  const PetscReal z = (x[up] - sphere->center[up]) / sphere->radius, scale = sphere->amplitude / n;
+  PetscReal       S[2] = {1, z}, slope[2] = {0, 0}, r2 = z * z; /* of n - 1 and n */
+
+  for (PetscInt d = 0; d < up; d++) r2 += PetscSqr((x[d] - sphere->center[d]) / sphere->radius);
+  for (PetscInt k = 1; k < n; k++) {
+    const PetscReal next       = ((2 * k + 1) * z * S[1] - k * r2 * S[0]) / (k + 1),
+                    next_slope = ((2 * k + 1) * z * slope[1] - k * (S[0] + r2 * slope[0])) / (k + 1);
+
+    S[0]     = S[1];
+    S[1]     = next;
+    slope[0] = slope[1];
+    slope[1] = next_slope;
+  }
+  v[0] = v[1] = v[2] = 0;
+  for (PetscInt d = 0; d < up; d++) v[d] = scale * 2 * slope[1] * (x[d] - sphere->center[d]) / sphere->radius;
+  v[up] = scale * n * S[0];
+}
+
+static PetscReal CenterDistance(Body body, const PetscReal x[DIM])
 {
   const Sphere *sphere = (const Sphere *)body->shape_data;
   PetscReal     square = 0;
 
   for (PetscInt d = 0; d < body->domain->dim; d++) square += PetscSqr(x[d] - sphere->center[d]);
-  return PetscSqrtReal(square) - sphere->radius;
+  return PetscSqrtReal(square);
+}
+
+static void SphereDisplace(Body body, PetscReal x[DIM])
+{
+  const Sphere *sphere = (const Sphere *)body->shape_data;
+
+  if (sphere->amplitude != 0 && CenterDistance(body, x) < FAR * sphere->radius)
+    MoveAlong(sphere, SphereFlow, 1, STEPS, x);
+}
+
+static PetscReal SphereDistance(Body body, const PetscReal x[DIM])
+{
+  const Sphere   *sphere = (const Sphere *)body->shape_data;
+  const PetscReal far    = CenterDistance(body, x);
+  PetscReal       y[DIM] = {x[0], x[1], x[2]};
+
+  if (sphere->amplitude == 0) return far - sphere->radius;
+  if (far > FAR * sphere->radius) return far - FAR * sphere->radius + (FAR - 1) / 2 * sphere->radius / sphere->stretch;
+  MoveAlong(sphere, SphereFlow, -1, STEPS, y);
+  return (CenterDistance(body, y) - sphere->radius) / sphere->stretch;
 }
 
 static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
@@ -38,14 +111,17 @@ static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   const Sphere *sphere = (const Sphere *)body->shape_data;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    lower[d] = sphere->center[d] - sphere->radius;
-    upper[d] = sphere->center[d] + sphere->radius;
+    lower[d] = sphere->center[d] - sphere->radius - 2 * PetscAbsReal(sphere->amplitude);
+    upper[d] = sphere->center[d] + sphere->radius + 2 * PetscAbsReal(sphere->amplitude);
   }
 }
 
 const BodyChoice *ShapeSphere(void)
 {
-  static const ShapeOps ops = {{sizeof(Sphere), SphereSetFromOptions, SphereSetUp}, SphereDistance, SphereBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Sphere), SphereSetFromOptions, SphereSetUp},
+                               SphereDistance,
+                               SphereBounds,
+                               SphereDisplace};
 
   return &ops.choice;
 }

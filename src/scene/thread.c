@@ -2,8 +2,7 @@
    along the mode's velocity field for a unit of time, a map that keeps volumes. */
 #include "scene_impl.h"
 
-#define STEPS 8  /* of Runge and Kutta's method along the map */
-#define TERMS 24 /* of the Bessel functions' series: exact to rounding for arguments up to FAR pi */
+#define STEPS 8 /* of Runge and Kutta's method along the map */
 #define FAR                                                                                                            \
   2 /* radii from the axis: beyond, the distance is that to the cylinder of this radius, and a bound of the rest */
 #define AMPLITUDE_MAX 0.2 /* of the radius: the mode's linear field describes no larger wave */
@@ -19,19 +18,9 @@ typedef struct {
   PetscReal stretch;     /* the map changes distances at most by this factor, 1 */
 } Thread;
 
-/* Modified Bessel functions of order 0 and 1, the latter over its argument (Abramowitz and Stegun 9.6.10). */
 static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
 {
-  const PetscReal q    = 0.25 * x * x;
-  PetscReal       term = 1;
-
-  *I0        = 1;
-  *I1_over_x = 0.5;
-  for (PetscInt m = 1; m < TERMS; m++) {
-    term *= q / (m * m);
-    *I0 += term;
-    *I1_over_x += 0.5 * term / (m + 1);
-  }
+  BesselSeries(0.25 * x * x, I0, I1_over_x);
 }
 
 static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsObject)
@@ -43,7 +32,7 @@ static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsOb
                                 "A point on the axis where the thread is thickest (m)", "ShapeThread", thread->center,
                                 NULL));
   PetscCall(OptionReal("-radius", "Radius of a thread (m), required", "(0, inf)", &thread->radius));
-  thread->axis[2] = 1;
+  thread->axis[body->domain->rings ? 1 : 2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a thread: x, y, z or a vector", PETSC_FALSE,
                             thread->axis));
   PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves of a thread's radius (m)", "ShapeThread",
@@ -60,7 +49,11 @@ static PetscErrorCode ThreadSetUp(Body body)
   PetscReal I0, I1;
 
   PetscFunctionBegin;
-  PetscCheckUser(domain->dim == 3, domain->comm, "-%sshape thread needs three dimensions", body->prefix);
+  PetscCheckUser(domain->dim == 3 || domain->rings, domain->comm, "-%sshape thread needs three dimensions, or rings",
+                 body->prefix);
+  PetscCheckUser(!domain->rings || (thread->center[0] == 0 && thread->axis[1] == 1), domain->comm,
+                 "-%scenter must have 0 as its first number and -%saxis be y: the rings have one axis", body->prefix,
+                 body->prefix);
   PetscCall(BodyCheckLength(body, "-radius", thread->radius));
   PetscCall(BodyCheckLength(body, "-wave_length", thread->wave_length));
   thread->k = 2 * PETSC_PI / thread->wave_length;
@@ -87,8 +80,9 @@ static PetscReal Split(const Thread *thread, const PetscReal x[DIM], PetscReal r
 }
 
 /* The mode's velocity, up to a factor a second: grad of I0(kr) cos(kz), without divergence. */
-static void Flow(const Thread *thread, const PetscReal x[DIM], PetscReal v[DIM])
+static void Flow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
 {
+  const Thread   *thread = (const Thread *)shape;
   PetscReal       r[DIM], z, I0, I1;
   const PetscReal distance = Split(thread, x, r, &z);
 
@@ -98,31 +92,12 @@ static void Flow(const Thread *thread, const PetscReal x[DIM], PetscReal v[DIM])
            (I1 * thread->k * r[d] * PetscCosReal(thread->k * z) - I0 * thread->axis[d] * PetscSinReal(thread->k * z));
 }
 
-/* Runge and Kutta's fourth-order steps along Flow over 'time'. */
-static void Map(const Thread *thread, PetscReal time, PetscReal x[DIM])
-{
-  const PetscReal step = time / STEPS;
-
-  for (PetscInt n = 0; n < STEPS; n++) {
-    PetscReal a[DIM], b[DIM], c[DIM], e[DIM], y[DIM];
-
-    Flow(thread, x, a);
-    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + 0.5 * step * a[d];
-    Flow(thread, y, b);
-    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + 0.5 * step * b[d];
-    Flow(thread, y, c);
-    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + step * c[d];
-    Flow(thread, y, e);
-    for (PetscInt d = 0; d < DIM; d++) x[d] += step / 6 * (a[d] + 2 * b[d] + 2 * c[d] + e[d]);
-  }
-}
-
 static void ThreadDisplace(Body body, PetscReal x[DIM])
 {
   const Thread *thread = (const Thread *)body->shape_data;
   PetscReal     r[DIM], z;
 
-  if (Split(thread, x, r, &z) < FAR * thread->radius) Map(thread, 1, x);
+  if (Split(thread, x, r, &z) < FAR * thread->radius) MoveAlong(thread, Flow, 1, STEPS, x);
 }
 
 static PetscReal ThreadDistance(Body body, const PetscReal x[DIM])
@@ -132,7 +107,7 @@ static PetscReal ThreadDistance(Body body, const PetscReal x[DIM])
   const PetscReal distance = Split(thread, x, r, &z);
 
   if (distance > FAR * thread->radius) return distance - FAR * thread->radius + thread->radius / thread->stretch;
-  Map(thread, -1, y);
+  MoveAlong(thread, Flow, -1, STEPS, y);
   return (Split(thread, y, r, &z) - thread->radius) / thread->stretch;
 }
 

@@ -1,18 +1,24 @@
-/* Box whose top is a standing wave along x at its largest displacement. */
+/* Box whose top is a standing wave along x at its largest displacement; of rings, a cylinder with the first wave that
+   is symmetric about the axis. */
 #include "scene_impl.h"
 
-#define STEPS         16   /* of Runge and Kutta's method along the map */
-#define SAMPLES       64   /* of half a wave: the best one brackets the nearest point, ... */
-#define BISECTIONS    60   /* ... which so many halvings find to the last bit */
-#define WAVE_ROUNDING 1e-6 /* of a half wave: rounding of decimal input is forgiven */
-#define STEEPNESS_MAX 0.5  /* of k a: the expansion to second order describes no steeper wave */
+#define STEPS         16                 /* of Runge and Kutta's method along the map */
+#define SAMPLES       64                 /* of half a wave: the best one brackets the nearest point, ... */
+#define BISECTIONS    60                 /* ... which so many halvings find to the last bit */
+#define WAVE_ROUNDING 1e-6               /* of a half wave: rounding of decimal input is forgiven */
+#define FIRST_ZERO    3.8317059702075125 /* of J1 */
+#define RING_HEIGHT   2                  /* amplitudes above the level: no crest is higher */
+#define STEEPNESS_MAX 0.5                /* of k a: the expansion to second order describes no steeper wave */
 
 typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m; upper[up]: the level */
   PetscReal amplitude;              /* m */
   PetscReal length;                 /* m */
-  PetscReal k;                      /* 2 pi over the wave's length, 1/m */
-  PetscBool given;                  /* the amplitude */
+  PetscReal k;       /* 2 pi over the wave's length, of rings the first zero of J1 over the radius, 1/m */
+  PetscReal stretch; /* of rings: the map changes distances at most by this factor, 1 */
+  PetscInt  up;      /* the direction upwards */
+  PetscBool rings;
+  PetscBool given; /* the amplitude */
 } Wave;
 
 static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObject)
@@ -44,7 +50,7 @@ static PetscErrorCode WaveSetUp(Body body)
   Domain         domain = body->domain;
   const PetscInt up     = domain->dim - 1;
   Wave          *wave   = (Wave *)body->shape_data;
-  PetscReal      halves;
+  PetscReal      halves, depth;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++)
@@ -53,15 +59,40 @@ static PetscErrorCode WaveSetUp(Body body)
   PetscCheckUser(wave->given && PetscAbsReal(wave->amplitude) < 0.5 * (wave->upper[up] - wave->lower[up]), domain->comm,
                  "-%swave_amplitude must be given and below half the depth, %g m", body->prefix,
                  0.5 * (double)(wave->upper[up] - wave->lower[up]));
-  wave->k = 2 * PETSC_PI / wave->length;
-  halves  = 2 * (wave->upper[0] - wave->lower[0]) / wave->length;
-  PetscCheckUser(halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < WAVE_ROUNDING, domain->comm,
+  wave->rings = domain->rings;
+  if (wave->rings) {
+    PetscCheckUser(wave->lower[0] == 0 && wave->length == wave->upper[0], domain->comm,
+                   "-%slower must have 0 as its first number, and -%swave_length cannot be given: with -dimension "
+                   "axisymmetric the wave is the first that is symmetric about the axis",
+                   body->prefix, body->prefix);
+    wave->length = 2 * PETSC_PI / FIRST_ZERO * wave->upper[0];
+  }
+  wave->k       = 2 * PETSC_PI / wave->length;
+  depth         = wave->upper[up] - wave->lower[up];
+  wave->stretch = PetscExpReal(PetscAbsReal(wave->k * wave->amplitude) / PetscTanhReal(wave->k * depth));
+  halves        = 2 * (wave->upper[0] - wave->lower[0]) / wave->length;
+  PetscCheckUser(wave->rings || (halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < WAVE_ROUNDING),
+                 domain->comm,
                  "-%swave_length is %g m: the width of the body, %g m, must hold a whole number of half waves",
                  body->prefix, (double)wave->length, (double)(wave->upper[0] - wave->lower[0]));
   PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < STEEPNESS_MAX, domain->comm,
                  "-%swave_amplitude is %g m: more than 0.08 of the wave's length is no wave of this form", body->prefix,
                  (double)wave->amplitude);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The velocity of WaveFlow, of rings. */
+static void RingFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  const Wave     *wave = (const Wave *)shape;
+  const PetscReal k = wave->k, depth = wave->upper[1] - wave->lower[1], height = x[1] - wave->lower[1],
+                  scale = wave->amplitude / PetscSinhReal(k * depth);
+  PetscReal J0, J1_over_kr;
+
+  BesselSeries(-0.25 * k * k * x[0] * x[0], &J0, &J1_over_kr);
+  v[0] = -scale * J1_over_kr * k * x[0] * PetscCoshReal(k * height);
+  v[1] = scale * J0 * PetscSinhReal(k * height);
+  v[2] = 0;
 }
 
 /* The surface above the level (m) at s = x - lower[0] (m), and its slope. */
@@ -107,11 +138,23 @@ static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal 
   return z < WaveSurface(wave, up, s, &slope) ? -square : square;
 }
 
+/* Of rings: distance from the surface as that from the level before the displacement, at most the true one. */
+static PetscReal RingDistance(const Wave *wave, const PetscReal x[DIM])
+{
+  const PetscReal level  = wave->upper[1];
+  PetscReal       y[DIM] = {PetscMin(PetscMax(x[0], 0), wave->upper[0]),
+                            PetscMin(PetscMax(x[1], wave->lower[1]), level + RING_HEIGHT * PetscAbsReal(wave->amplitude)), 0},
+            above        = x[1] - y[1];
+
+  MoveAlong(wave, RingFlow, -1, STEPS, y);
+  return (y[1] - level + above) / wave->stretch;
+}
+
 static PetscReal WaveDistance(Body body, const PetscReal x[DIM])
 {
   const Wave    *wave = (const Wave *)body->shape_data;
   const PetscInt up   = body->domain->dim - 1;
-  PetscReal      deep = SurfaceDistance(wave, up, x);
+  PetscReal      deep = wave->rings ? RingDistance(wave, x) : SurfaceDistance(wave, up, x);
 
   for (PetscInt d = 0; d <= up; d++)
     deep = PetscMax(deep, PetscMax(wave->lower[d] - x[d], d < up ? x[d] - wave->upper[d] : deep));
@@ -128,7 +171,10 @@ static void WaveBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
     lower[d] = wave->lower[d];
     upper[d] = wave->upper[d];
   }
-  upper[up] += PetscMax(WaveSurface(wave, up, 0, &slope), WaveSurface(wave, up, PETSC_PI / wave->k, &slope));
+  if (wave->rings)
+    upper[up] += RING_HEIGHT * PetscAbsReal(wave->amplitude);
+  else
+    upper[up] += PetscMax(WaveSurface(wave, up, 0, &slope), WaveSurface(wave, up, PETSC_PI / wave->k, &slope));
 }
 
 /* The velocity, up to a factor a second, of the linear standing wave: without divergence, zero through the bottom and
@@ -149,6 +195,10 @@ static void WaveDisplace(Body body, PetscReal x[DIM])
   const PetscInt  up   = body->domain->dim - 1;
   const PetscReal step = 1.0 / STEPS;
 
+  if (wave->rings) {
+    MoveAlong(wave, RingFlow, 1, STEPS, x);
+    return;
+  }
   for (PetscInt n = 0; n < STEPS; n++) {
     PetscReal a[2], b[2], c[2], d[2];
 

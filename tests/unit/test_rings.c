@@ -147,6 +147,18 @@ static PetscErrorCode TestVolumes(void)
   CHECK_CLOSE(SetupSum(sum) / (PETSC_PI * 16 * 16 * 20), 1, 1e-12, "volume_of_a_tank");
   CHECK_CLOSE(SetupMax(area), 0, 1e-12, "ring_areas_of_a_lattice");
   PetscCall(SetupClose(&s));
+  /* what a wave displaces keeps its volume: of the lattice, 2 pi (k + 1/2), not of where it is now */
+  PetscCall(SetupPack(TANK "-box_xmax wall -box_ymin wall -packing_jitter 0 -a_shape wave -a_upper 16,0 "
+                           "-a_wave_amplitude 1",
+                      &s));
+  area = 0;
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal r = s.cloud->volume[a] / (2 * PETSC_PI);
+
+    area = PetscMax(area, PetscAbsReal(r - PetscFloorReal(r) - 0.5));
+  }
+  CHECK_CLOSE(SetupMax(area), 0, 1e-9, "volumes_of_displaced_rings");
+  PetscCall(SetupClose(&s));
   for (PetscInt seed = 1; seed <= 3; seed++) {
     char options[512];
 

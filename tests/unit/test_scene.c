@@ -183,6 +183,86 @@ static PetscErrorCode TestWave(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The wave of a body at one point of its undisplaced surface: it moves by 'moved' across, to first order, and is on the
+   surface then; around it and half way to the center the map keeps volumes, of rings whole ones. */
+static PetscErrorCode CheckWave(const char options[], PetscReal x, PetscReal y, PetscReal z, PetscReal moved_x,
+                                PetscReal moved_y, PetscReal moved_z, const char name[])
+{
+  const PetscReal start[DIM] = {x, y, z}, moved[DIM] = {moved_x, moved_y, moved_z}, step = 1e-4;
+  PetscReal       at[DIM] = {x, y, z}, error = 0, worst = 0;
+  char            label[64];
+  Domain          domain;
+  Scene           scene;
+  Body            body;
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  body = SceneBody(scene, 0);
+  BodyDisplace(body, at);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(at[d] - start[d] - moved[d]));
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_moves", name));
+  CHECK(error < 0.05 * Norm(moved), label);
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_surface", name));
+  CHECK_CLOSE(BodyDistance(body, at), 0, 1e-8, label);
+  for (PetscInt half = 0; half < 2; half++) {
+    PetscReal J[DIM][DIM] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, center[DIM] = {0, 0, 0}, volume;
+
+    for (PetscInt d = 0; d < DIM; d++) center[d] = start[d] * (half ? 0.5 : 1) + (d < domain->dim ? 0.03 : 0);
+    for (PetscInt d = 0; d < domain->dim; d++) {
+      PetscReal up[DIM] = {center[0], center[1], center[2]}, down[DIM] = {center[0], center[1], center[2]};
+
+      up[d] += step;
+      down[d] -= step;
+      BodyDisplace(body, up);
+      BodyDisplace(body, down);
+      for (PetscInt i = 0; i < DIM; i++) J[i][d] = (up[i] - down[i]) / (2 * step);
+    }
+    volume = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+             J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    if (domain->rings) {
+      const PetscReal r = center[0];
+
+      BodyDisplace(body, center);
+      volume *= center[0] / r;
+    }
+    worst = PetscMax(worst, PetscAbsReal(volume - 1));
+  }
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_keeps_volumes", name));
+  CHECK_CLOSE(worst, 0, 1e-6, label);
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Spheres with waves; tanks and threads of rings. */
+static PetscErrorCode TestWaves(void)
+{
+  const char rings[] = "-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 -bodies a ";
+  const char tank[] = "-a_shape wave -a_wave_amplitude 0.01 -a_upper 1,0 ", ball[] = "-a_shape sphere -a_radius 0.5 ",
+             thread[] = "-a_shape thread -a_radius 0.5 -a_wave_length 2 -a_wave_amplitude 0.01 -box_y periodic ";
+  char scene[512];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(scene, sizeof(scene), "%s%s", rings, tank));
+  PetscCall(CheckWave(scene, 0, 0, 0, 0, 0.01, 0, "tank_of_rings_axis"));
+  PetscCall(CheckWave(scene, 1, 0, 0, 0, -0.01 * 0.402759, 0, "tank_of_rings_wall")); /* J0 at the zero of J1 */
+  PetscCall(PetscSNPrintf(scene, sizeof(scene), "%s%s", rings, thread));
+  PetscCall(CheckWave(scene, 0.5, 0, 0, 0.01, 0, 0, "thread_of_rings_crest"));
+  PetscCall(CheckWave(scene, 0.5, 1, 0, -0.01, 0, 0, "thread_of_rings_trough"));
+  PetscCall(PetscSNPrintf(scene, sizeof(scene), "%s%s-a_wave_mode 3 -a_wave_amplitude 0.003", rings, ball));
+  PetscCall(CheckWave(scene, 0, 0.5, 0, 0, 0.003, 0, "third_mode_pole"));
+  PetscCall(CheckWave(scene, 0, -0.5, 0, 0, 0.003, 0, "third_mode_lower_pole"));
+  PetscCall(CheckWave(scene, 0.5, 0, 0, 0, -0.0015, 0, "third_mode_equator")); /* S3 = z^3 - 1.5 z r^2 */
+  PetscCall(CheckWave(CUBE BALL "-a_wave_amplitude 0.003", 0, 0, 0.5, 0, 0, 0.003, "second_mode_pole"));
+  PetscCall(CheckWave(CUBE BALL "-a_wave_amplitude 0.003", 0.3, 0.4, 0, -0.0009, -0.0012, 0, "second_mode_equator"));
+  PetscCall(Refused(SQUARE BALL "-a_wave_amplitude 0.003", "needs three dimensions", "refuse_wave_of_a_circle"));
+  PetscCall(Refused(CUBE BALL "-a_wave_amplitude 0.11", "must not be above 0.1 m", "refuse_steep_wave"));
+  PetscCall(
+    Refused(SQUARE "-bodies a -a_shape thread -a_radius 0.5 -a_wave_length 2", "or rings", "refuse_plane_thread"));
+  PetscCall(PetscSNPrintf(scene, sizeof(scene), "%s%s-a_wave_length 1.5", rings, tank));
+  PetscCall(Refused(scene, "cannot be given", "refuse_wave_length_of_rings"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Velocity of the first body at one point. */
 static PetscErrorCode CheckVelocity(const char options[], const PetscReal x[DIM], PetscReal u, PetscReal v, PetscReal w,
                                     const char name[])
@@ -372,6 +452,7 @@ int main(int argc, char **argv)
   PetscCall(UserErrorHandlerPush());
   PetscCall(TestShapes());
   PetscCall(TestWave());
+  PetscCall(TestWaves());
   PetscCall(TestVelocities());
   PetscCall(TestScene());
   PetscCall(TestRefusals());

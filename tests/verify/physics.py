@@ -90,6 +90,23 @@ def volumes(head, f):
     return f["volume"] if rings(head) else np.full(len(f["id"]), float(head["spacing"])**int(head["dimension"]))
 
 
+def lost(head, first, last):
+    """Result: the particles lost between two snapshots; of rings, which join and split, the share of their volume."""
+    if rings(head):
+        return at_most("volume lost, share", 1 - last["volume"].sum() / first["volume"].sum(), 1e-3)
+    return at_most("particles lost", len(first["id"]) - len(last["id"]), 0)
+
+
+def bessel(x):
+    """J0(x) and J1(x) by their series, x a number or an array, up to 30 or so."""
+    x = np.asarray(x, dtype=float)
+    term, j0, j1 = np.ones_like(x), np.ones_like(x), np.ones_like(x)
+    for m in range(1, 80):
+        term = -0.25 * x * x * term / m**2
+        j0, j1 = j0 + term, j1 + term / (m + 1)
+    return j0, 0.5 * x * j1
+
+
 def at_axis(head, f, error):
     """Root of the mean square of an error of rings, of those within two spacings of the axis over that of all others,
     a spacing and a half from the outermost and beyond not counted: the wall or surface there has errors of its own."""
