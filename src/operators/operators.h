@@ -116,8 +116,9 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
 PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, PetscReal scale);
 /* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
    each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair
-   v_ab. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s),
-   whose ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal
+   v_ab; of rings, behind them, one for each of the fluid, 1/s, for its growth. OperatorsViscosityApply - out
+   ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose ghosts it updates; collective.
+   OperatorsViscosityDiagonal - the operator's diagonal
    ([n_fluid][3], 1/s, not positive). */
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                        PetscReal pair[]);

@@ -171,14 +171,14 @@ static void MultiplyLengths(Cloud cloud, PetscInt a, PairRow *row)
     row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / length_a;
 }
 
-/* What the growth of ring a resists with in the form of Cleary, m/s2: -nu v_r/R2. The pairs in the plane lose 2 S:S +
-   (tr S)2 times mu, of the rate of strain S in it; its trace is -v_r/r, for all three directions together do not change
-   the volume. The loss in all is 2 S:S + 2 (v_r/r)2, so that (v_r/r)2 remains for the growth. */
-static PetscReal GrowthFriction(Cloud cloud, PetscInt a, PetscReal nu, const PetscReal v[])
+/* The rate (1/s) at which ring a's growth is resisted in the form of Cleary: -nu v_r/R2. The pairs in the plane lose 2
+   S:S + (tr S)2 times mu, of the rate of strain S in it; its trace is -v_r/r, for all three directions together do not
+   change the volume. The loss in all is 2 S:S + 2 (v_r/r)2, so that (v_r/r)2 remains for the growth. */
+static PetscReal GrowthFriction(Cloud cloud, PetscInt a, PetscReal nu)
 {
   const PetscReal r = DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a) / (2 * PETSC_PI);
 
-  return -nu * v[DIM * a] / (r * r);
+  return -nu / (r * r);
 }
 
 /* Divides the row's factors F by r2 + eta2 (m2). */
@@ -251,7 +251,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
         if (cloud->integer[INT_LAYER][row.index[k]]) row.f[k] *= factor;
     if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings) {
       MultiplyLengths(cloud, a, &row);
-      acceleration[DIM * a] += GrowthFriction(cloud, a, mu[a] / density[a], v);
+      acceleration[DIM * a] += GrowthFriction(cloud, a, mu[a] / density[a]) * v[DIM * a];
     }
     if (viscosity->form == VISCOSITY_CLEARY)
       ViscosityCleary(cloud, a, &row, v, sum);
@@ -264,6 +264,42 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
   PetscCall(CloudRestoreWork(cloud, &mu));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Turns the volumes of the neighbours in ring a's coefficients into areas, and multiplies by the length of each pair's
+   middle over that of a. */
+static void WeighRing(Cloud cloud, PetscInt a, const PairRow *row, PetscReal pair[])
+{
+  const PetscReal *x        = cloud->field[FIELD_POSITION];
+  const PetscReal  length_a = DomainRingLength(cloud->domain, x + DIM * a);
+
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscReal *y = x + DIM * row->index[k];
+
+    pair[k] *= DomainPairLength(cloud->domain, x + DIM * a, y) / (length_a * DomainRingLength(cloud->domain, y));
+  }
+}
+
+/* The factor of v_r of ring a in the pair with b in the form of Morris, over that of b's. */
+static inline PetscReal GrowthRatio(Cloud cloud, PetscInt a, PetscInt b)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+
+  return DomainRingLength(cloud->domain, x + DIM * b) / DomainRingLength(cloud->domain, x + DIM * a);
+}
+
+/* The product for ring a in the form of Morris, as in ViscosityRings. */
+static void ApplyRings(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal pair[], const PetscReal v[],
+                       PetscReal out[DIM])
+{
+  out[0] = out[1] = out[2] = 0;
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b    = row->index[k];
+    const PetscReal side = cloud->field[FIELD_POSITION][DIM * b] < 0 ? -1 : 1;
+
+    out[0] += pair[k] * (GrowthRatio(cloud, a, b) * v[DIM * a] - side * v[DIM * b]);
+    out[1] += pair[k] * (v[DIM * a + 1] - v[DIM * b + 1]);
+  }
 }
 
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
@@ -293,6 +329,10 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
       if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
     }
+    if (!cloud->domain->rings) continue;
+    WeighRing(cloud, a, &row, c);
+    pair[cloud->first[cloud->n_fluid] + a] =
+      viscosity->form == VISCOSITY_CLEARY ? GrowthFriction(cloud, a, mu[a] / density[a]) : 0;
   }
   PetscCall(CloudRestoreWork(cloud, &mu));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -301,7 +341,8 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
                                        PetscReal velocity[], PetscReal out[])
 {
-  const PetscReal *v = velocity;
+  const PetscReal *v     = velocity;
+  const PetscBool  rings = cloud->domain->rings;
   PairRow          row;
 
   PetscFunctionBegin;
@@ -312,6 +353,10 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, 
     PetscReal       ax = 0, ay = 0, az = 0;
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
+    if (rings && viscosity->form == VISCOSITY_MORRIS) {
+      ApplyRings(cloud, a, &row, c, v, out + DIM * a);
+      continue;
+    }
     if (viscosity->form == VISCOSITY_CLEARY) {
       SIMD_LOOP(reduction(+ : ax, ay, az))
       for (PetscInt k = 0; k < row.n; k++) {
@@ -333,7 +378,7 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, 
         az += c[k] * (vz - v[3 * b + 2]);
       }
     }
-    out[3 * a]     = ax;
+    out[3 * a]     = rings ? ax + pair[cloud->first[cloud->n_fluid] + a] * vx : ax;
     out[3 * a + 1] = ay;
     out[3 * a + 2] = az;
   }
@@ -352,8 +397,11 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosit
 
     d[0] = d[1] = d[2] = 0;
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
+    if (cloud->domain->rings) d[0] = pair[cloud->first[cloud->n_fluid] + a];
     for (PetscInt k = 0; k < row.n; k++) {
-      d[0] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k]) : 1);
+      d[0] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k])
+                      : cloud->domain->rings              ? GrowthRatio(cloud, a, row.index[k])
+                                                          : 1);
       d[1] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
       d[2] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dz[k]) : 1);
     }

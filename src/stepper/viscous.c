@@ -16,8 +16,7 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 {
   const char *const solvers[] = {"explicit", "implicit", "auto"};
   Viscous          *viscous   = &stepper->viscous;
-  const PetscBool   rings     = stepper->cloud->domain->rings;
-  PetscInt          solver    = rings ? VISCOUS_EXPLICIT : VISCOUS_AUTO;
+  PetscInt          solver    = VISCOUS_AUTO;
 
   PetscFunctionBegin;
   viscous->ratio = VISCOUS_RATIO;
@@ -28,8 +27,6 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscCall(OptionReal("-viscosity_step_ratio",
                        "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound",
                        "[0, inf)", &viscous->ratio));
-  PetscCheckUser(!rings || solver == VISCOUS_EXPLICIT, stepper->cloud->comm,
-                 "-viscosity_solver %s cannot be used with -dimension axisymmetric yet; explicit can", solvers[solver]);
   viscous->solver = (ViscousSolver)solver;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,10 +93,14 @@ static PetscErrorCode ApplyViscosity(Stepper stepper, Vec x, PetscBool walls, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Mass of a particle over that of the first body's, which keeps the rows of the order of a velocity. */
+/* Mass of a particle over that of the first body's, of a ring at the far face of the box, which keeps the rows of the
+   order of a velocity. */
 static inline PetscReal Mass(Cloud cloud, PetscInt a)
 {
-  return cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
+  const PetscReal mass = cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
+
+  if (!cloud->domain->rings) return mass;
+  return mass * cloud->volume[a] / (cloud->domain->volume * DomainRingLength(cloud->domain, cloud->domain->upper));
 }
 
 /* Makes the rows of held liquid y = m x; x: NULL for that of 1. */
@@ -299,7 +300,8 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
 {
   Cloud            cloud   = stepper->cloud;
   Viscous         *viscous = &stepper->viscous;
-  const PetscInt64 pairs   = cloud->n_fluid ? cloud->first[cloud->n_fluid] : 0;
+  const PetscInt64 pairs =
+    (cloud->n_fluid ? cloud->first[cloud->n_fluid] : 0) + (cloud->domain->rings ? cloud->n_fluid : 0);
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));

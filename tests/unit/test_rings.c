@@ -295,6 +295,76 @@ static PetscErrorCode TestViscosity(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static void Random(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = x[0] * PetscCosReal(0.7 * x[1] + x[0]);
+  v[1] = PetscSinReal(0.9 * x[0] * x[1]);
+}
+
+/* The operator of the implicit solve: its product is the explicit term, times the mass it is symmetric, and the
+   diagonal is its own. */
+static PetscErrorCode TestImplicit(ViscosityForm form, const char label[])
+{
+  const Viscosity viscosity = {.form = form};
+  Setup           s;
+  Cloud           cloud;
+  PetscReal      *pair, *u, *out, *diagonal, error = 0, most = 0, product[2] = {0, 0}, wrong = 0;
+  char            name[96];
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(TANK "-box_xmax wall -box_ymin wall -packing_jitter 0.2", &s));
+  PetscCall(SetupMoments(&s));
+  cloud = s.cloud;
+  PetscCall(PetscMalloc4(cloud->first[cloud->n_fluid] + cloud->n_fluid, &pair, DIM * cloud->n_total, &u,
+                         DIM * cloud->n_total, &out, DIM * cloud->n_total, &diagonal));
+  PetscCall(SetFlow(cloud, Random));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY)); /* images are those of vectors */
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
+  PetscCall(OperatorsViscosity(cloud, &viscosity, cloud->rest_density));
+  PetscCall(OperatorsViscosityPairs(cloud, &viscosity, cloud->rest_density, pair));
+  PetscCall(OperatorsViscosityApply(cloud, &viscosity, pair, cloud->field[FIELD_VELOCITY], out));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
+    error = PetscMax(error, PetscAbsReal(out[k] - cloud->field[FIELD_ACCELERATION][k]));
+    most  = PetscMax(most, PetscAbsReal(out[k]));
+  }
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_implicit_as_explicit", label));
+  CHECK_CLOSE(SetupMax(error) / SetupMax(most), 0, 1e-6, name);
+  for (PetscInt a = 0; a < cloud->n_total; a++) /* two other fields, the walls at rest */
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal fluid = cloud->integer[INT_LAYER][a] ? 0 : 1;
+
+      cloud->field[FIELD_VELOCITY][DIM * a + d] *= fluid;
+      u[DIM * a + d] = d < 2 ? fluid * RandomUnit(3, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d)) : 0;
+    }
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    PetscReal *field = pass ? u : cloud->field[FIELD_VELOCITY], *other = pass ? cloud->field[FIELD_VELOCITY] : u;
+
+    PetscCall(OperatorsViscosityApply(cloud, &viscosity, pair, field, out));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      product[pass] += cloud->volume[a] * Dot(out + DIM * a, other + DIM * a);
+    product[pass] = SetupSum(product[pass]);
+  }
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_implicit_symmetric", label));
+  CHECK_CLOSE(product[0] / product[1], 1, 1e-12, name);
+  PetscCall(OperatorsViscosityDiagonal(cloud, &viscosity, pair, diagonal));
+  for (PetscInt d = 0; d < 2; d++) { /* of the particle with the middle id, which may be near the axis or not */
+    const PetscInt middle = (PetscInt)(SetupSum((PetscReal)cloud->n_fluid) / 2);
+
+    PetscCall(PetscArrayzero(u, DIM * cloud->n_total));
+    for (PetscInt a = 0; a < cloud->n_owned; a++)
+      if (cloud->integer[INT_ID][a] == middle) u[DIM * a + d] = 1;
+    PetscCall(OperatorsViscosityApply(cloud, &viscosity, pair, u, out));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      if (cloud->integer[INT_ID][a] == middle)
+        wrong = PetscMax(wrong, PetscAbsReal(out[DIM * a + d] / diagonal[DIM * a + d] - 1));
+  }
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_implicit_diagonal", label));
+  CHECK_CLOSE(SetupMax(wrong), 0, 1e-12, name);
+  PetscCall(PetscFree4(pair, u, out, diagonal));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Surface tension: the pressure 2 sigma/R of a drop, of which a plane drop would have half. */
 static PetscErrorCode TestTension(void)
 {
@@ -409,6 +479,8 @@ int main(int argc, char **argv)
   PetscCall(TestDivergence());
   PetscCall(TestLaplacian());
   PetscCall(TestViscosity());
+  PetscCall(TestImplicit(VISCOSITY_MORRIS, "morris"));
+  PetscCall(TestImplicit(VISCOSITY_CLEARY, "cleary"));
   PetscCall(TestTension());
   PetscCall(TestResampling());
   PetscCall(PetscOptionsClear(NULL));
