@@ -266,17 +266,24 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Turns the volumes of the neighbours in ring a's coefficients into areas, and multiplies by the length of each pair's
-   middle over that of a. */
-static void WeighRing(Cloud cloud, PetscInt a, const PairRow *row, PetscReal pair[])
+/* Turns the volumes of the neighbours in the coefficients of rings into areas, and multiplies by the length of each
+   pair's middle over that of the ring; and sets the coefficients of their growth. Not inlined, as HoopDivergence is
+   not: other dimensions keep their rounding. */
+__attribute__((noinline)) static void WeighRings(Cloud cloud, const Viscosity *viscosity, const PetscReal mu[],
+                                                 const PetscReal density[], PetscReal pair[])
 {
-  const PetscReal *x        = cloud->field[FIELD_POSITION];
-  const PetscReal  length_a = DomainRingLength(cloud->domain, x + DIM * a);
+  const PetscReal *x = cloud->field[FIELD_POSITION];
 
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscReal *y = x + DIM * row->index[k];
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal length_a = DomainRingLength(cloud->domain, x + DIM * a);
 
-    pair[k] *= DomainPairLength(cloud->domain, x + DIM * a, y) / (length_a * DomainRingLength(cloud->domain, y));
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+      const PetscReal *y = x + DIM * cloud->list[k];
+
+      pair[k] *= DomainPairLength(cloud->domain, x + DIM * a, y) / (length_a * DomainRingLength(cloud->domain, y));
+    }
+    pair[cloud->first[cloud->n_fluid] + a] =
+      viscosity->form == VISCOSITY_CLEARY ? GrowthFriction(cloud, a, mu[a] / density[a]) : 0;
   }
 }
 
@@ -288,17 +295,27 @@ static inline PetscReal GrowthRatio(Cloud cloud, PetscInt a, PetscInt b)
   return DomainRingLength(cloud->domain, x + DIM * b) / DomainRingLength(cloud->domain, x + DIM * a);
 }
 
-/* The product for ring a in the form of Morris, as in ViscosityRings. */
-static void ApplyRings(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal pair[], const PetscReal v[],
-                       PetscReal out[DIM])
+/* Products of the operator of rings, of the form of Morris as in ViscosityRings. */
+__attribute__((noinline)) static void ApplyRings(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
+                                                 const PetscReal v[], PetscReal out[])
 {
-  out[0] = out[1] = out[2] = 0;
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b    = row->index[k];
-    const PetscReal side = cloud->field[FIELD_POSITION][DIM * b] < 0 ? -1 : 1;
+  const PetscBool cleary = (PetscBool)(viscosity->form == VISCOSITY_CLEARY);
+  PairRow         row;
 
-    out[0] += pair[k] * (GrowthRatio(cloud, a, b) * v[DIM * a] - side * v[DIM * b]);
-    out[1] += pair[k] * (v[DIM * a + 1] - v[DIM * b + 1]);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *c = pair + cloud->first[a], *own = v + DIM * a;
+    PetscReal        sum[DIM] = {pair[cloud->first[cloud->n_fluid] + a] * own[0], 0, 0};
+
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt   b     = row.index[k];
+      const PetscReal *other = v + DIM * b, side = cloud->field[FIELD_POSITION][DIM * b] < 0 ? -1 : 1;
+      const PetscReal  f = c[k] * ((own[0] - other[0]) * row.dx[k] + (own[1] - other[1]) * row.dy[k]);
+
+      sum[0] += cleary ? f * row.dx[k] : c[k] * (GrowthRatio(cloud, a, b) * own[0] - side * other[0]);
+      sum[1] += cleary ? f * row.dy[k] : c[k] * (own[1] - other[1]);
+    }
+    for (PetscInt d = 0; d < DIM; d++) out[DIM * a + d] = sum[d];
   }
 }
 
@@ -329,11 +346,8 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
       if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
     }
-    if (!cloud->domain->rings) continue;
-    WeighRing(cloud, a, &row, c);
-    pair[cloud->first[cloud->n_fluid] + a] =
-      viscosity->form == VISCOSITY_CLEARY ? GrowthFriction(cloud, a, mu[a] / density[a]) : 0;
   }
+  if (cloud->domain->rings) WeighRings(cloud, viscosity, mu, density, pair);
   PetscCall(CloudRestoreWork(cloud, &mu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -341,22 +355,21 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
                                        PetscReal velocity[], PetscReal out[])
 {
-  const PetscReal *v     = velocity;
-  const PetscBool  rings = cloud->domain->rings;
+  const PetscReal *v = velocity;
   PairRow          row;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, velocity));
+  if (cloud->domain->rings) {
+    ApplyRings(cloud, viscosity, pair, v, out);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *restrict c = pair + cloud->first[a];
     const PetscReal vx = v[3 * a], vy = v[3 * a + 1], vz = v[3 * a + 2];
     PetscReal       ax = 0, ay = 0, az = 0;
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-    if (rings && viscosity->form == VISCOSITY_MORRIS) {
-      ApplyRings(cloud, a, &row, c, v, out + DIM * a);
-      continue;
-    }
     if (viscosity->form == VISCOSITY_CLEARY) {
       SIMD_LOOP(reduction(+ : ax, ay, az))
       for (PetscInt k = 0; k < row.n; k++) {
@@ -378,11 +391,26 @@ PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, 
         az += c[k] * (vz - v[3 * b + 2]);
       }
     }
-    out[3 * a]     = rings ? ax + pair[cloud->first[cloud->n_fluid] + a] * vx : ax;
+    out[3 * a]     = ax;
     out[3 * a + 1] = ay;
     out[3 * a + 2] = az;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The diagonal for ring a. */
+__attribute__((noinline)) static void DiagonalOfRing(Cloud cloud, const Viscosity *viscosity, PetscInt a,
+                                                     const PairRow *row, const PetscReal pair[], PetscReal d[DIM])
+{
+  const PetscBool  cleary = (PetscBool)(viscosity->form == VISCOSITY_CLEARY);
+  const PetscReal *c      = pair + cloud->first[a];
+
+  d[0] = pair[cloud->first[cloud->n_fluid] + a];
+  d[1] = d[2] = 0;
+  for (PetscInt k = 0; k < row->n; k++) {
+    d[0] += c[k] * (cleary ? PetscSqr(row->dx[k]) : GrowthRatio(cloud, a, row->index[k]));
+    d[1] += c[k] * (cleary ? PetscSqr(row->dy[k]) : 1);
+  }
 }
 
 PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
@@ -397,11 +425,12 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosit
 
     d[0] = d[1] = d[2] = 0;
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-    if (cloud->domain->rings) d[0] = pair[cloud->first[cloud->n_fluid] + a];
+    if (cloud->domain->rings) {
+      DiagonalOfRing(cloud, viscosity, a, &row, pair, d);
+      continue;
+    }
     for (PetscInt k = 0; k < row.n; k++) {
-      d[0] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k])
-                      : cloud->domain->rings              ? GrowthRatio(cloud, a, row.index[k])
-                                                          : 1);
+      d[0] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dx[k]) : 1);
       d[1] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dy[k]) : 1);
       d[2] += c[k] * (viscosity->form == VISCOSITY_CLEARY ? PetscSqr(row.dz[k]) : 1);
     }
