@@ -29,14 +29,15 @@ def cap(angle):
 
 
 def check(folder):
-    times, spread, height, count = [], [], [], []
+    times, spread, height, share = [], [], [], []
     for time, head, f in physics.snapshots(folder):
-        x, d0 = f["position"], float(head["spacing"])
+        x, d0 = physics.places(head, f), float(head["spacing"])
         whole = physics.components(x, 1.5 * d0) == 0
         times.append(time)
         spread.append(2 * np.hypot(x[whole, 0], x[whole, 1]).max() + d0)
         height.append(x[whole, 2].max() + d0 / 2)
-        count.append(whole.sum())
+        volume = physics.volumes(head, f)
+        share.append(volume[whole].sum() / volume.sum())
     angle = float(physics.options(head)["-wall_contact_angle"])
     reference = physics.table(os.path.join(HERE, "reference.csv"))
     there = np.interp(SINKING, reference["time"], reference["height"])
@@ -45,7 +46,7 @@ def check(folder):
             physics.relative("largest diameter over D", max(spread) / D, reference["diameter"].max() / D, 0.1),
             physics.shown("the same, fit of experiments by Laan et al.", max(spread) / D, laan()),
             physics.relative("height at the end", 1e3 * height[-1], 1e3 * cap(angle), 0.1, "mm"),
-            physics.at_most("liquid that came off", 1 - count[-1] / len(f["id"]), 0.01)]
+            physics.at_most("liquid that came off", 1 - share[-1], 0.01)]
 
 
 if __name__ == "__main__":

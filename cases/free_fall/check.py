@@ -12,9 +12,21 @@ import physics  # noqa: E402
 G, V = np.array([1.0, -2.0, -9.81]), np.array([0.5, 0.0, 2.0])
 
 
+def check_rings(states):
+    (_, head, a), (t, _, b) = states[0], states[-1]
+    start, end = (np.average(np.stack([f["position"][:, 1], f["velocity"][:, 1]]), axis=1,
+                             weights=physics.volumes(head, f)) for f in (a, b))
+    fall, gained = V[2] * t + 0.5 * G[2] * t * t, G[2] * t
+    return [physics.relative("distance fallen by the centre of mass", start[0] - end[0], -fall, 1e-3, "m"),
+            physics.at_most("momentum, error over m v", abs(end[1] - start[1] - gained) / V[2], 1e-3),
+            physics.lost(head, a, b)]
+
+
 def check(folder):
     states = list(physics.snapshots(folder))
     (_, head, a), (t, _, b) = states[0], states[-1]
+    if physics.rings(head):
+        return check_rings(states)
     if len(a["id"]) != len(b["id"]):
         raise ValueError(f"{len(a['id'])} particles at the start, {len(b['id'])} at the end")
     fall = V * t + 0.5 * G * t * t

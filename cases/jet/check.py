@@ -14,16 +14,19 @@ R, U, F, Z0 = 0.5e-3, 1.0, 222.0, 24.5e-3  # m, m/s, Hz, end of the nozzle
 def check(folder):
     d = np.atleast_1d(np.genfromtxt(os.path.join(folder, "droplets.csv"), delimiter=",", names=True))
     states = list(physics.snapshots(folder))
-    last, d0 = states[-1][2]["position"], float(states[-1][1]["spacing"])
+    head, f = states[-1][1:]
+    last, d0, share = physics.places(head, f), float(head["spacing"]), physics.volumes(head, f)
+    up = "velocity_y_ms" if physics.rings(head) else "velocity_z_ms"
     wave = np.pi * R**2 * U / F
     settled = d[(d["time_s"] > 0.02) & (d["volume_m3"] > 0.5 * wave) & (d["volume_m3"] < 1.5 * wave)]
-    size = np.bincount(physics.components(last, 1.25 * d0))
-    attached = last[physics.components(last, 1.25 * d0) == np.argmax(size)]
+    piece = physics.components(last, 1.25 * d0)
+    size, share = np.bincount(piece), np.bincount(piece, weights=share) / share.sum()
+    attached = last[piece == np.argmax(size)]
     volume = np.median(settled["volume_m3"])
     return [physics.relative("volume of a drop, median", 1e9 * volume, 1e9 * wave, 0.1, "ul"),
-            physics.relative("speed of a drop, mean", -settled["velocity_z_ms"].mean(), U, 0.05, "m/s"),
+            physics.relative("speed of a drop, mean", -settled[up].mean(), U, 0.05, "m/s"),
             physics.shown("length of what hangs together at the end", 1e3 * (Z0 - attached[:, 2].min()), unit="mm"),
-            physics.shown("liquid in smaller pieces at the end", (size < 8).sum() / len(last))]
+            physics.shown("liquid in smaller pieces at the end", share[size < 8].sum())]
 
 
 if __name__ == "__main__":

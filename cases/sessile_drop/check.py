@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Sessile drop in two dimensions: height and width against the Young-Laplace equation.
+"""Sessile drop, in two dimensions or of rings: height and width against the Young-Laplace equation.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -26,13 +26,30 @@ def outline(curvature, angle):
     return z, x, area
 
 
-def young_laplace(area, angle):
-    """Height and half width of the drop of half the area (m2), by bisection of the apex' curvature."""
-    low, high = 1e-6, 1e5  # 1/m
+def round_outline(curvature, angle):
+    """The same of a drop of revolution with this curvature, the sum of both, at the apex: height, radius, volume (m,
+    m, m3). d phi/ds = curvature + rho g z/sigma - sin phi/x, by the classical Runge-Kutta method until phi is the
+    angle; the first step is on a sphere."""
+    def slope(y):
+        x, z, phi, _ = y
+        turn = curvature + RHO * G * z / SIGMA - np.sin(phi) / x
+        return np.array([np.cos(phi), np.sin(phi), turn, np.pi * x * x * np.sin(phi)]) / turn  # by phi
+
+    phi = angle / STEPS
+    radius = 2 / curvature
+    start = [radius * np.sin(phi), radius * (1 - np.cos(phi)), phi, 0.25 * np.pi * radius**3 * phi**4]
+    x, z, _, volume = physics.integrate(slope, start, phi, [angle], STEPS // 10)[-1]
+    return z, x, volume
+
+
+def young_laplace(size, angle, shape):
+    """Height and half width of the drop of half the area (m2) or of the volume (m3), by bisection of the apex'
+    curvature."""
+    low, high = 1e-6 if shape is outline else 1, 1e5  # 1/m
     for _ in range(60):
         middle = np.sqrt(low * high)
-        low, high = (middle, high) if outline(middle, angle)[2] > area else (low, middle)
-    return outline(middle, angle)[:2]
+        low, high = (middle, high) if shape(middle, angle)[2] > size else (low, middle)
+    return shape(middle, angle)[:2]
 
 
 def check(folder):
@@ -40,13 +57,14 @@ def check(folder):
     head, f = states[-1][1:]
     d0, x = float(head["spacing"]), f["position"]
     angle = np.radians(float(physics.options(head)["-wall_contact_angle"]))
-    height, width = young_laplace(len(states[0][2]["id"]) * d0**2, angle)
+    rings = physics.rings(head)
+    height, width = young_laplace(physics.volumes(head, states[0][2]).sum(), angle, round_outline if rings else outline)
     middle = x[:, 0] < 4 * d0
     low = x[:, 1] < 2 * d0
     top = np.sort(x[middle, 1])[-4:].mean() + d0 / 2
-    return [physics.relative("height", 1e3 * top, 1e3 * height, 0.05, "mm"),
+    return [physics.relative("height", 1e3 * top, 1e3 * height, 0.02 if rings else 0.05, "mm"),
             physics.relative("half width", 1e3 * (np.sort(x[low, 0])[-2:].mean() + d0 / 2), 1e3 * width, 0.05, "mm"),
-            physics.at_most("particles lost", len(states[0][2]["id"]) - len(f["id"]), 0)]
+            physics.lost(head, states[0][2], f)]
 
 
 if __name__ == "__main__":

@@ -34,8 +34,8 @@ def fit(t, a, rate, constant):
 
 
 def mode(head, f):
-    """Of a snapshot: amplitude of the wave of the surface (m), by the mass of the columns, 2/L sum V_0 cos k x, of rings
-    sum V J0(k r)/(pi R^2 J0(k R)^2); energies (J/m, J) of the motion along the linear wave and of the rest of it."""
+    """Of a snapshot: amplitude of the wave of the surface (m), by the mass of the columns, 2/L sum V_0 cos k x, of
+    rings sum V J0(k r)/(pi R^2 J0(k R)^2); energies (J/m, J) of the motion along the linear wave and of the rest of it."""
     x, v, volume = f["position"], f["velocity"], physics.volumes(head, f)
     if physics.rings(head):
         k = RINGS

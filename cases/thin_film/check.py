@@ -14,15 +14,22 @@ FOOT = (1.0, 4.0)  # spacings above the level: the crown's wall, below the rim a
 TIMES = (1.0, 4.5)  # D/U: from the crown's birth to before the mirrors feel it
 
 
+def median(r, volume):
+    """The r below which half the volume is."""
+    order = np.argsort(r)
+    below = np.cumsum(volume[order]) - 0.5 * volume[order]
+    return np.interp(0.5 * volume.sum(), below, r[order])
+
+
 def crown(folder):
     """Times over D/U and radii of the crown's wall over D: the median distance from the axis of a layer's liquid."""
     tau, radius = [], []
     for time, head, f in physics.snapshots(folder):
-        x, d0 = f["position"], float(head["spacing"])
+        x, d0 = physics.places(head, f), float(head["spacing"])
         wall = (x[:, 2] > FOOT[0] * d0) & (x[:, 2] < FOOT[1] * d0)
-        if TIMES[0] <= time * U / D <= TIMES[1] and wall.sum() > 20:
+        if TIMES[0] <= time * U / D <= TIMES[1] and wall.sum() > (3 if physics.rings(head) else 20):
             tau.append(time * U / D)
-            radius.append(np.median(np.hypot(x[wall, 0], x[wall, 1])) / D)
+            radius.append(median(np.hypot(x[wall, 0], x[wall, 1]), physics.volumes(head, f)[wall]) / D)
     return np.array(tau), np.array(radius)
 
 
@@ -40,13 +47,14 @@ def check(folder):
     chosen = (then >= TIMES[0]) & (then <= TIMES[1])
     right, right_start = growth(then[chosen], there[chosen])
     exponent = np.polyfit(np.log(tau - start), np.log(radius), 1)[0]
-    first, last = (f["id"] for _, _, f in (list(physics.snapshots(folder))[k] for k in (0, -1)))
+    (_, head, first), (_, _, last) = (list(physics.snapshots(folder))[k] for k in (0, -1))
     return [physics.at_most("radius of the crown beside the reference, largest deviation",
                             np.abs(radius / np.interp(tau, then, there) - 1).max(), 0.05),
             physics.relative("crown, C in r/D = C sqrt(tau - tau0)", factor, right, 0.05),
             physics.shown("C of the theory without losses", factor, (2 * D / (3 * DEPTH))**0.25),
             physics.shown("tau0", start, right_start), physics.shown("exponent about tau0", exponent, 0.5),
-            physics.at_most("particles lost over all", 1 - len(last) / len(first), 0.01)]
+            physics.lost(head, first, last) if physics.rings(head) else
+            physics.at_most("particles lost over all", 1 - len(last["id"]) / len(first["id"]), 0.01)]
 
 
 if __name__ == "__main__":

@@ -391,6 +391,9 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(SQUARE BALL "-gravity 0,0,-9.81", "third component", "refuse_gravity_2d"));
   PetscCall(Refused(CUBE BALL "-a_velocity_type rotation", "-a_rotation_rate is missing", "refuse_no_rate"));
   PetscCall(Refused(CUBE BALL "-a_velocity_type strain -a_strain_rate 1,1,1", "sum to 0", "refuse_divergence"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
+                    "-a_velocity_type strain -a_strain_rate -1,1",
+                    "first number of rings counted twice", "refuse_divergence_of_rings"));
   PetscCall(Refused(CUBE BALL "-a_center 5,0,0", "wholly outside", "refuse_outside"));
   PetscCall(Refused(CUBE BALL "-a_center 1.45,1.45,1.45 -spacing 0.02", "wholly outside", "refuse_outside_at_corner"));
   PetscCall(Refused(CUBE "-bodies a -a_shape half_space -a_normal 1,1,1 -a_point -1.1,-1.1,-1.1 -spacing 0.02",

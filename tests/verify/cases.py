@@ -68,12 +68,13 @@ ENTRIES = []
 for n, upper in BLOCKS.items():
     ENTRIES += both("free_fall", f"{n} particles", "", TEST, LOOSE, shared="-a_upper " + upper, file="block.opts")
 ENTRIES += both("free_fall", "2000 particles", CONSERVED, TEST)
+ENTRIES += [Entry("free_fall", "rings", file=RINGS)]
 
 # viscosity and walls
 SHEAR = (1e-4, 5e-5, 2.5e-5)
 ENTRIES += both("couette", "", "", TEST, LATTICE, spacings=SHEAR)
 ENTRIES += both("poiseuille", "", "", TEST, LATTICE, spacings=SHEAR)
-ENTRIES += [Entry("poiseuille", "rings", file=RINGS)]
+ENTRIES += [Entry("couette", "rings", file=RINGS), Entry("poiseuille", "rings", file=RINGS)]
 IMPLICIT = "-viscosity_solver implicit -time_step_max 3e-3"
 ENTRIES += [Entry("couette", "steps of 9 explicit limits", IMPLICIT, TEST),
             Entry("poiseuille", "steps of 9 explicit limits", IMPLICIT, TEST)]
@@ -108,6 +109,7 @@ ENTRIES += [Entry("square_patch", "first pressures, density term on", f"{FIRST} 
 ENTRIES += both("square_patch", "half a turn", CONSERVED + " -pressure_regularization 0", TEST,
                 spacings=(0.04, 0.02, 0.01))
 ENTRIES += both("stretching_drop", "", CORRECTED, TEST, spacings=(0.08, 0.04, 0.02))
+ENTRIES += [Entry("stretching_drop", "rings", size=TEST, file=RINGS)]
 ENTRIES += both("central_force", "", CORRECTED, spacings=(0.08, 0.04, 0.02))
 ENTRIES += [Entry("central_force", "R/d0 = 20", CORRECTED + " -spacing 0.05", TEST)]
 
@@ -168,8 +170,11 @@ COLLIDE = "-options_file cases/drop_collision/"
 ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("drop_collision", "off centre", COLLIDE + "off_center.opts", TEST),
             Entry("drop_collision", "two sizes, two liquids", COLLIDE + "unequal.opts"),
-            Entry("sessile_drop"), Entry("thin_film"), Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"),
-            Entry("obstacle"), Entry("sloshing"), Entry("jet")]
+            Entry("sessile_drop"), Entry("sessile_drop", "rings", file=RINGS),
+            Entry("sessile_drop", "rings, 0.1 mm", "-spacing 0.1e-3 -time_end 0.4", file=RINGS), Entry("thin_film"),
+            Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"), Entry("obstacle"),
+            Entry("sloshing"), Entry("jet")]
+ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet"}
 

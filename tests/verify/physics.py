@@ -90,6 +90,11 @@ def volumes(head, f):
     return f["volume"] if rings(head) else np.full(len(f["id"]), float(head["spacing"])**int(head["dimension"]))
 
 
+def places(head, f):
+    """Positions x, y, z of the particles with z upwards, in a half-plane through the axis if they are rings."""
+    return f["position"][:, [0, 2, 1]] if rings(head) else f["position"]
+
+
 def lost(head, first, last):
     """Result: the particles lost between two snapshots; of rings, which join and split, the share of their volume."""
     if rings(head):
