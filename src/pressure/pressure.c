@@ -229,10 +229,12 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
 PetscErrorCode PressureCheckRings(Pressure pressure)
 {
   PetscFunctionBegin;
-  PetscCheckUser(pressure->source == SourceDivergence && pressure->gradient != GradientConserved && !pressure->summed,
-                 pressure->cloud->comm,
-                 "-pressure_source " SOURCE_DENSITY ", -pressure_gradient " GRADIENT_CONSERVED
-                 " and -pressure_density summed cannot be used with -dimension axisymmetric yet");
+  PetscCheckUser(pressure->source == SourceDivergence, pressure->cloud->comm,
+                 "-pressure_source " SOURCE_DENSITY " cannot be used with -dimension axisymmetric: the density jumps "
+                 "where rings join or split, and it would take that back within one step; " SOURCE_DIVERGENCE " can");
+  PetscCheckUser(pressure->gradient != GradientConserved, pressure->cloud->comm,
+                 "-pressure_gradient " GRADIENT_CONSERVED " cannot be used with -dimension axisymmetric: it keeps the "
+                 "sums of momentum of a plane, which rings do not have; " GRADIENT_CORRECTED " can");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,7 +10,8 @@ typedef struct {
   Mat       A, watched, inverse, preconditioned; /* the last three as shells; watched: A with lines of progress */
   KSP       ksp;                                 /* solves with A, tightly */
   Vec       b;                                   /* a right side, borrowed */
-  Vec       constant;                            /* of the null space; NULL: there is none */
+  Vec       constant;                            /* of the null space, times root; NULL: there is none */
+  Vec       root;                                /* of rings: see Unweigh; NULL: all 1 */
   PCType    preconditioner;                      /* its name */
   PetscReal rtol;                                /* of the run's own solves */
 } Operators;
@@ -24,15 +25,31 @@ typedef struct {
   PetscBool converged;             /* all of them */
 } Extremes;
 
+/* The rows of rings are those of the Laplacian times their volumes V over V_0. With D = V/V_0, D^-1/2 A D^-1/2 is
+   symmetric and has the Laplacian's eigenvalues: divides x by D^1/2, or multiplies. A copy, to be destroyed. */
+static PetscErrorCode Unweigh(const Operators *o, PetscBool divide, Vec x, Vec *out)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(x, out));
+  PetscCall(VecCopy(x, *out));
+  if (o->root && divide) PetscCall(VecPointwiseDivide(*out, x, o->root));
+  if (o->root && !divide) PetscCall(VecPointwiseMult(*out, x, o->root));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* y = A x */
 static PetscErrorCode ApplyWatched(Mat shell, Vec x, Vec y)
 {
   Operators *o;
+  Vec        in;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(shell, &o));
   PetscCall(ProgressWork(PetscObjectComm((PetscObject)shell), -1, "a product of the pressure operator"));
-  PetscCall(MatMult(o->A, x, y));
+  PetscCall(Unweigh(o, PETSC_TRUE, x, &in));
+  PetscCall(MatMult(o->A, in, y));
+  PetscCall(VecDestroy(&in));
+  if (o->root) PetscCall(VecPointwiseDivide(y, y, o->root));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,11 +57,15 @@ static PetscErrorCode ApplyWatched(Mat shell, Vec x, Vec y)
 static PetscErrorCode ApplyInverse(Mat shell, Vec x, Vec y)
 {
   Operators *o;
+  Vec        in;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(shell, &o));
+  PetscCall(Unweigh(o, PETSC_FALSE, x, &in));
   PetscCall(VecSet(y, 0));
-  PetscCall(KSPSolve(o->ksp, x, y));
+  PetscCall(KSPSolve(o->ksp, in, y));
+  PetscCall(VecDestroy(&in));
+  if (o->root) PetscCall(VecPointwiseMult(y, y, o->root));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,6 +215,22 @@ static PetscErrorCode WatchLanczos(const Operators *o, Extremes *e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The square root of each row's volume over V_0. */
+static PetscErrorCode CreateRoot(Spectrum s, Vec like, Vec *root)
+{
+  const Cloud  cloud = s->cloud;
+  PetscScalar *value;
+
+  PetscFunctionBegin;
+  *root = NULL;
+  if (!cloud->domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(like, root));
+  PetscCall(VecGetArrayWrite(*root, &value));
+  for (PetscInt r = 0; r < cloud->n_rows; r++) value[r] = PetscSqrtReal(cloud->volume[r] / cloud->domain->volume);
+  PetscCall(VecRestoreArrayWrite(*root, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
 {
   KSP          model; /* of the run */
@@ -209,6 +246,7 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
   PetscCall(KSPGetPC(model, &pc));
   PetscCall(PCGetType(pc, &o->preconditioner));
   PetscCall(MatGetNullSpace(o->A, &null));
+  PetscCall(CreateRoot(s, o->b, &o->root));
   o->constant = NULL;
   if (null) {
     PetscCall(VecDuplicate(o->b, &o->constant));
@@ -216,6 +254,7 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
     PetscCall(MatNullSpaceGetVecs(null, NULL, &vectors, &vector));
     if (vectors) PetscCall(VecCopy(vector[0], o->constant)); /* some rows have no part in it */
     PetscCall(MatNullSpaceRemove(null, o->b));
+    if (o->root) PetscCall(VecPointwiseMult(o->constant, o->constant, o->root));
   }
   PetscCall(CreateTightSolver(model, &o->ksp));
   PetscCall(CreateShell(o, ApplyWatched, &o->watched));
@@ -232,6 +271,7 @@ static PetscErrorCode DestroyOperators(Operators *o)
   PetscCall(MatDestroy(&o->preconditioned));
   PetscCall(KSPDestroy(&o->ksp));
   PetscCall(VecDestroy(&o->constant));
+  PetscCall(VecDestroy(&o->root));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -25,8 +25,6 @@ PetscErrorCode SpectrumSetFromOptions(Spectrum s)
               "highest degree of the modes of oscillation that -spectrum gives of a single free drop (1); 0: none",
               "[0, 6]", &s->degrees));
   PetscOptionsEnd();
-  PetscCheckUser(!s->wanted || !s->cloud->domain->rings, s->cloud->comm,
-                 "-spectrum cannot be used with -dimension axisymmetric yet");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

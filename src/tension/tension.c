@@ -103,7 +103,8 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscCall(PetscStrcmp(tension->type, TENSION_CAHN_HILLIARD, &same));
   PetscCheckUser(!same || !tension->rings, tension->comm,
                  "-tension_type " TENSION_CAHN_HILLIARD
-                 " cannot be used with -dimension axisymmetric yet; " TENSION_CURVATURE " can");
+                 " cannot be used with -dimension axisymmetric: its sums over a plane do not know how the surface "
+                 "curves around the axis; " TENSION_CURVATURE " can");
   tension->angle *= PETSC_PI / 180;
   tension->cosine = PetscCosReal(tension->angle);
   tension->sine   = PetscSinReal(tension->angle);

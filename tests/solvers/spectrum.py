@@ -72,6 +72,16 @@ for factor, stable in ((0.9, True), (1.1, False)):
     runs.check((energy[-1] < energy[0]) == stable, f"viscosity at {factor} of its limit is " +
                ("stable" if stable else "unstable"), f"kinetic energy from {energy[0]:.3g} to {energy[-1]:.3g} J")
 
+# rings in a closed tube of radius R: (3.8317/R)^2, the first wave across it, the zero of J1
+errors = []
+for spacing in (0.5e-3, 0.25e-3):
+    tube = report(f"""-dimension axisymmetric -spacing {spacing} -box_lower 0,0 -box_upper 12e-3,4e-3 -box_xmax wall
+ -box_y periodic -bodies water -water_velocity 0,0.01 -packing_jitter 0 -steps_max 1 -checkpoint_interval 0 """,
+                  f"tube {spacing}")
+    errors.append(1 - numbers(tube, r"smallest +N 1/m2")[0] / (3.83171 / 12e-3)**2)
+runs.check_within(errors[0], 0.0, 0.1, "first wave across a tube, relative error")
+runs.check_within(errors[0] / errors[1], 1.5, 2.6, "first wave across a tube, the error halves with the spacing")
+
 errors = []
 for spacing in (1e-3, 0.5e-3):
     film = report(f"{FILM} -spacing {spacing}", f"film {spacing}")

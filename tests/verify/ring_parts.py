@@ -72,6 +72,19 @@ liquid = state["body"] >= 0
 suction = np.mean(state["pressure"][liquid]) / (-2 * 0.07 * np.cos(np.radians(60)) / 4e-3)
 runs.check_within(suction, 0.95, 1.05, "suction_of_a_meniscus")
 
+# what rings cannot do is refused with the reason
+WATER = "-dimension axisymmetric -spacing 1e-3 -box_lower 0,0 -box_upper 5e-3,5e-3 -bodies water -gravity 0,-9.81 "
+for options, words in (("-scheme weakly_compressible", "sound runs together at the axis"),
+                       ("-scheme density_invariant", "throws rings next to the axis out"),
+                       ("-pressure_source density", "where rings join or split"),
+                       ("-pressure_gradient conserved", "sums of momentum of a plane"),
+                       ("-shifting_conserved", "angular momentum of a plane"),
+                       ("-packing_type poisson", "one volume that all have"),
+                       ("-tension_type cahn_hilliard -water_tension 0.07", "curves around the axis")):
+    process = runs.start(f"{WATER} {options} -steps_max 1 -output_dir " + runs.scratch("refused"))
+    runs.check(process.returncode != 0 and words in process.stderr, f"refuses {options}", process.stderr[-300:])
+runs.run(WATER + "-pressure_density summed -box_ymin wall -box_xmax wall -steps_max 3", "summed_density")
+
 # in the plane: a closed box whose solid is so thick that its middle has no part in the equation for the pressure
 PLANE = """-dimension 2 -spacing 0.5e-3 -box_lower 0,0 -box_upper 8e-3,4e-3 -box_x wall -box_xmax_velocity 0,0.01
  -box_y periodic -bodies water -water_viscosity 0.01 -solids slab -slab_upper 4e-3,4e-3 -steps_max 5 """
