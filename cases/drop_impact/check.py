@@ -38,9 +38,10 @@ def curve(table, name):
 def drop_liquid(folder):
     """Where the paper saw the drop's liquid: on the crater's floor (about 15 ms), in the jet and below it (60 ms)."""
     shares = {}
-    for t, _, f in physics.snapshots(folder):
-        x = f["position"][f["body"] == 1]
-        shares[t] = (x[:, 2] < 0).mean(), (np.hypot(x[:, 0], x[:, 1]) < 5e-3).mean()
+    for t, head, f in physics.snapshots(folder):
+        drop = f["body"] == 1
+        x, V = physics.upright(head, f)[drop], physics.volumes(head, f)[drop]
+        shares[t] = [V[where].sum() / V.sum() for where in (x[:, 2] < 0, np.hypot(x[:, 0], x[:, 1]) < 5e-3)]
     results = []
     for time, k, name in ((15e-3, 0, "drop's liquid below the level at 15 ms"),
                           (60e-3, 1, "drop's liquid within 5 mm of the axis at 60 ms")):
@@ -57,16 +58,17 @@ def secondary(folder):
     for t, head, f in physics.snapshots(folder):
         if abs(t - 15e-3) > 0.6e-3:
             continue
-        x, energy = f["position"], (f["velocity"]**2).sum(axis=1)
+        x, V = physics.upright(head, f), physics.volumes(head, f)
+        energy = V * (f["velocity"]**2).sum(axis=1)
         above = x[:, 2] > -1e-3
         label = physics.components(x[above], 2 * float(head["spacing"]))
         off = label > 0
         share = energy[above][off].sum() / energy.sum()
-        drop = (f["body"] == 1).sum()
+        volume = V[above][off].sum() / V[f["body"] == 1].sum()
         results = [physics.shown("secondary droplets of two particles and more at 15 ms",
                                  (np.bincount(label)[1:] > 1).sum()),
                    physics.shown("single particles come off at 15 ms", (np.bincount(label)[1:] == 1).sum()),
-                   physics.shown("volume come off at 15 ms, of the drop's", 100 * off.sum() / drop, unit="%"),
+                   physics.shown("volume come off at 15 ms, of the drop's", 100 * volume, unit="%"),
                    physics.shown("kinetic energy come off at 15 ms, of all", 100 * share, unit="%")]
     return results
 
@@ -79,7 +81,8 @@ def mean_crown(folder):
         if not compare.CROWN_SPAN[0] <= t <= compare.CROWN_SPAN[1]:
             continue
         spacing = float(head["spacing"])
-        x = f["position"][f["position"][:, 2] > -1e-3]
+        x = physics.upright(head, f)
+        x = x[x[:, 2] > -1e-3]
         x = x[physics.components(x, 1.25 * spacing) == 0]
         x = x[np.hypot(x[:, 0], x[:, 1]) > 2.2e-3]
         sector = np.floor(np.degrees(np.arctan2(x[:, 1], x[:, 0])) / 6).astype(int)

@@ -21,14 +21,17 @@ AXIS = 2.2e-3  # m: radius of the jet and of the thread
 OPEN, CLOSED = ("floor", "wall", "rim"), ("jet", "thread", "elsewhere")
 
 
-def shares(x, depth):
+def shares(x, volume, depth):
     """{place: share in per cent} of particles at x [n][3] (m); depth (m) of the crater, nan if it has closed."""
+    def share(flag):
+        return 100 * volume[flag].sum() / volume.sum()
+
     r, z = np.hypot(x[:, 0], x[:, 1]), x[:, 2]
     if np.isfinite(depth):
         flags = (z < -depth / 2, (z >= -depth / 2) & (z < 0), z >= 0)
-        return {name: 100 * flag.mean() for name, flag in zip(OPEN, flags)}
+        return {name: share(flag) for name, flag in zip(OPEN, flags)}
     flags = ((r < AXIS) & (z >= 0), (r < AXIS) & (z < 0), r >= AXIS)
-    return {name: 100 * flag.mean() for name, flag in zip(CLOSED, flags)}
+    return {name: share(flag) for name, flag in zip(CLOSED, flags)}
 
 
 def rows_of(folder):
@@ -36,12 +39,13 @@ def rows_of(folder):
     series = rundata.read_series(folder)
     closed = compare.jet_rise(series)
     found = {}
-    for t, _, f in physics.snapshots(folder):
+    for t, head, f in physics.snapshots(folder):
         time = min(TIMES, key=lambda wanted, t=t: abs(t - wanted))
         if abs(t - time) > NEAR or (time in found and abs(found[time][0] - time) <= abs(t - time)):
             continue
         depth = np.nan if t > closed else compare.at(series, "crater_depth", t)
-        found[time] = t, shares(f["position"][f["body"] == 1], depth)
+        drop = f["body"] == 1
+        found[time] = t, shares(physics.upright(head, f)[drop], physics.volumes(head, f)[drop], depth)
     return [found[time] for time in TIMES if time in found]
 
 

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
-"""The main case (a quarter of the box) from several random packings: what is a trend and what is chance.
+"""The main case from several random packings: what is a trend and what is chance.
 
-    seeds.py [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
+    seeds.py [--rings] [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
 
-Runs that output/drop_impact_seeds/ holds to their end are not run again. Writes seeds.csv (mean and standard deviation
-of the curves) and curves_seeds.png beside this file, and prints a table; --readme puts it into README.md.
+A quarter of the box; with --rings the impact as rings in pools of 22.5 and 40 mm radius, at 0.25 and 0.125 mm. Runs
+that output/drop_impact_seeds/ holds to their end are not run again. Writes seeds.csv (mean and standard deviation of
+the curves) and curves_seeds.png, of rings seeds_rings.csv and curves_seeds_rings.png, beside this file, and prints a
+table; --readme puts it into README.md.
 """
 import argparse
 import csv
@@ -12,6 +14,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +29,8 @@ import runs  # noqa: E402
 
 OUTPUT = os.path.join(ROOT, "output", "drop_impact_seeds")
 FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/speed_242.opts"}
+RING_FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/axisymmetric_242.opts"}
+POOLS = {"22.5": "_box", "40": ""}  # mm: radius, and the kind of reference
 END = 60e-3  # s
 TIMES = np.arange(0, END + 1e-9, 0.5e-3)  # s: of seeds.csv
 COLUMNS = ("crown_height", "crater_depth", "crater_diameter", "jet_height", "kinetic_energy")
@@ -33,8 +38,26 @@ LABELS = {"crown_height": "crown height H (mm)", "crater_depth": "crater depth D
           "crater_diameter": "crater diameter $\\phi$ (mm)"}
 
 
-def folder_of(speed, spacing, seed):
-    return os.path.join(OUTPUT, f"{speed}_{spacing}_{seed}")
+class Group(NamedTuple):
+    """Runs that are held against the same reference. pool: radius in mm, of rings; else empty."""
+    speed: str
+    pool: str = ""
+
+    def title(self):
+        return f"{self.speed} m/s" + (f", pool of {self.pool} mm" if self.pool else "")
+
+    def reference(self):
+        return rundata.read_reference(float(self.speed), POOLS.get(self.pool, ""))
+
+    def options(self):
+        if not self.pool:
+            return (f"-options_file cases/drop_impact/case.opts -options_file options/quarter.opts {FILES[self.speed]} "
+                    "-snapshot_interval 0")
+        return (f"-options_file cases/drop_impact/axisymmetric.opts {RING_FILES[self.speed]} "
+                f"-box_upper {self.pool}e-3,30e-3 -film_upper {self.pool}e-3,0 -snapshot_interval 5e-3")
+
+    def folder(self, spacing, seed):
+        return os.path.join(OUTPUT, "_".join(filter(None, (self.speed, self.pool, spacing, str(seed)))))
 
 
 def finished(folder):
@@ -44,12 +67,11 @@ def finished(folder):
         return False
 
 
-def run(speed, spacing, seed):
+def run(group, spacing, seed):
     """Runs one packing, unless its run is there."""
-    folder = folder_of(speed, spacing, seed)
+    folder = group.folder(spacing, seed)
     if not finished(folder):
-        options = (f"-options_file cases/drop_impact/case.opts -options_file options/quarter.opts {FILES[speed]} "
-                   f"-spacing {spacing}e-3 -packing_seed {seed} -snapshot_interval 0 -checkpoint_interval 0")
+        options = f"{group.options()} -spacing {spacing}e-3 -packing_seed {seed} -checkpoint_interval 0"
         subprocess.run([runs.PROGRAM, *options.split(), "-output_dir", folder, "-output_overwrite",
                         "-progress_interval", "0"], cwd=ROOT, env=runs.environment(), check=True,
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
@@ -82,12 +104,12 @@ def figures_of(table, reference):
 def write_table(results):
     """Mean and standard deviation of every set of runs, beside the reference."""
     text = ""
-    for speed in dict.fromkeys(speed for speed, _ in results):
-        reference = rundata.read_reference(float(speed))
+    for group in dict.fromkeys(group for group, _ in results):
+        reference = group.reference()
         wanted = figures_of(reference, reference)
         sets = {spacing: [figures_of(table, reference) for table in tables]
-                for (s, spacing), tables in results.items() if s == speed}
-        text += f"\n| {speed} m/s | " + " | ".join(f"{spacing} mm" for spacing in sets) + " | reference |\n"
+                for (g, spacing), tables in results.items() if g == group}
+        text += f"\n| {group.title()} | " + " | ".join(f"{spacing} mm" for spacing in sets) + " | reference |\n"
         text += "|---" * (len(sets) + 2) + "|\n"
         for name in wanted:
             cells = []
@@ -101,32 +123,33 @@ def write_table(results):
 
 def write_curves(results, path):
     with open(path, "w", encoding="utf-8", newline="") as file:
-        file.write("# Mean and standard deviation over packing seeds of the drop impact, a quarter of the box; SI; by "
-                   "seeds.py\n")
+        file.write("# Mean and standard deviation over packing seeds of the drop impact; SI, but pool: its radius in mm "
+                   "(empty: a quarter of the box); by seeds.py\n")
         writer = csv.writer(file)
-        writer.writerow(["speed", "spacing", "time", *(f"{c}_{k}" for c in COLUMNS for k in ("mean", "spread"))])
-        for (speed, spacing), tables in results.items():
+        names = [f"{column}_{kind}" for column in COLUMNS for kind in ("mean", "spread")]
+        writer.writerow(["speed", "pool", "spacing", "time", *names])
+        for (group, spacing), tables in results.items():
             values = np.array([[on(table, c, TIMES) for c in COLUMNS] for table in tables])
             mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
             for k, time in enumerate(TIMES):
                 row = [f"{x:.5g}" for pair in zip(mean[:, k], spread[:, k]) for x in pair]
-                writer.writerow([speed, f"{spacing}e-3", f"{time:.5g}", *row])
+                writer.writerow([*group, f"{spacing}e-3", f"{time:.5g}", *row])
 
 
 def draw(results, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    speeds = list(dict.fromkeys(speed for speed, _ in results))
-    figure, axes = plt.subplots(3, len(speeds), figsize=(6.2 * len(speeds), 8.6), sharex=True, squeeze=False,
+    groups = list(dict.fromkeys(group for group, _ in results))
+    figure, axes = plt.subplots(3, len(groups), figsize=(6.2 * len(groups), 8.6), sharex=True, squeeze=False,
                                 gridspec_kw=dict(hspace=0.08, wspace=0.16))
-    for column, speed in enumerate(speeds):
-        reference = rundata.read_reference(float(speed))
+    for column, group in enumerate(groups):
+        reference = group.reference()
         for row, (name, label) in enumerate(LABELS.items()):
             panel = axes[row][column]
             panel.plot(1e3 * TIMES, 1e3 * on(reference, name, TIMES), color="black", lw=1.6,
                        label="reference (axisymmetric VOF)")
-            for k, ((_, spacing), tables) in enumerate((key, t) for key, t in results.items() if key[0] == speed):
+            for k, ((_, spacing), tables) in enumerate((key, t) for key, t in results.items() if key[0] == group):
                 values = 1e3 * np.array([on(table, name, TIMES) for table in tables])
                 mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
                 panel.plot(1e3 * TIMES, mean, color=f"C{k}", lw=1.6, label=f"{spacing} mm, {len(tables)} packings")
@@ -134,7 +157,7 @@ def draw(results, path):
             panel.set(ylabel=label, ylim=(0, None), xlim=(0, 60))
             panel.grid(color="0.9", lw=0.8)
             panel.spines[["top", "right"]].set_visible(False)
-        axes[0][column].set_title(f"{speed} m/s")
+        axes[0][column].set_title(group.title())
         axes[0][column].legend(frameon=False, fontsize=9)
         axes[-1][column].set_xlabel("time after contact (ms)")
     figure.savefig(path, dpi=110, bbox_inches="tight", pad_inches=0.06)
@@ -143,22 +166,26 @@ def draw(results, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--speed", nargs="+", choices=FILES, default=list(FILES), help="m/s")
-    parser.add_argument("--spacing", nargs="+", default=["0.5", "0.35"], metavar="MM")
+    parser.add_argument("--rings", action="store_true", help="as rings, in two pools")
+    parser.add_argument("--spacing", nargs="+", metavar="MM", help="0.5 0.35; of rings 0.25 0.125")
     parser.add_argument("--seeds", type=int, default=5, help="number of packings")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time")
     parser.add_argument("--readme", action="store_true", help="put the table into README.md")
     arguments = parser.parse_args()
-    keys = [(speed, spacing) for speed in arguments.speed for spacing in arguments.spacing]
+    spacings = arguments.spacing or (["0.25", "0.125"] if arguments.rings else ["0.5", "0.35"])
+    keys = [(Group(speed, pool), spacing) for speed in arguments.speed for pool in (POOLS if arguments.rings else [""])
+            for spacing in spacings]
     jobs = [(*key, seed) for key in keys for seed in range(1, arguments.seeds + 1)]
     with ThreadPoolExecutor(arguments.jobs) as pool:
         tables = list(pool.map(lambda job: run(*job), jobs))
     results = {key: [table for job, table in zip(jobs, tables) if job[:2] == key] for key in keys}
-    write_curves(results, os.path.join(HERE, "seeds.csv"))
-    draw(results, os.path.join(HERE, "curves_seeds.png"))
+    kind = "_rings" if arguments.rings else ""
+    write_curves(results, os.path.join(HERE, f"seeds{kind}.csv"))
+    draw(results, os.path.join(HERE, f"curves_seeds{kind}.png"))
     text = write_table(results)
     print(text)
     if arguments.readme:
-        runs.replace(os.path.join(HERE, "README.md"), "seeds", text + "\n")
+        runs.replace(os.path.join(HERE, "README.md"), f"seeds{kind}", text + "\n")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,8 @@ class Scene(NamedTuple):
     words    what the error is, for table and chart
     spacings factors on the spacing of the scene
     file     options file of the case
-    dear     leave out what would take minutes"""
+    dear     leave out what would take minutes
+    ways     (label, options) of other ways to compute the same scene, with all the options of such a run"""
     options: str = ""
     lattice: str = ""
     error: tuple = ()
@@ -20,8 +21,11 @@ class Scene(NamedTuple):
     spacings: tuple = (2, 1.41, 0.71)
     file: str = "case.opts"
     dear: bool = False
+    ways: tuple = ()
 
 
+WHOLE = "-options_file cases/drop_impact/case.opts -time_end 20.05e-3 -checkpoint_interval 0"
+RINGS = "-options_file cases/drop_impact/axisymmetric.opts -time_end 20.05e-3 -checkpoint_interval 0"
 IMPACT = tuple(f"{name} at {t} ms" for t in (5, 10, 15, 20) for name in ("D", "phi"))
 SCENES = {
     "central_force": Scene("-spacing 0.0667 -time_end 9.2", "",
@@ -36,8 +40,13 @@ SCENES = {
     "drop_impact": Scene("-options_file options/quarter.opts -spacing 0.7e-3 -time_end 20.05e-3 -checkpoint_interval 0",
                          "", IMPACT + tuple(f"kinetic energy at {t} ms" for t in (5, 10, 15)),
                          "crater depth, diameter, kinetic energy to 20 ms, rms relative error", (1.4, 0.85, 0.7),
-                         dear=True)}
+                         dear=True,
+                         ways=(("whole box", f"{WHOLE} -spacing 0.7e-3"), ("rings", f"{RINGS} -spacing 0.7e-3"),
+                               ("rings, 0.5 d0", f"{RINGS} -spacing 0.35e-3"),
+                               ("rings, 0.36 d0", f"{RINGS} -spacing 0.25e-3"),
+                               ("rings, 0.25 d0", f"{RINGS} -spacing 0.175e-3")))}
 
+DIMENSION = "dimension"  # the axis of Scene.ways
 WCSPH = "-scheme weakly_compressible"
 
 
@@ -80,5 +89,6 @@ def axes(scene, spacing, step, tension, viscosity):
         runs += [("viscosity", form, f"-viscosity_form {form}") for form in ("cleary", "morris")]
     runs += [("preconditioner", pc, f"-pc_type {pc}") for pc in ("none", "jacobi", "gamg", "hypre", "bjacobi")]
     runs += [("rebuild", f"every {n}", f"-pressure_rebuild_interval {n}") for n in (1, 3, 30, 100)[few]]
+    runs += [(DIMENSION, *way) for way in scene.ways]
     return runs + [("preset", name, f"-options_file options/{name}.opts")
                    for name in ("fast", "balanced", "accurate")]

@@ -82,7 +82,8 @@ def measure(case, scene, axis, label, options):
                version=runner.version())
     first = yard()
     other = "printed.opts" in options
-    line = f"-options_file cases/{case}/{scene.file} {scene.options} {'' if other else scene.lattice} {options}"
+    line = options if axis == sweeps.DIMENSION else \
+        f"-options_file cases/{case}/{scene.file} {scene.options} {'' if other else scene.lattice} {options}"
     row["cpu"], code, row["reason"] = cpu(line, folder)
     row["yard"] = (first + yard()) / 2
     if not code:
@@ -176,7 +177,7 @@ def sweep(case, scene, only, fresh):
            for word in ("tension", "viscosity")}
     viscous = has["viscosity"] or not any(name.endswith("_viscosity") for name in used)  # water is the default
     for axis, label, options in sweeps.axes(scene, float(used["-spacing"]), step, has["tension"], viscous):
-        path = options.split("-options_file ")[-1] if "-options_file" in options else ""
+        path = options.split("-options_file ")[-1].split()[0] if "-options_file" in options else ""
         if (not only or axis in only) and (not path or os.path.exists(os.path.join(runs.ROOT, path))):
             take(axis, label, options)
     if not only:

@@ -112,6 +112,12 @@ def bessel(x):
     return j0, 0.5 * x * j1
 
 
+def upright(head, f):
+    """The particles' places (m, [n][3]) of a scene whose last axis points up; rings at azimuth 0: r, 0, z."""
+    x = f["position"]
+    return x[:, [0, 2, 1]] if rings(head) else x
+
+
 def at_axis(head, f, error):
     """Root of the mean square of an error of rings, of those within two spacings of the axis over that of all others,
     a spacing and a half from the outermost and beyond not counted: the wall or surface there has errors of its own."""
