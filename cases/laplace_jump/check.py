@@ -14,7 +14,7 @@ START = {"circle": 50e-3, "sphere": 20e-3, "rings": 50e-3}
 
 
 def check(folder):
-    jump, rms, largest, first = [], [], [], 0.0
+    jump, rms, largest, motion, first = [], [], [], [], 0.0
     for t, head, f in physics.snapshots(folder):
         volume = physics.volumes(head, f)
         kind = "rings" if physics.rings(head) else {2: "circle", 3: "sphere"}[int(head["dimension"])]
@@ -27,6 +27,7 @@ def check(folder):
             first = max(first, speed.max())
             continue
         jump.append(f["pressure"][np.linalg.norm(x, axis=1) < 0.5 * radius].mean())
+        motion.append((f, speed))
         rms.append(np.sqrt((speed**2).mean()))
         largest.append(speed.max())
     since = f"from {START[kind] * 1e3:g} ms on"
@@ -38,7 +39,9 @@ def check(folder):
                         1e-3),
         physics.shown(f"capillary number, rms over particles and times {since}",
                       np.sqrt(np.mean(np.square(rms))) * MU / SIGMA),
-        physics.shown("capillary number, largest before", first * MU / SIGMA)]
+        physics.shown("capillary number, largest before", first * MU / SIGMA)] + (
+            [physics.at_most("speed in the first two rings over that elsewhere", physics.at_axis(head, motion), 2)]
+            if kind == "rings" else [])
 
 
 if __name__ == "__main__":

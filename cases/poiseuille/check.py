@@ -65,7 +65,7 @@ def check_pipe(folder):
             physics.at_most("rms velocity error over U, largest of all times", max(rms), 0.01),
             physics.at_most("largest velocity error over U, last time", np.abs(final).max(), 0.015),
             physics.at_most("velocity error in the first two rings over that elsewhere",
-                            physics.at_axis(head, f, final), 2)]
+                            physics.at_axis(head, [(f, final)]), 2)]
 
 
 def check(folder):

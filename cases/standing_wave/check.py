@@ -35,7 +35,8 @@ def fit(t, a, rate, constant):
 
 def mode(head, f):
     """Of a snapshot: amplitude of the wave of the surface (m), by the mass of the columns, 2/L sum V_0 cos k x, of
-    rings sum V J0(k r)/(pi R^2 J0(k R)^2); energies (J/m, J) of the motion along the linear wave and of the rest of it."""
+    rings sum V J0(k r)/(pi R^2 J0(k R)^2); energies (J/m, J) of the motion along the linear wave and of the rest of it;
+    speed of that rest by particle (m/s)."""
     x, v, volume = f["position"], f["velocity"], physics.volumes(head, f)
     if physics.rings(head):
         k = RINGS
@@ -48,7 +49,8 @@ def mode(head, f):
     squares = (volume * (u**2).sum(axis=1)).sum()
     share = (volume * (v[:, :2] * u).sum(axis=1)).sum() / squares
     wave = 500 * share**2 * squares
-    return (volume * up).sum() / norm, wave, 500 * (volume * (v**2).sum(axis=1)).sum() - wave
+    rest = 500 * (volume * (v**2).sum(axis=1)).sum() - wave
+    return (volume * up).sum() / norm, wave, rest, np.linalg.norm(v[:, :2] - share * u, axis=1)
 
 
 def check(folder):
@@ -56,7 +58,8 @@ def check(folder):
     head, first, last = states[0][1], states[0][2], states[-1][2]
     k = RINGS if physics.rings(head) else PLANE
     t = np.array([time for time, _, _ in states])
-    a, wave, rest = np.array([mode(h, f) for _, h, f in states]).T
+    modes = [mode(h, f) for _, h, f in states]
+    a, wave, rest = np.array([m[:3] for m in modes]).T
     # J0^2, of the wave's second order, has a part along J0, as cos^2 has none along cos
     rate, damping, residual = fit(t, a, exact(k), physics.rings(head))
     return [physics.relative("period", 2 * np.pi / rate, 2 * np.pi / exact(k), 0.01, "s"),
@@ -64,7 +67,10 @@ def check(folder):
             physics.shown("amplitude lost in a period, share", 1 - np.exp(-damping * 2 * np.pi / rate)),
             physics.at_most("deviation from the fitted wave, rms over the amplitude", residual, 0.05),
             physics.shown("energy of other motion over that of the wave", rest.mean() / wave.max()),
-            physics.lost(head, first, last)]
+            physics.lost(head, first, last)] + (
+                [physics.at_most("deviation from the wave's flow, in the first two rings over that elsewhere",
+                                 physics.at_axis(head, [(f, m[3]) for (_, _, f), m in zip(states, modes)]), 2)]
+                if physics.rings(head) else [])
 
 
 if __name__ == "__main__":

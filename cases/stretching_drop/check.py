@@ -16,6 +16,13 @@ def moments(f):
     return np.sqrt([2.5 * x[0], 5 * (x[1] - middle**2)])
 
 
+def deviation(f):
+    """The velocities of rings less the strain (-r/2, z) that fits them best."""
+    x, v = f["position"], f["velocity"]
+    flow = np.stack([-0.5 * x[:, 0], x[:, 1]], axis=1)
+    return np.linalg.norm(v[:, :2] - flow * (v[:, :2] * flow).sum() / (flow**2).sum(), axis=1)
+
+
 def spheroid(strain, times):
     """Semi-axes a (across), b (along) at the times, of a sphere of radius 1 with v = strain (-r/2, z): the pressure is
     p0 (1 - r^2/a^2 - z^2/b^2), so that a' = -s a/2, b' = s b, s' = s^2 (3/4/(b^2/a^2 + 1/2) - 1)."""
@@ -46,7 +53,9 @@ def check(folder):
         physics.at_most("largest relative error of a and b at all times", np.abs(axes / exact - 1).max(), 0.01),
         size,
         physics.relative("kinetic energy over that at the start", energy[-1] / energy[0], 1, 0.02),
-        physics.lost(head, states[0][2], states[-1][2])]
+        physics.lost(head, states[0][2], states[-1][2])] + (
+            [physics.at_most("deviation from the strain, in the first two rings over that elsewhere",
+                             physics.at_axis(head, [(f, deviation(f)) for _, _, f in states[1:]]), 2)] if rings else [])
 
 
 if __name__ == "__main__":

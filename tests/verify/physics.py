@@ -118,13 +118,16 @@ def upright(head, f):
     return x[:, [0, 2, 1]] if rings(head) else x
 
 
-def at_axis(head, f, error):
-    """Root of the mean square of an error of rings, of those within two spacings of the axis over that of all others,
-    a spacing and a half from the outermost and beyond not counted: the wall or surface there has errors of its own."""
-    r = f["position"][:, 0]
-    d0 = float(head["spacing"])
-    near, far = r < 2 * d0, (r > 2 * d0) & (r < r.max() - 1.5 * d0)
-    return np.sqrt((error[near]**2).mean() / (error[far]**2).mean())
+def at_axis(head, errors):
+    """Root of the mean square of an error of rings over snapshots, [(fields, error)], of those within two spacings of
+    the axis over that of all others, a spacing and a half from the outermost and beyond not counted: the wall or
+    surface there has errors of its own."""
+    d0, sums = float(head["spacing"]), np.zeros((2, 2))
+    for f, error in errors:
+        r = f["position"][:, 0]
+        for k, part in enumerate((r < 2 * d0, (r > 2 * d0) & (r < r.max() - 1.5 * d0))):
+            sums[k] += [(error[part]**2).sum(), part.sum()]
+    return np.sqrt(sums[0, 0] / sums[0, 1] * sums[1, 1] / sums[1, 0])
 
 
 def options(head):
