@@ -11,7 +11,8 @@
 #   make paper, make paper-printed  the main case at the paper's spacing, with its figures: default scheme, scheme as
 #                                   printed; SPEED=242: slower; BOX=whole: the whole box.  make seeds: five packings
 #   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
-#   make tradeoff CASE=central_force        error and CPU time of each choice; tradeoff-readme: in tests/tradeoff/
+#   make tradeoff SCENE=my.opts GAUGES=a,b  what each choice costs in a scene, and which to take; CASE=central_force: in
+#                                           a case, against its solution; tradeoff-readme: in tests/tradeoff/
 #   make solver-sweep               every solver of PETSc's: right or refused in a sentence; table in tests/solvers/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture instead of this one
@@ -231,8 +232,18 @@ solver-sweep: isph $(TYPES)
 	@$(PYTHON) tests/solvers/sweep.py --readme
 
 # make tradeoff CASE=central_force   error and CPU time of each choice: table, CSV and chart in output/tradeoff/
+# make tradeoff SCENE=my.opts GAUGES=crater_depth,force_zmin   the same for a scene of your own, with advice in words and
+#   advice.opts; BUDGET=600: CPU seconds for it; TARGET=5: per cent; WAYS="rings.opts": other ways to compute the scene
+BUDGET = 600
+TARGET = 5
+WAYS   =
 tradeoff: isph
+ifdef SCENE
+	@$(MPI) $(PYTHON) tests/tradeoff/scene.py "$(SCENE)" --gauges "$(GAUGES)" --budget $(BUDGET) --target $(TARGET) \
+	  --ways $(WAYS)
+else
 	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
+endif
 
 # The table of the case and, once the five scenes have been swept, the summary in tests/tradeoff/README.md.
 tradeoff-readme:
