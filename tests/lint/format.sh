@@ -48,7 +48,7 @@ if [ -x ./isph ]; then
     [ -f "$file" ] || continue
     checked=$((checked + 1))
     case=$(dirname "$file")/case.opts
-    if [ "$file" = "$case" ]; then check "$file" -options_file "$file"
+    if [ "$file" = "$case" ] || grep -q '^-dimension axisymmetric' "$file"; then check "$file" -options_file "$file"
     elif [ -f "$case" ]; then check "$file" -options_file "$case" -options_file "$file"
     else check "$file" -options_file cases/drop_impact/case.opts -options_file "$file"
     fi
