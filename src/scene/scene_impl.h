@@ -105,8 +105,8 @@ PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const 
                                PetscBool normal_allowed, PetscReal axis[DIM]);
 
 /* BesselSeries - J0(x) and J1(x)/x for q = -x^2/4, I0(x) and I1(x)/x for q = x^2/4 (Abramowitz and Stegun 9.1.10,
-   9.6.10), x up to 2 pi. MoveAlong - moves x (m) along a flow of the shape for a time (s), by steps of Runge and Kutta's
-   fourth order. Not collective. */
+   9.6.10), x up to 2 pi. MoveAlong - moves x (m) along a flow of the shape for a time (s), by steps of the Runge-Kutta
+   method of fourth order. Not collective. */
 typedef void (*ShapeFlow)(const void *shape, const PetscReal x[DIM], PetscReal v[DIM]); /* v (m/s) at x (m) */
 void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x);
 void MoveAlong(const void *shape, ShapeFlow flow, PetscReal time, PetscInt steps, PetscReal x[DIM]);

@@ -141,11 +141,12 @@ static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal 
 /* Of rings: distance from the surface as that from the level before the displacement, at most the true one. */
 static PetscReal RingDistance(const Wave *wave, const PetscReal x[DIM])
 {
-  const PetscReal level  = wave->upper[1];
-  PetscReal       y[DIM] = {PetscMin(PetscMax(x[0], 0), wave->upper[0]),
-                            PetscMin(PetscMax(x[1], wave->lower[1]), level + RING_HEIGHT * PetscAbsReal(wave->amplitude)), 0},
-            above        = x[1] - y[1];
+  const PetscReal level = wave->upper[1], top = level + RING_HEIGHT * PetscAbsReal(wave->amplitude);
+  PetscReal       y[DIM] = {x[0], x[1], 0}, above;
 
+  y[0]  = PetscMin(PetscMax(y[0], 0), wave->upper[0]);
+  y[1]  = PetscMin(PetscMax(y[1], wave->lower[1]), top);
+  above = x[1] - y[1];
   MoveAlong(wave, RingFlow, -1, STEPS, y);
   return (y[1] - level + above) / wave->stretch;
 }

@@ -48,7 +48,8 @@ if [ -x ./isph ]; then
     [ -f "$file" ] || continue
     checked=$((checked + 1))
     case=$(dirname "$file")/case.opts
-    if [ "$file" = "$case" ] || grep -q '^-dimension axisymmetric' "$file"; then check "$file" -options_file "$file"
+    # The case's own file, and others that say how many dimensions there are, are scenes; the rest adds to one.
+    if [ "$file" = "$case" ] || grep -q '^-dimension' "$file"; then check "$file" -options_file "$file"
     elif [ -f "$case" ]; then check "$file" -options_file "$case" -options_file "$file"
     else check "$file" -options_file cases/drop_impact/case.opts -options_file "$file"
     fi
