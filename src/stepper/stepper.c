@@ -158,7 +158,7 @@ static PetscErrorCode SetTrialFromOptions(Stepper s)
 }
 
 /* Refuses schemes that have no form for rings. Weakly compressible, tried with the gradient of a plane, that of rings
-   that takes the energy which the divergence gives, and one between: a drop of 16 spacings swings at 0.84 to 1.02 of
+   that takes the energy which the divergence gives, and one between: a drop of 16 spacings swings at 0.98 to 1.16 of
    its frequency and loses up to nine times what it should, or clumps, and sound stays on the axis. */
 static PetscErrorCode CheckRings(Stepper s)
 {
