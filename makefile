@@ -82,6 +82,7 @@ run: packages
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
 	  -options_file options/quick.opts -output_dir $(RUN) -output_overwrite
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)
+	$(PYTHON) src/pictures/report.py $(RUN)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)
 
 # The main case as rings around its axis (-dimension axisymmetric): ten seconds on one core, then its figures.
@@ -89,6 +90,7 @@ run-axisymmetric: packages
 	$(MAKE) isph
 	$(MPI) ./isph -options_file cases/drop_impact/axisymmetric.opts -output_dir $(RUN)_axisymmetric -output_overwrite
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)_axisymmetric
+	$(PYTHON) src/pictures/report.py $(RUN)_axisymmetric
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)_axisymmetric
 
 # The main case at the paper's spacing, 60 ms, then its figures: a quarter of the box (some ten minutes on two cores) or
@@ -123,6 +125,7 @@ bench-readme:
 
 # make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures
 # make film RUN=output/my                             figures/film.mp4, a frame a snapshot
+# make report RUN=output/my                           report.html: one page that shows the run, its surface to turn and play
 # make mesh RUN=output/my                             mesh/surface_*.vtp and surface.pvd; FLAGS="--format ply --particles"
 FLAGS =
 pictures:
@@ -137,6 +140,10 @@ mesh:
 	@tests/packages.sh pictures
 	@$(PYTHON) src/pictures/mesh.py $(FLAGS) $(RUN)
 
+report:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/report.py $(FLAGS) $(RUN)
+
 # make install PREFIX=$HOME/isph   program, manual page, completion, options, cases and pictures; PORTABLE=1 for a cluster of mixed machines
 PREFIX = /usr/local
 SHARE  = $(DESTDIR)$(PREFIX)/share/isph
@@ -145,12 +152,12 @@ install: isph
 	install -d $(SHARE)/pictures $(SHARE)/options/cluster
 	install -m 644 options/*.opts $(SHARE)/options
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
-	install -m 644 src/pictures/*.py $(SHARE)/pictures
+	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/viewer.js $(SHARE)/pictures
 	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
 	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
 	$(PYTHON) options/manual.py > $(DESTDIR)$(PREFIX)/share/man/man1/isph.1
 	$(PYTHON) options/manual.py --completion > $(DESTDIR)$(PREFIX)/share/bash-completion/completions/isph
-	for tool in pictures film mesh; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
+	for tool in pictures film mesh report; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
 	  > $(DESTDIR)$(PREFIX)/bin/isph-$$tool && chmod 755 $(DESTDIR)$(PREFIX)/bin/isph-$$tool; done
 
 test: isph $(UNIT) $(COMPARE) $(TYPES)
@@ -266,5 +273,5 @@ clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
 
 .PHONY: solver-sweep paper paper-printed seeds bench bench-readme all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
-  faults fuzz lint clean force pictures film mesh install extremes extremes-readme long-run test-ci \
+  faults fuzz lint clean force pictures film mesh report install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs mutants mutants-readme compare-solvers tradeoff tradeoff-readme identical options-reference

@@ -3,7 +3,7 @@
 # As root, installs what is missing; otherwise prints the line to type and exits 1. Silent if nothing is missing.
 set -u
 build="gcc libc6-dev make pkg-config libopenmpi-dev petsc-dev slepc-dev libhdf5-mpi-dev libmetis-dev"
-pictures="python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
+pictures="python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
 film="ffmpeg"
 reference="gerris libgfs-dev python3-numpy python3-scipy"
 

@@ -5,7 +5,7 @@ import math
 import os
 import sys
 
-PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 xvfb xauth"
+PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
 
 # Units, in three dimensions, of the columns of series.csv that go by their names alone; the others' end with theirs.
 UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",

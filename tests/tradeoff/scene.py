@@ -101,11 +101,11 @@ class Sweep:
             if row["curves"]:
                 good.append(row)
             if len(good) > 1:
-                growth = math.log(good[-1]["cpu"] / good[-2]["cpu"]) / math.log(good[-2]["factor"] / good[-1]["factor"])
-                growth = min(max(growth, 2), 6)
+                finer = good[-2]["factor"] / good[-1]["factor"]
+                growth = min(max(math.log(good[-1]["cpu"] / good[-2]["cpu"]) / math.log(finer), 2), 6)
         if len(good) < 2:
-            sys.exit(f"scene.py: fewer than two spacings ran within {self.budget:g} s of CPU time; give a larger budget, "
-                     f"a shorter scene, or mend it: {self.rows[-1]['reason'] or 'it is too large'}")
+            sys.exit(f"scene.py: fewer than two spacings ran within {self.budget:g} s of CPU time; give a larger "
+                     f"budget, a shorter scene, or mend it: {self.rows[-1]['reason'] or 'it is too large'}")
         return good
 
 
@@ -164,7 +164,8 @@ def advise(rows, gauges, target, notes):
         if best["errors"][g] > LEVELS[-1]:
             parts.append(f"better than {best['errors'][g]:.2g} % none of these is ({name_of(best)}, "
                          f"{best['seconds']:.3g} s)")
-        lines.append(f"- {gauge}: {'; '.join(parts)}. {notes[g]['words']} Differences below {floor:.2g} % mean nothing.")
+        lines.append(f"- {gauge}: {'; '.join(parts)}. {notes[g]['words']} Differences below {floor:.2g} % mean "
+                     "nothing.")
     fit = [row for row in judged if max(row["errors"]) <= target]
     choice = min(fit, key=lambda row: row["seconds"]) if fit else min(judged, key=lambda row: max(row["errors"]))
     return lines, choice
@@ -172,7 +173,7 @@ def advise(rows, gauges, target, notes):
 
 def write_options(path, choice, gauges, target):
     worst = max(choice["errors"])
-    head = (f"within {target:g} %" if worst <= target else f"the best there is, {worst:.2g} % (not within {target:g} %)")
+    head = f"within {target:g} %" if worst <= target else f"{worst:.2g} %, the best of all (asked: {target:g} %)"
     with open(path, "w", encoding="utf-8") as file:
         file.write(f"# {', '.join(gauges)}: {head}; {choice['seconds']:.3g} s of CPU time. Written by make tradeoff.\n"
                    f"-options_file {choice['scene']}\n")

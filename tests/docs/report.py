@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+"""make report: the page holds scene, numbers, energy and pictures, loads nothing from elsewhere, and its surfaces are
+those of the liquid; in a browser, if Chromium is installed, it loads without an error and draws."""
+import base64
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+
+SCENE = """-spacing 0.125 -box_lower -2,-2,-2 -box_upper 2,2,2 -bodies ball -ball_shape sphere -ball_radius 1
+ -ball_velocity 0.5,0,0 -ball_tension 0.07 -gravity 0,0,-1 -steps_max 4 -time_step 1e-3 -snapshot_interval 2e-3
+ -series_interval 1e-3 -checkpoint_interval 0"""
+RINGS = """-dimension axisymmetric -spacing 0.125 -box_lower 0,-2 -box_upper 2,2 -bodies ball -ball_shape sphere
+ -ball_radius 1 -steps_max 1 -time_step 1e-3 -checkpoint_interval 0"""
+PLANE = """-dimension 2 -spacing 0.25 -box_lower 0,0 -box_upper 2,2 -bodies a -gravity 0,-1 -steps_max 1
+ -checkpoint_interval 0"""
+BROWSER = ["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+           "--virtual-time-budget=5000", "--dump-dom"]
+
+
+def report(folder, *options):
+    """The page of a run."""
+    done = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src", "pictures", "report.py"), folder, *options],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+    if not runs.check(done.returncode == 0, "report", done.stderr[-500:]):
+        runs.done()
+    with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
+        return file.read()
+
+
+def volume(page, number):
+    """The volume that a moment's surface holds, and its number of triangles."""
+    found = json.loads(re.search(r'id="surfaces"[^>]*>(.*?)</script>', page, re.S)[1])
+    state = found["states"][number]
+    steps = np.frombuffer(base64.b64decode(state["points"]), "<u2").reshape(-1, 3)
+    x = np.array(found["lower"]) + steps * np.array(found["step"])
+    cells = np.frombuffer(base64.b64decode(state["cells"]), "<u4" if state["wide"] else "<u2").reshape(-1, 3)
+    return abs(np.einsum("ni,ni->n", x[cells[:, 0]], np.cross(x[cells[:, 1]], x[cells[:, 2]])).sum() / 6), len(cells)
+
+
+ball = runs.run(SCENE, "ball")
+page = report(ball, "--triangles", "2000")
+sphere = 4 / 3 * np.pi
+for name, wanted in (("the scene", "Scene: 1 bod"), ("a liquid", "<td>ball</td><td class=n>sphere</td>"),
+                     ("dimensionless numbers", "Weber We"), ("the energy in words", "kinetic energy went from"),
+                     ("its cost", "4 steps, "), ("the options", "-ball_velocity 0.5,0,0"),
+                     ("how to cite", "How to cite"), ("pictures", "data:image/png;base64,")):
+    runs.check(wanted in page, f"the page has {name}", wanted)
+runs.check("{{" not in page.split("<script")[0] and not re.search(r'(src|href)="(?!data:)', page),
+           "the page loads nothing")
+inside, count = volume(page, 0)
+runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface")
+runs.check(500 < count <= 2000, "triangles are thinned", f"{count}")
+inside, _ = volume(report(runs.run(RINGS, "rings")), 0)
+runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface of rings")
+runs.check('id="surfaces"' not in report(runs.run(PLANE, "plane")), "no surface in two dimensions")
+if shutil.which(BROWSER[0]):
+    done = subprocess.run([*BROWSER, "file://" + os.path.join(ball, "report.html")], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True, check=False, timeout=120)
+    body = re.search("<body[^>]*>", done.stdout)
+    runs.check(body and f'data-triangles="{count}"' in body[0] and "data-error" not in body[0],
+               "a browser draws the surface", str(body and body[0]))
+else:
+    print("skipped a browser: chromium is not installed")
+runs.done()
