@@ -1,10 +1,13 @@
 /* Splitting: in two halves of the same volume, so far apart as two particles of half the share are, in the direction in
-   which they stay farthest from all neighbours. A particle on the surface is split along it. */
+   which they stay farthest from all neighbours. A particle on the surface is split along it if
+   there is room. */
 #include "resampling_impl.h"
 
 #define DIRECTIONS 8    /* tried, of half a turn */
 #define APART      0.6  /* of the halves, over the square root of the share and the spacing */
-#define AXIS_LEAST 0.25 /* spacings: no half comes nearer to the axis or to a face of the box */
+#define ALONG      (-1) /* the direction along the surface */
+#define NEARER     3    /* distances tried, each half of the one before */
+#define AXIS_LEAST 0.25 /* spacings: no half comes nearer to the axis or to a wall or mirror of the box */
 #define CLEARLY    1e-6 /* spacings: a direction is better by more than rounding */
 
 void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal dv[DIM])
@@ -20,12 +23,15 @@ void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal d
 /* How far (m) a point x is from all neighbours of a; negative where no half may be. */
 static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
-  const Domain    domain = cloud->domain;
-  const PetscReal margin = AXIS_LEAST * domain->spacing;
-  PetscReal       least2 = PETSC_MAX_REAL;
+  const Domain domain = cloud->domain;
+  PetscReal    least2 = PETSC_MAX_REAL;
 
-  for (PetscInt d = 0; d < domain->dim; d++)
-    if (x[d] < domain->lower[d] + margin || x[d] > domain->upper[d] - margin) return -1;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal below = x[d] - domain->lower[d], above = domain->upper[d] - x[d];
+
+    if (below < (domain->face[d][0] == FACE_OPEN ? 0 : AXIS_LEAST * domain->spacing)) return -1;
+    if (above < (domain->face[d][1] == FACE_OPEN ? 0 : AXIS_LEAST * domain->spacing)) return -1;
+  }
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscReal *y     = cloud->field[FIELD_POSITION] + DIM * cloud->list[k],
                     r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
@@ -35,30 +41,41 @@ static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
   return PetscSqrtReal(least2);
 }
 
-/* Where the halves of particle a go: at (m) and the other way. False if there is no place for them. */
-static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal share, PetscReal at[DIM])
+/* Where the halves of particle a go, each at a distance (m) from it: at (m) and the other way, along the surface if
+   there is room. False if there is none. */
+static PetscBool FindDirection(Cloud cloud, PetscInt a, PetscReal distance, PetscReal at[DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *n = cloud->field[FIELD_NORMAL] + DIM * a,
-                  half    = 0.5 * APART * PetscSqrtReal(share) * cloud->domain->spacing;
-  const PetscBool surface = (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && Norm(n) > 0);
-  PetscReal       best    = 0;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *n = cloud->field[FIELD_NORMAL] + DIM * a;
+  const PetscBool  surface = (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && Norm(n) > 0);
+  PetscReal        best    = 0;
 
-  for (PetscInt k = 0; k < (surface ? 1 : DIRECTIONS); k++) {
+  for (PetscInt k = surface ? ALONG : 0; k < DIRECTIONS; k++) {
     const PetscReal angle  = PETSC_PI * k / DIRECTIONS;
-    const PetscReal e[DIM] = {surface ? -n[1] / Norm(n) : PetscCosReal(angle),
-                              surface ? n[0] / Norm(n) : PetscSinReal(angle), 0};
+    const PetscReal e[DIM] = {k == ALONG ? -n[1] / Norm(n) : PetscCosReal(angle),
+                              k == ALONG ? n[0] / Norm(n) : PetscSinReal(angle), 0};
     PetscReal there[DIM], here[DIM], clear;
 
     for (PetscInt d = 0; d < DIM; d++) {
-      there[d] = x[d] + half * e[d];
-      here[d]  = x[d] - half * e[d];
+      there[d] = x[d] + distance * e[d];
+      here[d]  = x[d] - distance * e[d];
     }
     clear = PetscMin(Clearance(cloud, a, there), Clearance(cloud, a, here));
     if (clear <= best + (best > 0 ? CLEARLY * cloud->domain->spacing : 0)) continue;
     best = clear;
-    for (PetscInt d = 0; d < DIM; d++) at[d] = half * e[d];
+    for (PetscInt d = 0; d < DIM; d++) at[d] = distance * e[d];
+    if (k == ALONG) break;
   }
   return (PetscBool)(best > 0);
+}
+
+/* The same, as far apart as two particles of half the share are, or nearer where there is no room for that. */
+static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal share, PetscReal at[DIM])
+{
+  PetscReal distance = 0.5 * APART * PetscSqrtReal(share) * cloud->domain->spacing;
+
+  for (PetscInt k = 0; k < NEARER; k++, distance *= 0.5)
+    if (FindDirection(cloud, a, distance, at)) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report)

@@ -455,6 +455,31 @@ static Sums SumUp(Setup *s)
   return sums;
 }
 
+/* A fat ring on the axis and under an open top, where there is room in one direction only, and little of it. */
+static PetscErrorCode TestNarrow(void)
+{
+  Setup            s;
+  ParticleArrays   arrays;
+  Resampling       resampling;
+  ResamplingReport report;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack("-dimension axisymmetric -spacing 1 -box_lower 0,0 -box_upper 20,10.2 -bodies a -a_lower 0,9 "
+                      "-a_upper 1,10 -packing_jitter 0",
+                      &s));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) arrays.real[FIELD_VOLUME][a] *= 6;
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(SetupDivergence(&s));
+  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
+  PetscCall(Resample(s.cloud, &resampling, &report));
+  CHECK(report.split == 1, "resampling_splits_where_there_is_little_room");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Every third ring of a tank that flows is made thin and every seventh fat: joining and splitting take the areas back
    between their bounds and keep volume, its height and momentum; energy changes by what is reported. */
 static PetscErrorCode TestResampling(void)
@@ -513,6 +538,7 @@ int main(int argc, char **argv)
   PetscCall(TestImplicit(VISCOSITY_MORRIS, "morris"));
   PetscCall(TestImplicit(VISCOSITY_CLEARY, "cleary"));
   PetscCall(TestTension());
+  PetscCall(TestNarrow());
   PetscCall(TestResampling());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
