@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """One page that shows a run: report.html in its folder, a file that needs nothing else.
 
-    report.py RUN_FOLDER [--states 30] [--triangles 20000]          make report RUN=...
+    report.py RUN_FOLDER [--states 25] [--triangles 40000]          make report RUN=...
 
 Scene and liquids, dimensionless numbers, the surface in three dimensions to turn and play, pictures, curves, where the
 energy went, what the run cost, its options, how to cite. The pictures are those of figures/; what is missing there is
@@ -27,6 +27,7 @@ PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and
             ("curves.png", "Curves"))
 NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge"}
 STEPS = 65535  # of a 16-bit place
+COARSEST = 2  # cells of the surface, over those of a picture
 
 
 def table(head, rows):
@@ -145,11 +146,14 @@ def surfaces(run, count, most):
     span = run.upper - run.lower
     data = {"lower": list(run.lower), "step": list(span / STEPS), "states": [],
             "box": [list(run.lower), list(run.upper)]}
-    top = run.lower[2]
+    top, coarser = run.lower[2], None
     for _, path in run.moments(count=count):
         state = run.read(path)
         share = views.value_table(state, "body", len(run.names()))
-        fluid = views.Fluid(run, state.points, share, state.share)
+        if coarser is None:  # so that little is left to thin
+            ratio = len(views.Fluid(run, state.points, share, state.share).mesh()[2]) / most
+            coarser = min(max(ratio if run.rings else math.sqrt(ratio), 1), COARSEST)
+        fluid = views.Fluid(run, state.points, share, state.share, coarser)
         points, _, cells, _ = fluid.mesh()
         points, cells = thin(np.asarray(points, float), np.asarray(cells), most)
         if not len(cells):
@@ -216,8 +220,8 @@ def options(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
-    parser.add_argument("--states", type=int, default=30, help="moments of the surface (30)")
-    parser.add_argument("--triangles", type=int, default=20000, help="of the surface at a moment, at most (20000)")
+    parser.add_argument("--states", type=int, default=25, help="moments of the surface (25)")
+    parser.add_argument("--triangles", type=int, default=40000, help="of the surface at a moment, at most (40000)")
     arguments = parser.parse_args()
     if not os.path.exists(os.path.join(THREE, LIBRARY[0])):
         raise tables.RunError("the view in three dimensions needs three.js: apt-get install libjs-three")

@@ -71,9 +71,9 @@ def frame(axes, run, unit):
 
 class Fluid:
     """Volume fraction of the particles on a grid over the box, of rings over its section through the axis, and the mean
-    of values there."""
+    of values there. coarser: so many times larger cells than a picture needs."""
 
-    def __init__(self, run, points, values, share):
+    def __init__(self, run, points, values, share, coarser=1):
         inside = np.all((points >= run.lower - run.spacing) & (points <= run.upper + run.spacing), axis=1)
         self.points, self.spacing = points[inside], run.spacing
         values, share = values[inside], share[inside]
@@ -82,7 +82,8 @@ class Fluid:
         margin = 4 * surface.FILTER * run.spacing
         lower = np.maximum(run.lower, self.points.min(axis=0) - margin)[axes]
         upper = np.minimum(run.upper, self.points.max(axis=0) + margin)[axes]
-        self.cell = max(surface.CELL * run.spacing, (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / len(axes)))
+        least = (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / len(axes))
+        self.cell = max(surface.CELL * run.spacing * coarser, least)
         self.origin = lower - np.ceil(margin / self.cell) * self.cell
         if run.rings:  # a node is on the axis
             self.origin[0] = self.cell * np.floor(self.origin[0] / self.cell)
