@@ -168,7 +168,7 @@ def surfaces(run, count, most):
     middle = 0.5 * (run.lower + run.upper)
     reach = max(*span[:2], top - run.lower[2])
     data["focus"] = [middle[0], middle[1], 0.5 * (run.lower[2] + top)]
-    data["eye"] = [middle[0] + 0.6 * reach, middle[1] - 1.6 * reach, data["focus"][2] + 0.9 * reach]
+    data["eye"] = [middle[0] + 0.7 * reach, middle[1] - 1.9 * reach, data["focus"][2] + 1.0 * reach]
     return data
 
 
