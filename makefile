@@ -9,7 +9,8 @@
 #   make test-ci                    make test with the compiler's sanitizers besides
 #   make faults, make fuzz          kills, signals, full disks, damaged files; mutated options: how many tried, survived, refused
 #   make paper, make paper-printed  the main case at the paper's spacing, with its figures: default scheme, scheme as
-#                                   printed; SPEED=242: slower; BOX=whole: the whole box.  make seeds: five packings
+#                                   printed; SPEED=242: slower; BOX=whole: the whole box.  make seeds: five packings;
+#                                   paper-figures: what of these runs the case's README shows
 #   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
 #   make tradeoff SCENE=my.opts GAUGES=a,b  what each choice costs in a scene, and which to take; CASE=central_force: in
 #                                           a case, against its solution; tradeoff-readme: in tests/tradeoff/
@@ -110,6 +111,19 @@ paper paper-printed: packages
 	  -output_dir $(RUN)_$(PRESET)$(PLACE) $(if $(findstring -restart,$(FLAGS)),,-output_overwrite) $(FLAGS)
 	$(PYTHON) cases/drop_impact/figures.py $(RUN)_$(PRESET)$(PLACE)
 	$(PYTHON) cases/drop_impact/compare.py $(RUN)_$(PRESET)$(PLACE)
+
+# What the README of the case shows of these runs: each one's series (a row in five), options and log go into
+# cases/drop_impact/runs/, the pictures of the whole box and of the printed scheme beside the README.
+CASE_DIR = cases/drop_impact
+paper-figures:
+	@for run in $(wildcard $(RUN)_paper* $(RUN)_printed*); do kept=$(CASE_DIR)/runs/$${run##*impact_}; mkdir -p $$kept && \
+	  awk 'NR == 1 || NR % 5 == 2' $$run/series.csv >$$kept/series.csv && grep -v '^t = ' $$run/log.txt >$$kept/log.txt && \
+	  cp $$run/options.opts $$kept || exit 1; done
+	$(PYTHON) $(CASE_DIR)/figures.py $(RUN)_paper_whole $(RUN)_printed $(RUN)_paper_242_whole $(RUN)_printed_242 \
+	  --labels "default scheme, whole box" "as printed, quarter" "default scheme, whole box" "as printed, quarter"
+	for run in paper_whole printed paper_242_whole printed_242; do test $$run = paper_whole || \
+	  $(PYTHON) $(CASE_DIR)/figures.py --only 1 $(RUN)_$$run; cp $(RUN)_$$run/figures/figure_1.png $(CASE_DIR)/$$run.png; done
+	cp $(RUN)_paper_whole/figures/figure_2.png $(CASE_DIR)/curves.png
 
 # The main case from five packings at 0.5 and 0.35 mm, both speeds: mean and spread, half an hour on two cores.
 seeds: isph
@@ -272,6 +286,6 @@ lint:
 clean:
 	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
 
-.PHONY: solver-sweep paper paper-printed seeds bench bench-readme all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
+.PHONY: solver-sweep paper paper-printed paper-figures seeds bench bench-readme all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh report install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs mutants mutants-readme compare-solvers tradeoff tradeoff-readme identical options-reference

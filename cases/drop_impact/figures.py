@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Pictures of a drop impact: figure 1 (six moments, three views) and figure 2 (H, D, phi against time) of Kuri et al.
 
-    figures.py RUN_FOLDER [MORE_RUN_FOLDERS] [--times MS ...] [--quarter] [--only 1|2]
+    figures.py RUN_FOLDER [MORE_RUN_FOLDERS] [--labels TEXT ...] [--times MS ...] [--quarter] [--only 1|2]
 
 Reads series.csv, options.opts and snapshot_*.h5 of the run; writes RUN_FOLDER/figures/figure_1.png and figure_2.png.
-The other runs appear in figure 2 only. Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a
+The other runs appear in figure 2 only, which has a column for each impact speed. Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a
 display, xvfb and xauth.
 """
 import argparse
@@ -20,6 +20,8 @@ PANEL = (1000, 700)  # pixels of a rendered view
 HALF_SECTION = 0.5e-3  # m: the section is 1 mm thick
 SECTION = (-20e-3, 20e-3, -10e-3, 18e-3)  # m: x and z limits of the section's picture
 EYE = dict(position=(34e-3, -92e-3, 84e-3), focus=(1e-3, 0, -4.7e-3), up=(0, 0, 1), angle=20.2)
+CURVES = {"crown_height": "crown height H (mm)", "crater_depth": "crater depth D (mm)",
+          "crater_diameter": "crater diameter $\\phi$ (mm)"}
 ABOVE = dict(position=(0, 0, 0.1), focus=(0, 0, 0), up=(0, 1, 0), height=26e-3)
 
 
@@ -134,48 +136,56 @@ def figure_1(folder, times, quarter, path):
     plt.close(figure)
 
 
-def figure_2(folders, path):
-    figure, axes = plt.subplots(3, 1, figsize=(7.2, 8.6), sharex=True, gridspec_kw=dict(hspace=0.08))
-    names = ("crown_height", "crater_depth", "crater_diameter")
-    labels = ("crown height H (mm)", "crater depth D (mm)", "crater diameter $\\phi$ (mm)")
-    curves = []
-    speeds = {rundata.reference_speed(folder) for folder in folders} - {None}
-    for speed in sorted(speeds, reverse=True)[:1]:
-        curves.append((rundata.read_reference(speed),
-                       dict(color="black", lw=1.6, label="reference (axisymmetric VOF)")))
+def draw_curves(panels, speed, runs):
+    """H, D and phi of runs {label: (colour, table)} of one speed (None: unknown) against time, beside its references."""
+    curves = [(rundata.read_reference(speed), dict(color="black", lw=1.6, label="reference (axisymmetric VOF)"))]
+    if speed is not None:
         curves.append((rundata.read_reference(speed, "_box"),
                        dict(color="0.45", lw=1.2, ls=(0, (5, 2)), label="reference, pool of the box's area")))
-    for i, folder in enumerate(folders):
-        label = os.path.basename(os.path.abspath(folder))
-        curves.append((rundata.read_series(folder), dict(color=f"C{i}", lw=1.8, label=label)))
-    end = max(max(table["time"]) for table, _ in curves[-len(folders):])
-    for panel, name, label in zip(axes, names, labels):
+    curves += [(table, dict(color=color, lw=1.8, label=label)) for label, (color, table) in runs.items()]
+    end = max(max(table["time"]) for _, table in runs.values())
+    for panel, (name, label) in zip(panels, CURVES.items()):
         for table, style in curves:
             time = 1e3 * np.array(table["time"])
             values = 1e3 * np.array(table.get(name, np.full(len(time), np.nan)))
             keep = (time >= 0) & (time <= max(1e3 * end, 1))
-            panel.plot(time[keep], values[keep], **style)
             if name == "crown_height" and "jet_height" in table:
                 jet = 1e3 * np.array(table["jet_height"])
-                keep &= (time > 40) & (jet > 0)
-                panel.plot(time[keep], jet[keep], **{**style, "ls": ":", "label": None})
-        panel.set_ylabel(label)
-        panel.set_ylim(bottom=0)
+                up = keep & (time > 40) & (jet > 0)
+                panel.plot(time[up], jet[up], **{**style, "ls": ":", "label": None})
+                keep &= ~up  # a jet that leans passes for a crown
+            panel.plot(time[keep], values[keep], **style)
+        panel.set(ylabel=label, ylim=(0, None))
         panel.grid(color="0.9", lw=0.8)
         panel.set_axisbelow(True)
         panel.spines[["top", "right"]].set_visible(False)
     if end > 45e-3:
-        axes[0].plot([], [], color="0.3", ls=":", lw=1.6, label="height of the jet")
-    axes[0].legend(frameon=False, fontsize=9, loc="upper left")
-    axes[-1].set_xlabel("time after contact (ms)")
-    axes[-1].set_xlim(0, max(1e3 * end, 1))
-    figure.savefig(path, dpi=150, bbox_inches="tight", pad_inches=0.06)
+        panels[0].plot([], [], color="0.3", ls=":", lw=1.6, label="height of the jet")
+    panels[0].legend(frameon=False, fontsize=9, loc="upper left")
+    panels[-1].set_xlabel("time after contact (ms)")
+    panels[-1].set_xlim(0, max(1e3 * end, 1))
+
+
+def figure_2(folders, labels, path):
+    """A column for each impact speed; runs with the same label have the same colour."""
+    speeds = {}
+    for folder, label in zip(folders, labels):
+        runs = speeds.setdefault(rundata.reference_speed(folder), {})
+        runs[label] = f"C{list(dict.fromkeys(labels)).index(label)}", rundata.read_series(folder)
+    figure, axes = plt.subplots(3, len(speeds), figsize=(1 + 6.2 * len(speeds), 8.6), sharex="col", squeeze=False,
+                                gridspec_kw=dict(hspace=0.08, wspace=0.16))
+    for panels, (speed, runs) in zip(axes.T, sorted(speeds.items(), key=lambda item: -(item[0] or 0))):
+        draw_curves(panels, speed, runs)
+        if len(speeds) > 1:
+            panels[0].set_title(f"{speed} m/s" if speed else "other speed")
+    figure.savefig(path, dpi=110, bbox_inches="tight", pad_inches=0.06)
     plt.close(figure)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folders", metavar="RUN_FOLDER", nargs="+", help="runs; the first one gets the pictures")
+    parser.add_argument("--labels", nargs="+", metavar="TEXT", help="names of the runs in figure 2")
     parser.add_argument("--times", type=float, nargs="+", metavar="MS", help="moments of figure 1, ms after contact")
     parser.add_argument("--quarter", action="store_true", help="the run is a quarter, cut at x = 0 and y = 0 (found "
                         "by itself if options.opts says so)")
@@ -184,12 +194,15 @@ def main():
     for folder in arguments.folders:
         if not os.path.isdir(folder):
             raise rundata.RunError(f"{folder} is not a folder.")
+    labels = arguments.labels or [os.path.basename(os.path.abspath(folder)) for folder in arguments.folders]
+    if len(labels) != len(arguments.folders):
+        raise rundata.RunError(f"{len(arguments.folders)} runs have {len(labels)} --labels.")
     output = os.path.join(arguments.folders[0], "figures")
     os.makedirs(output, exist_ok=True)
     times = [1e-3 * t for t in arguments.times] if arguments.times else None
     if arguments.only != "1":
         path = os.path.join(output, "figure_2.png")
-        figure_2(arguments.folders, path)
+        figure_2(arguments.folders, labels, path)
         print(path)
     if arguments.only != "2":
         path = os.path.join(output, "figure_1.png")

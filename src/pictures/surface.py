@@ -19,8 +19,8 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
 
 FILTER = 0.6  # standard deviation of the Gaussian, spacings
 LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
-LAYER_SHARE = 0.35  # of that average: what is drawn in the drop's full colour, two thirds of a layer of particles
-SPREAD = 1.2  # spacings: what the drop's share is averaged over where it is thinner than a particle
+SPREAD = 2.5  # spacings: what the drop's share is averaged over where it is thinner than a particle
+LAYER_SHARE = 0.2  # of that average: what is drawn in the drop's full colour, two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
 SMOOTHING = 25  # iterations of the mesh filter
@@ -299,8 +299,9 @@ def sky(directions):
     return light + 3.5 * glow
 
 
-def colors(points, normals, base, shade, toward_eye):
-    """Colours [n][3] (bytes) of a wet surface: its own, scattered, and the sky's mirror image (Schlick)."""
+def colors(normals, base, shade, toward_eye, wet=1.0):
+    """Colours [n][3] (bytes) of a surface: its own, scattered, and, as far as it is wet, the sky's mirror image
+    (Schlick)."""
     facing = np.sum(normals * toward_eye, axis=1, keepdims=True)
     normals = np.where(facing < 0, -normals, normals)
     facing = np.abs(facing)
@@ -311,7 +312,7 @@ def colors(points, normals, base, shade, toward_eye):
     fresnel = 0.08 + 0.92 * (1 - facing) ** 4
     image = sky(mirror) * (0.35 + 0.65 * shade[:, None])
     scattered = base * (0.63 * ambient + 0.75 * direct * (0.4 + 0.6 * shade[:, None]))
-    color = scattered + np.minimum(fresnel, 0.6) * image
+    color = scattered + wet * np.minimum(fresnel, 0.6) * image
     return (255 * np.clip(color, 0, 1) ** (1 / 1.25)).astype(np.uint8)
 
 
@@ -390,8 +391,7 @@ def picture(liquid, camera, size, pale=False):
     film = PALE_COLOR if pale else FILM_COLOR
     base = film + share[:, None] * (DROP_COLOR - film)
     shade = liquid.shade(points, normals)
-    rgb = colors(points, normals, base, shade, toward)
-
+    rgb = colors(normals, base, shade, toward, 0.3 if pale else 1.0)
     return render(points, cells, rgb, camera, size)
 
 
@@ -410,7 +410,7 @@ def section(liquid, half_thickness, window, pixels):
     width = FILTER * liquid.spacing / pixels
     drop = blur(deposit(places[is_drop], shape, weight[is_drop]), width)
     both = drop + blur(deposit(places[~is_drop], shape, weight[~is_drop]), width)
-    share = np.clip((drop / np.maximum(both, 1e-6) - 0.4) / 0.2, 0, 1)[..., None]
+    share = np.clip((drop / np.maximum(both, 1e-6) - 0.1) / 0.3, 0, 1)[..., None]  # thin layers show
     cover = np.clip((both - LEVEL) * 4 + 0.5, 0, 1)[..., None]
     image = np.concatenate([FILM_COLOR + share * (DROP_COLOR - FILM_COLOR), cover], axis=2)
     return image.transpose(1, 0, 2)

@@ -221,7 +221,7 @@ def picture(run, state, color, ends, colormap, view, half, size=PANEL):
     eye, focus = np.array(view["position"], float), np.array(view["focus"], float)
     toward = eye - points if "angle" in view else np.broadcast_to(eye - focus, points.shape)
     toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    rgb = surface.colors(points, normals, base, np.ones(len(points)), toward)
+    rgb = surface.colors(normals, base, np.ones(len(points)), toward)
     ground, corners = floor_mesh(run, focus, 1.5 * half)
     cells = np.concatenate([cells, corners + len(points)])
     points = np.concatenate([points, ground])
