@@ -79,7 +79,8 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
+    if (f != FIELD_VISCOSITY || SceneViscosityVaries(cloud->scene))
+      PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
   cloud->volume = cloud->field[FIELD_VOLUME];
@@ -102,8 +103,8 @@ static PetscErrorCode Load(Cloud cloud)
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   cloud->n_owned = arrays.n;
   PetscCall(Reserve(cloud, PetscMax(arrays.n, cloud->n_total)));
-  for (PetscInt f = 0; f < ParticlesStored(cloud->domain); f++)
-    PetscCall(PetscArraycpy(cloud->field[f], arrays.real[f], arrays.n * Fields[f].width));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (arrays.real[f]) PetscCall(PetscArraycpy(cloud->field[f], arrays.real[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(cloud->integer[f], arrays.integer[f], arrays.n));
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -157,10 +158,10 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
-    if (ParticlesStored(cloud->domain) <= FIELD_VOLUME) cloud->volume[a] = cloud->domain->volume;
+    if (!cloud->domain->rings) cloud->volume[a] = cloud->domain->volume;
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
-  if (ParticlesStored(cloud->domain) > FIELD_VOLUME) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
+  if (cloud->domain->rings) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
   PetscCall(FindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   cloud->halo_builds++;
@@ -345,8 +346,8 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_owned, &keep));
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
-  for (PetscInt f = 0; f < ParticlesStored(cloud->domain); f++)
-    PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (arrays.real[f]) PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(arrays.integer[f], cloud->integer[f], arrays.n));
   for (PetscInt a = 0; a < arrays.n; a++) {
     keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] > 0 ||

@@ -58,6 +58,8 @@ typedef enum {
                        rings a third */
 } ViscosityForm;
 
+/* Spacings: nearer to a wall than this the factor on wall friction grows no further. */
+#define WALL_CLOSEST 0.25
 /* The viscous term: its form, and what pairs of the fluid with walls count for, at distances k/WALL_FACTORS of the
    kernel's support from the wall. A copy of the whole is as good as the original. */
 #define WALL_FACTORS 64
@@ -80,8 +82,8 @@ PetscErrorCode OperatorsDensity(Cloud cloud);
    viscosity: NULL, or one in the form of Cleary; FIELD_ACCELERATION (m/s2) of the fluid then becomes what
    OperatorsViscosity would add to it, for half the price; only for OperatorsOneLiquid at its rest density. */
 PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity);
-/* OperatorsOneLiquid - whether all bodies have one density and one viscosity, so that every pair has the same
-   coefficient. */
+/* OperatorsOneLiquid - whether all bodies have one density and one viscosity, which does not vary, so that every pair
+   has the same coefficient. */
 PetscBool OperatorsOneLiquid(Cloud cloud);
 /* The free-surface test of Marrone et al. 2010, with a class for particles near the surface (no reference). */
 typedef struct {
@@ -107,8 +109,14 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test);
    particles slides. The factor depends only on the particle's distance from the wall, and is that of a quarter of a
    spacing for nearer ones; so the term remains a symmetric sum over pairs that takes energy. Not collective. */
 void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity);
+/* OperatorsApparentViscosity - FIELD_VISCOSITY (Pa s) of the fluid, ghosts too, from the shear rates of FIELD_VELOCITY
+   at the positions of the last search: the velocity gradient is exact for velocities that are linear up to the faces of
+   walls. viscosity: whether liquid slips there. For scenes whose viscosity varies (SceneViscosityVaries): all others
+   have no such field. Collective. */
+PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
-   have their own velocity and the viscosity of their neighbour. Not collective. */
+   have their own velocity and the viscosity of their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and
+   in the linear operator. Not collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[]);
 /* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times the wall factor - 1,
    which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not

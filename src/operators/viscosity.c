@@ -3,16 +3,18 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-#define PLANE_POINTS 64   /* of the integral over a layer of dummy particles */
-#define CLOSEST      0.25 /* spacings: nearer to a wall than this the factor on wall friction grows no further */
+#define PLANE_POINTS 64 /* of the integral over a layer of dummy particles */
 
 /* The viscosity of each particle, Pa s. -1 marks walls, which take that of their neighbour. */
 static void CollectViscosity(Cloud cloud, PetscReal mu[])
 {
+  const PetscBool  varies = SceneViscosityVaries(cloud->scene);
+  const PetscReal *stored = cloud->field[FIELD_VISCOSITY];
+
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
-    mu[a] = body < 0 ? -1 : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
+    mu[a] = body < 0 ? -1 : varies ? stored[a] : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
   }
 }
 
@@ -35,7 +37,7 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
 
   viscosity->no_slip = PETSC_TRUE;
   for (PetscInt k = 0; k <= WALL_FACTORS; k++) {
-    const PetscReal distance = PetscMax(support * k / WALL_FACTORS, CLOSEST * spacing);
+    const PetscReal distance = PetscMax(support * k / WALL_FACTORS, WALL_CLOSEST * spacing);
     PetscReal       sum = 0, moment = 0;
 
     for (PetscReal depth = 0.5 * spacing; distance + depth < support; depth += spacing) {
@@ -79,6 +81,7 @@ PetscBool OperatorsOneLiquid(Cloud cloud)
 {
   const Material *first = BodyMaterial(SceneBody(cloud->scene, 0));
 
+  if (SceneViscosityVaries(cloud->scene)) return PETSC_FALSE;
   for (PetscInt b = 1; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 

@@ -102,7 +102,8 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
 
   PetscFunctionBegin;
   PetscCall(H5FileWrite(h5, "counts", H5FILE_INT, &ranks, &counts, "1", "particles of each rank"));
-  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) {
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    if (!arrays->real[f]) continue;
     rows.width = Fields[f].width;
     PetscCall(
       H5FileWrite(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit, Fields[f].meaning));
@@ -290,7 +291,8 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *r
   size_t         row = INT_COUNT * sizeof(PetscInt); /* bytes */
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) row += (size_t)Fields[f].width * sizeof(double);
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (ParticlesHave(output->cloud->particles, f)) row += (size_t)Fields[f].width * sizeof(double);
   *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(PetscInt)));
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
@@ -325,7 +327,8 @@ static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, Pet
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
-  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++) {
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    if (!arrays.real[f]) continue;
     rows.width = Fields[f].width;
     PetscCall(H5FileRead(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
   }

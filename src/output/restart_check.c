@@ -35,11 +35,13 @@ static void CheckReals(const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_
 {
   const int id = (int)arrays->integer[INT_ID][a];
 
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT && arrays->real[f]; f++) /* volumes are of rings alone */
-    for (PetscInt c = 0; c < Fields[f].width; c++)
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    for (PetscInt c = 0; arrays->real[f] && c < Fields[f].width; c++)
       if (PetscIsInfOrNanReal(arrays->real[f][Fields[f].width * a + c]))
         Note(flaw, "the %s of particle %d is not finite", Fields[f].name, id);
   if (arrays->real[FIELD_DENSITY][a] < 0) Note(flaw, "the density of particle %d is negative", id);
+  if (arrays->real[FIELD_VISCOSITY] && arrays->real[FIELD_VISCOSITY][a] < 0)
+    Note(flaw, "the viscosity of particle %d is negative", id);
   if (arrays->real[FIELD_VOLUME] && arrays->real[FIELD_VOLUME][a] <= 0) Note(flaw, "particle %d has no volume", id);
 }
 

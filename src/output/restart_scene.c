@@ -96,6 +96,8 @@ static PetscErrorCode AddBodies(Lines *lines, Domain domain, Scene scene)
     PetscCall(AddLine(lines, "body %d of -bodies = %s", (int)b + 1, name));
     PetscCall(AddLine(lines, "-%s_type = %s", name, BodyEmits(body) ? "emitter" : "liquid"));
     PetscCall(AddLine(lines, "-%s_density = %.9g", name, (double)BodyMaterial(body)->density));
+    if (BodyViscosityVaries(body))
+      PetscCall(AddLine(lines, "-%s_viscosity_model = %s", name, BodyViscosityModel(body)));
     PetscCall(AddLine(lines, "-%s_tension = %.9g", name, (double)BodyMaterial(body)->tension));
     PetscCall(AddShape(lines, domain, body));
     if (BodyEmits(body)) continue;

@@ -206,8 +206,8 @@ PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, Pet
   count[1] = arrays.n;
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));
-  for (PetscInt f = 0; f < ParticlesStored(output->cloud->domain); f++)
-    stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (ParticlesHave(output->cloud->particles, f)) stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
   *bytes      = count[0] * ParticleBytes(output);
   *checkpoint = count[1] * stored;
   *snapshots  = 2;

@@ -46,7 +46,8 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   content->compression = DEFLATE;
   PetscCall(PetscOptionsStringArray("-snapshot_fields",
                                     "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
-                                    "lambda, volume (of rings), surface, layer (of walls), color; or none; default: "
+                                    "lambda, volume (of rings), viscosity (that "
+                                    "varies), surface, layer (of walls), color; or none; default: "
                                     "all",
                                     "OutputStep", content->name, &content->names, NULL));
   for (PetscInt d = 0; d < DIM; d++) {
@@ -66,32 +67,36 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the particles have a field of the snapshots. */
+static PetscBool Present(Output output, PetscInt f)
+{
+  return (PetscBool)(f >= FIELD_STORED_COUNT || ParticlesHave(output->cloud->particles, f));
+}
+
 /* The bits of the fields that the user named. */
 static PetscErrorCode CheckFields(Output output)
 {
   SnapshotSetup *content = &output->content;
   PetscBool      none    = PETSC_FALSE;
-  PetscInt       missing = SNAPSHOT_FIELDS; /* a field that the particles do not have */
 
   PetscFunctionBegin;
   content->fields = 0;
-  if (ParticlesStored(output->cloud->domain) <= FIELD_VOLUME) missing = FIELD_VOLUME;
   if (content->names == 1) PetscCall(PetscStrcmp(content->name[0], "none", &none));
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
     if (Always(f) ||
-        (content->names == 0 && f != missing && (SnapshotFieldAt(f).integer != INT_LAYER || content->walls)))
+        (content->names == 0 && Present(output, f) && (SnapshotFieldAt(f).integer != INT_LAYER || content->walls)))
       content->fields |= 1U << f;
   for (PetscInt k = 0; k < content->names && !none; k++) {
     PetscBool found = PETSC_FALSE;
 
     for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !found; f++) {
       PetscCall(PetscStrcmp(content->name[k], SnapshotFieldAt(f).name, &found));
-      found = (PetscBool)(found && f != missing);
+      found = (PetscBool)(found && Present(output, f));
       if (found) content->fields |= 1U << f;
     }
     PetscCheckUser(found, output->comm,
                    "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (of "
-                   "rings), surface, layer and color, or none.",
+                   "rings), viscosity (that varies), surface, layer and color, or none.",
                    content->name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -17,28 +17,37 @@ struct _p_Particles {
   MPI_Comm  comm;
   Domain    domain; /* borrowed */
   DM        swarm;
+  PetscBool viscosity; /* of each particle is stored */
   PetscBool balance_surface;
   PetscInt  global;  /* expected global number, checked after each migration */
   PetscInt  portion; /* most particles in one message */
 };
 
-PetscErrorCode ParticlesCreate(Domain domain, Particles *particles)
+PetscBool ParticlesHave(Particles particles, PetscInt f)
+{
+  if (f == FIELD_VOLUME) return particles->domain->rings;
+  return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);
+}
+
+PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, Particles *particles)
 {
   Particles p;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&p));
-  p->comm    = domain->comm;
-  p->domain  = domain;
-  p->portion = PETSC_MPI_INT_MAX / PARTICLE_BYTES;
+  p->comm      = domain->comm;
+  p->domain    = domain;
+  p->viscosity = viscosity;
+  p->portion   = PETSC_MPI_INT_MAX / PARTICLE_BYTES;
   PetscCall(DMCreate(p->comm, &p->swarm));
   PetscCall(DMSetType(p->swarm, DMSWARM));
   PetscCall(PetscObjectSetName((PetscObject)p->swarm, "particles"));
   PetscCall(DMSetDimension(p->swarm, domain->dim));
   PetscCall(DMSwarmSetType(p->swarm, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(p->swarm));
-  for (PetscInt f = 0; f < ParticlesStored(p->domain); f++)
-    PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, Fields[f].name, Fields[f].width, PETSC_REAL));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (ParticlesHave(p, f))
+      PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, Fields[f].name, Fields[f].width, PETSC_REAL));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(DMSwarmRegisterPetscDatatypeField(p->swarm, IntFieldNames[f], 1, PETSC_INT));
   PetscCall(DMSwarmFinalizeFieldRegister(p->swarm));
@@ -91,8 +100,9 @@ PetscErrorCode ParticlesAppend(Particles particles, PetscInt count)
   PetscCall(ParticlesCheckRoom(particles->comm, (PetscInt64)n + count));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, n + count, SWARM_BUFFER));
   PetscCall(ParticlesOpen(particles, &arrays));
-  for (PetscInt f = 0; f < ParticlesStored(particles->domain); f++)
-    PetscCall(PetscArrayzero(arrays.real[f] + n * Fields[f].width, count * Fields[f].width));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (ParticlesHave(particles, f))
+      PetscCall(PetscArrayzero(arrays.real[f] + n * Fields[f].width, count * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArrayzero(arrays.integer[f] + n, count));
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCall(ParticlesGlobalSize(particles, &particles->global));
@@ -103,9 +113,11 @@ PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays)
 {
   PetscFunctionBegin;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &arrays->n));
-  arrays->real[FIELD_VOLUME] = NULL;
-  for (PetscInt f = 0; f < ParticlesStored(particles->domain); f++)
-    PetscCall(DMSwarmGetField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    arrays->real[f] = NULL;
+    if (ParticlesHave(particles, f))
+      PetscCall(DMSwarmGetField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  }
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(DMSwarmGetField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -114,8 +126,9 @@ PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays)
 PetscErrorCode ParticlesClose(Particles particles, ParticleArrays *arrays)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < ParticlesStored(particles->domain); f++)
-    PetscCall(DMSwarmRestoreField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (arrays->real[f])
+      PetscCall(DMSwarmRestoreField(particles->swarm, Fields[f].name, NULL, NULL, (void **)&arrays->real[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(DMSwarmRestoreField(particles->swarm, IntFieldNames[f], NULL, NULL, (void **)&arrays->integer[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -143,9 +156,10 @@ static PetscErrorCode Rearrange(ParticleArrays *arrays, PetscInt n, const PetscI
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * DIM, &real, n, &integer));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT && arrays->real[f]; f++) {
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     const PetscInt width = Fields[f].width;
 
+    if (!arrays->real[f]) continue;
     for (PetscInt k = 0; k < n; k++)
       for (PetscInt c = 0; c < width; c++) real[k * width + c] = arrays->real[f][order[k] * width + c];
     PetscCall(PetscArraycpy(arrays->real[f], real, n * width));

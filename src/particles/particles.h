@@ -24,7 +24,9 @@ typedef enum {
   X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection; start value of the next")          \
   X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
   X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")     \
-  X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the whole ring; stored where particles are rings")
+  X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the whole ring; stored where particles are rings")            \
+  X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, "Pa s",                                                                  \
+    "viscosity in the last step; stored where the shear rate changes that of a body")
 
 #define STORED_INTS(X)                                                                                                 \
   X(ID, "id", "identity, unique and permanent")                                                                        \
@@ -78,19 +80,16 @@ extern const char *const IntFieldMeanings[INT_COUNT];
 typedef struct _p_Particles *Particles;
 
 /* The stored fields, opened: arrays over the n owned particles of this rank. real[f] is [n][width], NULL for a field
-   that the swarm does not have (ParticlesStored); integer[f] is [n]. */
+   that the swarm does not have (ParticlesHave); integer[f] is [n]. */
 typedef struct {
   PetscInt   n;
   PetscReal *real[FIELD_STORED_COUNT];
   PetscInt  *integer[INT_COUNT];
 } ParticleArrays;
 
-/* ParticlesStored - how many of the stored fields a swarm of this domain has: the first so many of the table. Volumes
-   are stored where they differ; elsewhere all are the domain's. Not collective. */
-static inline PetscInt ParticlesStored(Domain domain)
-{
-  return domain->rings ? FIELD_STORED_COUNT : FIELD_VOLUME;
-}
+/* ParticlesHave - whether a swarm has field f of the table, f < FIELD_STORED_COUNT. Volumes are stored where they
+   differ; elsewhere all are the domain's. Viscosities are stored where they vary. Not collective. */
+PetscBool ParticlesHave(Particles particles, PetscInt f);
 
 /* ParticleVolume - of a particle, from its fields, m3 (m2 in two dimensions). Not collective. */
 static inline PetscReal ParticleVolume(Domain domain, const ParticleArrays *arrays, PetscInt a)
@@ -104,8 +103,9 @@ static inline PetscReal ParticleShare(Domain domain, const ParticleArrays *array
   return ParticleVolume(domain, arrays, a) / DomainRingLength(domain, arrays->real[FIELD_POSITION] + DIM * a);
 }
 
-/* ParticlesCreate - an empty swarm with the fields of the table. Collective on the domain's communicator. */
-PetscErrorCode ParticlesCreate(Domain domain, Particles *particles);
+/* ParticlesCreate - an empty swarm with the fields of the table; viscosity: also that of each particle. Collective on
+   the domain's communicator. */
+PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, Particles *particles);
 PetscErrorCode ParticlesDestroy(Particles *particles);
 PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer);
 /* ParticlesAppend - makes room for count more particles on this rank, at the end; their fields are zero, to be filled

@@ -17,6 +17,7 @@ PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body
   PetscCall(PetscStrncpy((*body)->type, "liquid", sizeof((*body)->type)));
   PetscCall(PetscStrncpy((*body)->shape_type, "box", sizeof((*body)->shape_type)));
   PetscCall(PetscStrncpy((*body)->velocity_type, "uniform", sizeof((*body)->velocity_type)));
+  PetscCall(PetscStrncpy((*body)->viscosity_type, "newtonian", sizeof((*body)->viscosity_type)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -26,6 +27,7 @@ PetscErrorCode BodyDestroy(Body *body)
   if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*body)->shape_data));
   PetscCall(PetscFree((*body)->velocity_data));
+  PetscCall(PetscFree((*body)->viscosity_data));
   PetscCall(PetscFree((*body)->emitter));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -33,8 +35,9 @@ PetscErrorCode BodyDestroy(Body *body)
 
 PetscErrorCode BodyView(Body body, PetscViewer viewer)
 {
-  const Material  *m = &body->material;
-  const PetscReal *v = body->uniform;
+  const Material  *m      = &body->material;
+  const PetscReal *v      = body->uniform;
+  const PetscBool  varies = BodyViscosityVaries(body);
   PetscReal        lower[DIM], upper[DIM];
 
   PetscFunctionBegin;
@@ -46,8 +49,9 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer)
   if (!body->velocity) PetscFunctionReturn(PETSC_SUCCESS); /* a solid */
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   "density %g kg/m3, viscosity %g Pa s, tension %g N/m, color %" PetscInt_FMT "\n",
-                                   (double)m->density, (double)m->viscosity, (double)m->tension, body->color));
+                                   "density %g kg/m3, viscosity %g Pa s%s%s, tension %g N/m, color %" PetscInt_FMT "\n",
+                                   (double)m->density, (double)m->viscosity, varies ? " by " : "",
+                                   varies ? body->viscosity_type : "", (double)m->tension, body->color));
   PetscCall(PetscViewerASCIIPrintf(viewer, "velocity %s and %g, %g, %g m/s\n", body->velocity_type, (double)v[0],
                                    (double)v[1], (double)v[2]));
   PetscCall(PetscViewerASCIIPopTab(viewer));

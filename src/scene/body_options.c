@@ -97,7 +97,10 @@ static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-density", "Density (kg/m3)", "(0, inf)", &m->density));
-  PetscCall(OptionReal("-viscosity", "Dynamic viscosity (Pa s)", "[0, inf)", &m->viscosity));
+  PetscCall(OptionReal("-viscosity",
+                       "Dynamic viscosity (Pa s); of -viscosity_model carreau that at rest, of power_law and "
+                       "herschel_bulkley the consistency, Pa s^n",
+                       "[0, inf)", &m->viscosity));
   PetscCall(OptionReal("-tension", "Surface tension (N/m)", "[0, inf)", &m->tension));
   PetscCall(OptionInt("-color", "Label of the body in pictures", "(-inf, inf)", &body->color));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -114,6 +117,17 @@ static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, Pe
   PetscCall(ReadChoice(body, PetscOptionsObject, "-velocity_type", "Initial velocity field, added to the uniform part",
                        "velocity field", velocities, body->velocity_type, &choice));
   body->velocity = (const VelocityOps *)choice;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadViscosity(Body body, OptionItems PetscOptionsObject, PetscFunctionList viscosities)
+{
+  const BodyChoice *choice;
+
+  PetscFunctionBegin;
+  PetscCall(ReadChoice(body, PetscOptionsObject, "-viscosity_model", "How the viscosity depends on the shear rate",
+                       "model of viscosity", viscosities, body->viscosity_type, &choice));
+  body->viscosity = (const ViscosityOps *)choice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,6 +168,9 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
   PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
   PetscCall(SetUp(&body->shape->choice, body));
   PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
+  PetscCall(ReadOptionsOf(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
+  PetscCall(SetUp(&body->viscosity->choice, body));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
   PetscCall(ReadOptionsOf(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
   PetscCall(SetUp(&body->velocity->choice, body));
@@ -213,10 +230,12 @@ PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
   PetscCall(ReadType(body, PetscOptionsObject, choices->types, &type));
   PetscOptionsEnd();
   PetscCall(HelpChoices(body, choices->shapes, "shape", &body->shape_data));
+  PetscCall(HelpChoices(body, choices->viscosities, "viscosity_model", &body->viscosity_data));
   PetscCall(HelpChoices(body, choices->velocities, "velocity_type", &body->velocity_data));
   PetscCall(HelpChoices(body, choices->types, "type", &body->emitter));
   PetscCall(BodyDestroy(&body));

@@ -6,13 +6,14 @@
 #define AXIS_SAMPLES  9    /* points of an axis of rings at which a body's velocity is looked at */
 #define AXIS_ROUNDING 1e-9 /* of the speed: its rounding */
 
-static BodyChoices Choices = {NULL, NULL, NULL}; /* the registered ones */
+static BodyChoices Choices = {NULL, NULL, NULL, NULL}; /* the registered ones */
 
 static PetscErrorCode SceneFinalizePackage(void)
 {
   PetscFunctionBegin;
   PetscCall(PetscFunctionListDestroy(&Choices.shapes));
   PetscCall(PetscFunctionListDestroy(&Choices.velocities));
+  PetscCall(PetscFunctionListDestroy(&Choices.viscosities));
   PetscCall(PetscFunctionListDestroy(&Choices.types));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -32,6 +33,7 @@ static PetscErrorCode SceneRegisterAll(void)
   PetscCall(PetscFunctionListAdd(&Choices.types, "liquid", BodyTypeLiquid));
   PetscCall(PetscFunctionListAdd(&Choices.types, "emitter", BodyTypeEmitter));
   PetscCall(VelocityRegisterAll(&Choices.velocities));
+  PetscCall(ViscosityRegisterAll(&Choices.viscosities));
   PetscCall(PetscRegisterFinalize(SceneFinalizePackage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,7 @@
    -bodies film,drop  and, for each body <b>:
    -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread|stl, its sizes, -<b>_density, -<b>_viscosity,
    -<b>_tension, -<b>_color,
+   -<b>_viscosity_model newtonian|power_law|carreau|herschel_bulkley and its numbers (viscosity.c),
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
    the uniform part). Every shape is cut by the box and by the solids.
 
@@ -41,7 +42,7 @@
 
 typedef struct {
   PetscReal density;   /* rho_0, kg/m3 */
-  PetscReal viscosity; /* mu, Pa s */
+  PetscReal viscosity; /* mu, Pa s; of a model that varies what it starts from, see BodyViscosity */
   PetscReal tension;   /* sigma, N/m */
 } Material;
 
@@ -68,9 +69,15 @@ PetscInt        SceneCount(Scene scene);                /* number of bodies */
 Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCount */
 const char     *BodyName(Body body);
 const Material *BodyMaterial(Body body);
-PetscInt        BodyColor(Body body);                    /* integer label for pictures; default: the body's index */
-PetscInt        SceneSolidCount(Scene scene);            /* number of solids */
-Body            SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; has no material */
+/* BodyViscosity - mu (Pa s) at a shear rate sqrt(2 D:D) (1/s). BodyViscosityVaries, SceneViscosityVaries - whether it
+   depends on it. BodyViscosityModel - the name of -<b>_viscosity_model. */
+PetscReal   BodyViscosity(Body body, PetscReal rate);
+PetscBool   BodyViscosityVaries(Body body);
+const char *BodyViscosityModel(Body body);
+PetscBool   SceneViscosityVaries(Scene scene);
+PetscInt    BodyColor(Body body);                    /* integer label for pictures; default: the body's index */
+PetscInt    SceneSolidCount(Scene scene);            /* number of solids */
+Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; has no material */
 /* SceneSolidDistance - signed distance of x (m) to the nearest solid, negative inside one; PETSC_MAX_REAL without any.
  *nearest (may be NULL): its index. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);

@@ -22,7 +22,7 @@ typedef struct {
 typedef const BodyChoice *(*BodyChoiceTable)(void);
 
 typedef struct {
-  PetscFunctionList shapes, velocities, types;
+  PetscFunctionList shapes, velocities, viscosities, types;
 } BodyChoices;
 
 /* A shape. */
@@ -40,21 +40,30 @@ typedef struct {
   void (*add)(Body body, const PetscReal x[DIM], PetscReal v[DIM]); /* adds to v (m/s) at x (m); NULL: zero */
 } VelocityOps;
 
+/* A model of viscosity, from -<b>_viscosity. */
+typedef struct {
+  BodyChoice choice;
+  PetscReal (*at)(Body body, PetscReal rate); /* Pa s, at a shear rate (1/s); NULL: constant */
+} ViscosityOps;
+
 struct _p_Body {
-  Domain             domain; /* borrowed */
-  char               name[SCENE_NAME_LENGTH];
-  char               prefix[SCENE_NAME_LENGTH + 1]; /* of its options: the name and an underscore */
-  char               shape_type[SCENE_NAME_LENGTH];
-  char               velocity_type[SCENE_NAME_LENGTH];
-  const ShapeOps    *shape;
-  const VelocityOps *velocity;
-  void              *shape_data;    /* the shape's own struct, freed with PetscFree */
-  void              *velocity_data; /* as shape_data */
-  PetscReal          uniform[DIM];  /* uniform part of the velocity, m/s */
-  Material           material;
-  char               type[SCENE_NAME_LENGTH];
-  void              *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
-  PetscInt           color;
+  Domain              domain; /* borrowed */
+  char                name[SCENE_NAME_LENGTH];
+  char                prefix[SCENE_NAME_LENGTH + 1]; /* of its options: the name and an underscore */
+  char                shape_type[SCENE_NAME_LENGTH];
+  char                velocity_type[SCENE_NAME_LENGTH];
+  const ShapeOps     *shape;
+  const VelocityOps  *velocity;
+  void               *shape_data;    /* the shape's own struct, freed with PetscFree */
+  void               *velocity_data; /* as shape_data */
+  char                viscosity_type[SCENE_NAME_LENGTH];
+  const ViscosityOps *viscosity;      /* NULL of a solid */
+  void               *viscosity_data; /* as shape_data */
+  PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
+  Material            material;
+  char                type[SCENE_NAME_LENGTH];
+  void               *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
+  PetscInt            color;
 };
 
 struct _p_Scene {
@@ -84,6 +93,8 @@ const BodyChoice *BodyTypeEmitter(void);
 
 /* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
+/* ViscosityRegisterAll - adds the models of viscosity.c to a list. Not collective. */
+PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list);
 
 /* BodyCreate - a body of water at rest that fills the box, to be set by its options. BodySetFromOptions - reads all of
    -<b>_*. Refuses (UserError) what SceneSetFromOptions says of one body. BodyHelp - shows -help the

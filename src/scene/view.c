@@ -55,24 +55,25 @@ static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
   Body            body = SceneBody(scene, b);
   const Material *m    = &body->material;
   BodyScales      scales;
-  PetscReal       L, g, across, inertia, weight;
+  PetscReal       L, g, across, inertia, weight, viscosity;
   char            text[256] = "", number[64];
 
   PetscFunctionBegin;
   SceneBodyScales(scene, b, &scales);
-  L       = scales.length;
-  g       = Norm(scales.acceleration);
-  across  = L / scene->domain->spacing;
-  inertia = m->density * PetscSqr(scales.speed) * L; /* N/m */
-  weight  = m->density * g * L * L;                  /* N/m */
+  L         = scales.length;
+  g         = Norm(scales.acceleration);
+  across    = L / scene->domain->spacing;
+  inertia   = m->density * PetscSqr(scales.speed) * L; /* N/m */
+  weight    = m->density * g * L * L;                  /* N/m */
+  viscosity = BodyViscosity(body, scales.speed / L);
   const struct {
     const char *name;
     PetscReal   above, below;
-  } numbers[] = {{"Re", m->density * scales.speed * L, m->viscosity},
+  } numbers[] = {{"Re", m->density * scales.speed * L, viscosity},
                  {"We", inertia, m->tension},
                  {"Fr", PetscSqr(scales.speed), g * L},
                  {"Bo", weight, m->tension},
-                 {"Oh", m->viscosity, PetscSqrtReal(m->density * m->tension * L)}};
+                 {"Oh", viscosity, PetscSqrtReal(m->density * m->tension * L)}};
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++) {
     if (numbers[k].above <= 0 || numbers[k].below <= 0) continue;
     PetscCall(PetscSNPrintf(number, sizeof(number), ", %s %.3g", numbers[k].name,

@@ -119,7 +119,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   if (HelpWanted()) PetscCall(SceneHelp(comm));
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
-  PetscCall(ParticlesCreate(sim->domain, &sim->particles));
+  PetscCall(ParticlesCreate(sim->domain, SceneViscosityVaries(sim->scene), &sim->particles));
   PetscCall(ParticlesBalanceSurface(sim->particles, (PetscBool)(TensionReach(sim->tension) > 0)));
   PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles,
                         PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));

@@ -243,6 +243,29 @@ const Viscosity *StepperViscosity(Stepper stepper)
   return &stepper->viscosity;
 }
 
+/* The viscosity of the particles where it varies, into the cloud, after a search; ghosts too. */
+static PetscErrorCode FindViscosity(Stepper stepper)
+{
+  PetscFunctionBegin;
+  if (SceneViscosityVaries(stepper->cloud->scene))
+    PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same into the swarm, as if it were of the step before: the first step goes by it. */
+static PetscErrorCode StoreViscosity(Stepper stepper)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(FindViscosity(stepper));
+  PetscCall(ParticlesOpen(stepper->cloud->particles, &arrays));
+  if (arrays.real[FIELD_VISCOSITY])
+    PetscCall(PetscArraycpy(arrays.real[FIELD_VISCOSITY], stepper->cloud->field[FIELD_VISCOSITY], arrays.n));
+  PetscCall(ParticlesClose(stepper->cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What a trial has measured, into the state; the divergence without the time step. */
 static void Record(const StepTrial *trial, StepState *state)
 {
@@ -344,6 +367,7 @@ PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
   PetscFunctionBegin;
   PetscCall(CloudBegin(stepper->cloud));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
+  PetscCall(StoreViscosity(stepper));
   PetscCall(TrialDiagnose(stepper, &trial));
   PetscCall(TrialReduce(stepper, &trial));
   Record(&trial, state);
@@ -359,6 +383,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, &state, PETSC_MAX_REAL, &dt));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
+  PetscCall(FindViscosity(stepper));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_STAR], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
   PetscCall(StepDivergence(stepper, 0));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));

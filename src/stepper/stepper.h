@@ -59,17 +59,19 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
 /* StepperViscosity - of -viscosity_form and -viscosity_wall; borrowed. Not collective. */
 const Viscosity *StepperViscosity(Stepper stepper);
-/* StepperMeasure - density, its mean and surface_energy of the state, of the swarm's particles as they are. Collective.
- */
+/* StepperMeasure - density, its mean and surface_energy of the state at the start of a run, of the swarm's particles as
+   they are; gives them their viscosity where it varies. Collective. */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperReset - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
 PetscErrorCode StepperReset(Stepper stepper);
 /* StepperSetRelaxation - whether steps are those of the relaxation to rest: no body force, velocities multiplied with
    'damping' (1) before each step, and a fixed step (s; 0: as in the run, from the scene's velocity). Not collective. */
 PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal damping, PetscReal step);
-/* What bounds a time step, s; PETSC_MAX_REAL: nothing. */
+/* What bounds a time step, s; PETSC_MAX_REAL: nothing. viscosity: explicit; viscosity_flow: explicit, of a viscosity
+   that varies as it is at the shear rate of the scene's own velocity over the smoothing length, which implicit steps go
+   by. */
 typedef struct {
-  PetscReal speed, force, viscosity, tension;
+  PetscReal speed, force, viscosity, viscosity_flow, tension;
 } StepBounds;
 
 /* StepperBounds - of the last step that was chosen. Not collective. */

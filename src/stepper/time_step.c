@@ -42,10 +42,11 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-typedef enum { FASTEST, FASTEST_SPRAY, STRONGEST, EXTREME_COUNT } Extreme;
+typedef enum { FASTEST, FASTEST_SPRAY, STRONGEST, THICKEST, EXTREME_COUNT } Extreme;
 
 /* Largest speeds (m/s) of the fluid and of its spray, which pressure does not slow down, and largest body force (m/s2),
-   over all ranks. At the start of a run no particle counts as spray: lambda is not known yet. */
+   and of a viscosity that varies the largest one over the density (m2/s), over all ranks. At the start of a run no
+   particle counts as spray: lambda is not known yet. */
 static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extreme[EXTREME_COUNT])
 {
   ParticleArrays arrays;
@@ -59,6 +60,12 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
     PetscReal       g[DIM];
 
     if (arrays.integer[INT_LAYER][a]) continue;
+    if (arrays.real[FIELD_VISCOSITY]) {
+      const Body body = SceneBody(cloud->scene, arrays.integer[INT_BODY][a]);
+
+      if (BodyViscosityVaries(body))
+        extreme[THICKEST] = PetscMax(extreme[THICKEST], arrays.real[FIELD_VISCOSITY][a] / BodyMaterial(body)->density);
+    }
     SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
     extreme[kind]      = PetscMax(extreme[kind], speed);
     extreme[STRONGEST] = PetscMax(extreme[STRONGEST], Norm(g));
@@ -68,6 +75,26 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bounds the step by viscosities: constant ones, and the largest of those that vary. What an implicit step of those
+   goes by is the flow: liquid at rest may be stiff beyond all measure. */
+static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *bounds)
+{
+  Scene           scene = stepper->cloud->scene;
+  const PetscReal h = KernelSmoothingLength(stepper->cloud->kernel), fine = stepper->limits.viscous_limit * h * h;
+
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    const Body      body = SceneBody(scene, b);
+    const Material *m    = BodyMaterial(body);
+    const PetscReal flow = BodyViscosity(body, stepper->reference_velocity / h);
+
+    if (m->viscosity <= 0) continue;
+    if (!BodyViscosityVaries(body)) bounds->viscosity = PetscMin(bounds->viscosity, fine * m->density / m->viscosity);
+    bounds->viscosity_flow = PetscMin(bounds->viscosity_flow, fine * m->density / flow);
+  }
+  if (thickest > 0) bounds->viscosity = PetscMin(bounds->viscosity, fine / thickest);
+  bounds->viscosity_flow = PetscMax(bounds->viscosity_flow, bounds->viscosity);
+}
+
 /* What each cause allows. */
 static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT])
 {
@@ -75,18 +102,17 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   const TimeStepLimits *limits = &stepper->limits;
   const PetscReal       h = KernelSmoothingLength(cloud->kernel), fastest = extreme[FASTEST];
   const PetscReal       spray_path = limits->spray_share * stepper->trial.displacement * cloud->domain->spacing;
-  StepBounds            bounds     = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
+  StepBounds            bounds     = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
 
   if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
   if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
   if (stepper->ops.bound)
     bounds.speed = PetscMin(bounds.speed, stepper->ops.bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
   if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
+  BoundByViscosities(stepper, extreme[THICKEST], &bounds);
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 
-    if (m->viscosity > 0)
-      bounds.viscosity = PetscMin(bounds.viscosity, limits->viscous_limit * h * h * m->density / m->viscosity);
     if (m->tension > 0 && TensionReach(stepper->tension) > 0)
       bounds.tension = PetscMin(bounds.tension, limits->capillary_limit *
                                                   PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
@@ -103,7 +129,7 @@ static PetscReal BoundByViscosity(Stepper stepper, PetscReal step)
   viscous->implicit = (PetscBool)(limit < PETSC_MAX_REAL && (viscous->solver == VISCOUS_IMPLICIT ||
                                                              (viscous->solver == VISCOUS_AUTO && step > limit)));
   if (!viscous->implicit) return PetscMin(step, limit);
-  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * limit) : step;
+  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * stepper->bounds.viscosity_flow) : step;
 }
 
 /* The step within all bounds and options. */

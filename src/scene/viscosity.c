@@ -1,0 +1,203 @@
+/* Models of viscosity: the viscosity mu of a liquid as a function of its shear rate g = sqrt(2 D:D), D the rate of
+   strain. One table and one registration line a model.
+
+   newtonian         mu = K, where K is -<b>_viscosity
+   power_law         mu = K g^(n-1), at most -<b>_viscosity_max
+   carreau           mu = mu_inf + (K - mu_inf) (1 + (t g)^2)^((n-1)/2)
+   herschel_bulkley  mu = tau_y (1 - exp(-m g))/g + K g^(n-1), at most -<b>_viscosity_max, m that over tau_y: the form
+   of Papanastasiou (1987), in which a liquid below its yield stress creeps; n = 1: Bingham */
+#include "scene_impl.h"
+
+#define STIFF        1000 /* default of the largest viscosity, over that at a shear rate of 1/s */
+#define EXPONENT_MAX 2    /* beyond, the viscosity of the step before is no guide to that of the next */
+
+typedef struct {
+  PetscReal exponent;     /* n; 0: not given */
+  PetscReal max;          /* Pa s; 0: not given */
+  PetscReal infinite;     /* mu_inf, Pa s */
+  PetscReal time;         /* t, s */
+  PetscReal yield_stress; /* tau_y, Pa */
+} Law;
+
+static PetscErrorCode ReadExponent(Body body, OptionItems PetscOptionsObject)
+{
+  Law *law = (Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-viscosity_exponent",
+                       "Exponent n of the shear rate in the stress (1): below 1 the liquid thins when sheared, above "
+                       "it thickens",
+                       "(0, 2]", &law->exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadMax(Body body, OptionItems PetscOptionsObject)
+{
+  Law *law = (Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-viscosity_max",
+                       "Largest viscosity (Pa s), that of liquid at rest; default: 1000 times that at a shear rate of "
+                       "1/s",
+                       "(0, inf)", &law->max));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a liquid without viscosity, and the absence of a number (unit; "": none). */
+static PetscErrorCode CheckGiven(Body body, const char option[], const char unit[], PetscReal value)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(body->material.viscosity > 0, body->domain->comm,
+                 "-%sviscosity is 0: -%sviscosity_model %s needs a positive one", body->prefix, body->prefix,
+                 body->viscosity_type);
+  PetscCheckUser(value > 0, body->domain->comm, "-%s%s is missing: -%sviscosity_model %s needs it, positive%s%s",
+                 body->prefix, option + 1, body->prefix, body->viscosity_type, unit[0] ? ", in " : "", unit);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PowerLawSetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadExponent(body, PetscOptionsObject));
+  PetscCall(ReadMax(body, PetscOptionsObject));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PowerLawSetUp(Body body)
+{
+  Law *law = (Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  PetscCall(CheckGiven(body, "-viscosity_exponent", "", law->exponent));
+  if (law->max == 0) law->max = STIFF * body->material.viscosity;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* rate^(n-1), not more than 'most'; without a division by a rate of zero. */
+static PetscReal Power(PetscReal rate, PetscReal n, PetscReal most)
+{
+  if (n == 1) return 1;
+  if (rate == 0) return n < 1 ? most : 0;
+  return PetscMin(PetscPowReal(rate, n - 1), most);
+}
+
+static PetscReal PowerLawAt(Body body, PetscReal rate)
+{
+  const Law      *law = (const Law *)body->viscosity_data;
+  const PetscReal K   = body->material.viscosity;
+
+  return K * Power(rate, law->exponent, law->max / K);
+}
+
+static PetscErrorCode CarreauSetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  Law *law = (Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  PetscCall(ReadExponent(body, PetscOptionsObject));
+  PetscCall(OptionReal("-viscosity_time", "Time t of the liquid (s): at shear rates above 1/t it thins or thickens",
+                       "(0, inf)", &law->time));
+  PetscCall(OptionReal("-viscosity_infinite", "Viscosity at infinite shear rate (Pa s)", "[0, inf)", &law->infinite));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CarreauSetUp(Body body)
+{
+  const Law *law = (const Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  PetscCall(CheckGiven(body, "-viscosity_exponent", "", law->exponent));
+  PetscCall(CheckGiven(body, "-viscosity_time", "s", law->time));
+  PetscCheckUser(law->infinite <= body->material.viscosity, body->domain->comm,
+                 "-%sviscosity_infinite is %g Pa s; it must be at most -%sviscosity, %g Pa s", body->prefix,
+                 (double)law->infinite, body->prefix, (double)body->material.viscosity);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal CarreauAt(Body body, PetscReal rate)
+{
+  const Law *law = (const Law *)body->viscosity_data;
+
+  return law->infinite + (body->material.viscosity - law->infinite) *
+                           PetscPowReal(1 + PetscSqr(law->time * rate), 0.5 * (law->exponent - 1));
+}
+
+static PetscErrorCode HerschelBulkleySetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  Law *law = (Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  law->exponent = 1;
+  PetscCall(OptionReal("-yield_stress", "Shear stress below which the liquid only creeps (Pa)", "(0, inf)",
+                       &law->yield_stress));
+  PetscCall(ReadExponent(body, PetscOptionsObject));
+  PetscCall(ReadMax(body, PetscOptionsObject));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode HerschelBulkleySetUp(Body body)
+{
+  Law *law = (Law *)body->viscosity_data;
+
+  PetscFunctionBegin;
+  PetscCall(CheckGiven(body, "-yield_stress", "Pa", law->yield_stress));
+  if (law->max == 0) law->max = STIFF * (body->material.viscosity + law->yield_stress);
+  PetscCheckUser(law->max > body->material.viscosity, body->domain->comm,
+                 "-%sviscosity_max is %g Pa s; it must be more than -%sviscosity, %g Pa s", body->prefix,
+                 (double)law->max, body->prefix, (double)body->material.viscosity);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* expm1 keeps its digits at small rates, where the first term tends to the largest viscosity. */
+static PetscReal HerschelBulkleyAt(Body body, PetscReal rate)
+{
+  const Law      *law = (const Law *)body->viscosity_data;
+  const PetscReal K = body->material.viscosity, m = law->max / law->yield_stress;
+  const PetscReal rigid = rate > 0 ? -law->yield_stress * expm1(-m * rate) / rate : law->max;
+
+  return PetscMin(rigid + K * Power(rate, law->exponent, law->max / K), law->max);
+}
+
+#define VISCOSITY_TABLE(name, size, setfromoptions, setup, at)                                                         \
+  static const BodyChoice *Viscosity##name(void)                                                                       \
+  {                                                                                                                    \
+    static const ViscosityOps ops = {{size, setfromoptions, setup}, at};                                               \
+                                                                                                                       \
+    return &ops.choice;                                                                                                \
+  }
+VISCOSITY_TABLE(Newtonian, 0, NULL, NULL, NULL)
+VISCOSITY_TABLE(PowerLaw, sizeof(Law), PowerLawSetFromOptions, PowerLawSetUp, PowerLawAt)
+VISCOSITY_TABLE(Carreau, sizeof(Law), CarreauSetFromOptions, CarreauSetUp, CarreauAt)
+VISCOSITY_TABLE(HerschelBulkley, sizeof(Law), HerschelBulkleySetFromOptions, HerschelBulkleySetUp, HerschelBulkleyAt)
+
+PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFunctionListAdd(list, "newtonian", ViscosityNewtonian));
+  PetscCall(PetscFunctionListAdd(list, "power_law", ViscosityPowerLaw));
+  PetscCall(PetscFunctionListAdd(list, "carreau", ViscosityCarreau));
+  PetscCall(PetscFunctionListAdd(list, "herschel_bulkley", ViscosityHerschelBulkley));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool BodyViscosityVaries(Body body)
+{
+  return (PetscBool)(body->viscosity && body->viscosity->at);
+}
+
+PetscReal BodyViscosity(Body body, PetscReal rate)
+{
+  return BodyViscosityVaries(body) ? body->viscosity->at(body, rate) : body->material.viscosity;
+}
+
+const char *BodyViscosityModel(Body body)
+{
+  return body->viscosity_type;
+}
+
+PetscBool SceneViscosityVaries(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (BodyViscosityVaries(scene->body[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
