@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Velocity of Poiseuille flow from rest, between plates or, of rings, through a pipe.
+"""Velocity of Poiseuille flow from rest, between plates or, of rings, through a pipe; of liquids whose viscosity depends
+on the shear rate the steady flow.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -68,8 +69,52 @@ def check_pipe(folder):
                             physics.at_axis(head, [(f, final)]), 2)]
 
 
+def stress(head):
+    """The shear stress (Pa) as a function of the shear rate (1/s), as -liquid_viscosity_model and its numbers say."""
+    options = physics.options(head)
+
+    def number(name, default=0.0):
+        return float(options.get("-liquid_" + name, default))
+    K, n, model = number("viscosity"), number("viscosity_exponent", 1), options["-liquid_viscosity_model"]
+    if model == "carreau":
+        least, t = number("viscosity_infinite"), number("viscosity_time")
+        return lambda rate: rate * (least + (K - least) * (1 + (t * rate)**2)**((n - 1) / 2))
+    return lambda rate: number("yield_stress") + K * rate**n
+
+
+def steady(law, wall, width, places=4001):
+    """Distance from the wall (m) and velocity (m/s) of the steady flow whose stress falls from wall (Pa) to zero over
+    the width (m): the shear rate from the stress by bisection, and its integral."""
+    y = np.linspace(0, width, places)
+    low, high = np.zeros(places), np.full(places, 1e3)
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        above = law(middle) > wall * (1 - y / width)
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return y, np.concatenate([[0], np.cumsum(0.5 * (low[1:] + low[:-1]) * np.diff(y))])
+
+
+def check_model(folder):
+    *_, (_, head, f) = physics.snapshots(folder)
+    options, rings = physics.options(head), physics.rings(head)
+    along, across = (1, 0) if rings else (0, 1)
+    x, u = f["position"][:, across], f["velocity"][:, along]
+    size = float(options["-box_upper"].split(",")[across])
+    force = 1000 * float(options["-gravity"].split(",")[along])  # N/m3
+    y, profile = steady(stress(head), 0.5 * force * size, size if rings else 0.5 * size)
+    exact = np.interp(size - x if rings else np.minimum(x, size - x), y, profile)
+    volume, error = physics.volumes(head, f), (u - exact) / profile[-1]
+    return [physics.relative("flow rate, last time", np.average(u, weights=volume), np.average(exact, weights=volume),
+                             0.02, "m/s"),
+            physics.relative("largest velocity", u.max(), profile[-1], 0.02, "m/s"),
+            physics.at_most("rms velocity error over U", np.sqrt((error**2).mean()), 0.02),
+            physics.at_most("largest velocity error over U", np.abs(error).max(), 0.02)]
+
+
 def check(folder):
     head = next(physics.snapshots(folder))[1]
+    if "-liquid_viscosity_model" in physics.options(head):
+        return check_model(folder)
     return check_pipe(folder) if physics.rings(head) else physics.shear(folder, exact, U, 0.5e-3)
 
 

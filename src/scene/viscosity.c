@@ -26,7 +26,7 @@ static PetscErrorCode ReadExponent(Body body, OptionItems PetscOptionsObject)
   PetscFunctionBegin;
   PetscCall(OptionReal("-viscosity_exponent",
                        "Exponent n of the shear rate in the stress (1): below 1 the liquid thins when sheared, above "
-                       "it thickens",
+                       "it thickens; required but for herschel_bulkley",
                        "(0, 2]", &law->exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -95,8 +95,9 @@ static PetscErrorCode CarreauSetFromOptions(Body body, OptionItems PetscOptionsO
 
   PetscFunctionBegin;
   PetscCall(ReadExponent(body, PetscOptionsObject));
-  PetscCall(OptionReal("-viscosity_time", "Time t of the liquid (s): at shear rates above 1/t it thins or thickens",
-                       "(0, inf)", &law->time));
+  PetscCall(OptionReal("-viscosity_time",
+                       "Time t of the liquid (s): at shear rates above 1/t it thins or thickens; required", "(0, inf)",
+                       &law->time));
   PetscCall(OptionReal("-viscosity_infinite", "Viscosity at infinite shear rate (Pa s)", "[0, inf)", &law->infinite));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -128,7 +129,7 @@ static PetscErrorCode HerschelBulkleySetFromOptions(Body body, OptionItems Petsc
 
   PetscFunctionBegin;
   law->exponent = 1;
-  PetscCall(OptionReal("-yield_stress", "Shear stress below which the liquid only creeps (Pa)", "(0, inf)",
+  PetscCall(OptionReal("-yield_stress", "Shear stress below which the liquid only creeps (Pa), required", "(0, inf)",
                        &law->yield_stress));
   PetscCall(ReadExponent(body, PetscOptionsObject));
   PetscCall(ReadMax(body, PetscOptionsObject));

@@ -24,9 +24,11 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
                               "explicit, implicit (solver -viscous_ksp_type ...), or auto: implicit in steps that the "
                               "explicit limit would shorten",
                               "StepperSetFromOptions", solvers, 3, solvers[solver], &solver, NULL));
-  PetscCall(OptionReal("-viscosity_step_ratio",
-                       "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound",
-                       "[0, inf)", &viscous->ratio));
+  PetscCall(
+    OptionReal("-viscosity_step_ratio",
+               "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound; where "
+               "viscosity varies over the limit at the shear rate of the scene's own speed over h",
+               "[0, inf)", &viscous->ratio));
   viscous->solver = (ViscousSolver)solver;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,7 +19,8 @@ PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x perio
  -sort_interval 7 """
 RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 14e-3,12e-3 -box_xmax wall -box_ymin wall
  -gravity 0,-9.81 -bodies film,drop,jet -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3
- -film_tension 0.067 -drop_viscosity 0.35 -viscosity_solver implicit
+ -film_tension 0.067 -drop_viscosity 0.35 -viscosity_solver implicit -film_viscosity_model carreau
+ -film_viscosity_exponent 0.5 -film_viscosity_time 0.1 -drop_viscosity_model herschel_bulkley -drop_yield_stress 5
  -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.8e-3 -drop_velocity 0,-3 -drop_tension 0.067 -snapshot_double
  -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4
  -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3e-3 -gauge_forces

@@ -149,7 +149,7 @@ static PetscErrorCode TestWalls(const char walls[], const char label[])
   Setup      s;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(options, sizeof(options), GAP "-packing_jitter 0.2 %s", walls));
+  PetscCall(PetscSNPrintf(options, sizeof(options), GAP "-packing_jitter 0 %s", walls));
   PetscCall(SetupPack(options, &s));
   PetscCall(SetupMoments(&s));
   PetscCall(PetscMalloc1(s.cloud->n_owned, &div));
@@ -246,6 +246,79 @@ static PetscErrorCode TestCone(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The shear rate that a liquid with mu = K times it shows, in a flow v(x) = flow(x) that does not slip at its walls; of
+   particles below y = 5, for next to a free surface the rate is that a little farther inside. */
+static PetscErrorCode TestShearRate(const char options[], void (*flow)(const PetscReal x[DIM], PetscReal v[DIM]),
+                                    PetscReal (*rate)(const PetscReal x[DIM]), PetscReal tolerance, const char name[])
+{
+  const Viscosity viscosity = {.form = VISCOSITY_MORRIS, .no_slip = PETSC_TRUE};
+  char            all[1024];
+  PetscReal       error = 0;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(all, sizeof(all),
+                          "-spacing 1 -bodies a -a_viscosity 5 -a_viscosity_model power_law -a_viscosity_exponent 2 "
+                          "-packing_jitter 0 %s",
+                          options));
+  PetscCall(SetupPack(all, &s));
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < s.cloud->n_owned; a++)
+    if (s.cloud->integer[INT_LAYER][a])
+      PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY] + DIM * a, DIM));
+    else
+      flow(s.cloud->field[FIELD_POSITION] + DIM * a, s.cloud->field[FIELD_VELOCITY] + DIM * a);
+  PetscCall(CloudUpdate(s.cloud, FIELD_VELOCITY));
+  PetscCall(OperatorsApparentViscosity(s.cloud, &viscosity));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a;
+
+    if (x[1] < 5) error = PetscMax(error, PetscAbsReal(s.cloud->field[FIELD_VISCOSITY][a] / 5 - rate(x)));
+  }
+  CHECK_CLOSE(SetupMax(error), 0, tolerance, name);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A flow over the plane y = 2 whose velocity is quadratic in the distance, faster than that of a lid would be. */
+static void Quadratic(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = 3 * (x[1] - 2) - 0.1 * PetscSqr(x[1] - 2);
+  v[1] = v[2] = 0;
+}
+
+static PetscReal QuadraticRate(const PetscReal x[DIM])
+{
+  return PetscAbsReal(3 - 0.2 * (x[1] - 2));
+}
+
+/* A ring drop that is squeezed: 2 D:D = 2 (1/4 + 1/4 + 1). */
+static void Squeeze(const PetscReal x[DIM], PetscReal v[DIM])
+{
+  v[0] = -0.5 * x[0];
+  v[1] = x[1];
+  v[2] = 0;
+}
+
+static PetscReal SqueezeRate(const PetscReal x[DIM])
+{
+  (void)x;
+  return PetscSqrtReal(3);
+}
+
+static PetscErrorCode TestShearRates(void)
+{
+  PetscFunctionBegin;
+  PetscCall(TestShearRate("-dimension 2 -box_lower 0,2 -box_upper 12,20 -box_x periodic -box_ymin wall -a_upper 12,8",
+                          Quadratic, QuadraticRate, 1e-3, "shear_rate_over_a_wall"));
+  PetscCall(TestShearRate("-dimension 2 -box_lower 0,-5 -box_upper 12,20 -box_x periodic -a_lower 0,2 -a_upper 12,8 "
+                          "-solids floor -floor_lower -6,-5 -floor_upper 18,2",
+                          Quadratic, QuadraticRate, 1e-3, "shear_rate_over_a_solid"));
+  PetscCall(TestShearRate("-dimension axisymmetric -box_lower 0,-12 -box_upper 12,12 -a_shape sphere -a_radius 8 ",
+                          Squeeze, SqueezeRate, 1e-4, "shear_rate_of_rings"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A periodic film: how many of its particles have a flag of 1 and of 2 with other limits. The top layer has lambda 0.5,
    the second one 0.9. */
 static PetscErrorCode Flags(PetscReal inner, PetscReal near, PetscReal next, PetscReal count[2])
@@ -295,6 +368,7 @@ int main(int argc, char **argv)
   PetscCall(TestWalls("-a_lower 0,2 -a_upper 10,8 -solids floor,ceiling -floor_lower -5,0 -floor_upper 15,2 "
                       "-ceiling_lower -5,8 -ceiling_upper 15,10",
                       "solids"));
+  PetscCall(TestShearRates());
   PetscCall(TestCone());
   PetscCall(TestSurfaceOptions());
   PetscCall(PetscOptionsClear(NULL));

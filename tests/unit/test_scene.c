@@ -356,6 +356,68 @@ static PetscErrorCode TestScene(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* mu at a shear rate, Pa s. */
+static PetscErrorCode CheckModel(const char options[], PetscReal rate, PetscReal due, const char name[])
+{
+  Domain domain;
+  Scene  scene;
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  CHECK_CLOSE(BodyViscosity(SceneBody(scene, 0), rate) / due, 1, 1e-12, name);
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The laws of src/scene/viscosity.c. */
+static PetscErrorCode TestViscosityModels(void)
+{
+  const char *const thin           = CUBE BALL "-a_viscosity 3 -a_viscosity_model power_law -a_viscosity_exponent 0.5",
+                    *const carreau = CUBE BALL "-a_viscosity 3 -a_viscosity_model carreau -a_viscosity_exponent 0.5 "
+                                               "-a_viscosity_time 2 -a_viscosity_infinite 1",
+                    *const                paste =
+                      CUBE BALL "-a_viscosity 3 -a_viscosity_model herschel_bulkley -a_viscosity_exponent 0.5 "
+                                "-a_yield_stress 7 -a_viscosity_max 1400",
+                    *const bingham = CUBE BALL "-a_viscosity 3 -a_viscosity_model herschel_bulkley -a_yield_stress 7";
+  Domain                                  domain;
+  Scene                                   scene;
+
+  PetscFunctionBegin;
+  PetscCall(CheckModel(CUBE BALL "-a_viscosity 3", 4, 3, "newtonian"));
+  PetscCall(CheckModel(thin, 4, 1.5, "power_law"));
+  PetscCall(CheckModel(thin, 0, 3000, "power_law_at_rest"));
+  PetscCall(CheckModel(CUBE BALL "-a_viscosity 3 -a_viscosity_model power_law -a_viscosity_exponent 1.5", 4, 6,
+                       "power_law_that_thickens"));
+  PetscCall(CheckModel(carreau, 0, 3, "carreau_at_rest"));
+  PetscCall(CheckModel(carreau, PetscSqrtReal(15) / 2, 2, "carreau"));
+  PetscCall(CheckModel(paste, 4, 7.0 / 4 + 1.5, "herschel_bulkley"));
+  PetscCall(CheckModel(paste, 0.005, 7 * (1 - PetscExpReal(-1)) / 0.005 + 3 / PetscSqrtReal(0.005),
+                       "herschel_bulkley_regularised"));
+  PetscCall(CheckModel(paste, 0, 1400, "herschel_bulkley_at_rest"));
+  PetscCall(CheckModel(bingham, 1e3, 3.007, "bingham"));
+  PetscCall(CheckModel(bingham, 0, 1e4, "bingham_at_rest"));
+  PetscCall(Read(bingham, &domain, &scene));
+  CHECK(SceneViscosityVaries(scene) && SceneHasViscosity(scene), "viscosity_varies");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model jelly", "newtonian, power_law, carreau, herschel_bulkley",
+                    "refuse_viscosity_model"));
+  PetscCall(
+    Refused(CUBE BALL "-a_viscosity_model power_law", "-a_viscosity_exponent is missing", "refuse_no_exponent"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model power_law -a_viscosity_exponent 3", "-a_viscosity_exponent is 3",
+                    "refuse_exponent"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model power_law -a_viscosity_exponent 0.5 -a_viscosity 0",
+                    "-a_viscosity is 0", "refuse_model_without_viscosity"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model carreau -a_viscosity_exponent 0.5", "-a_viscosity_time is missing",
+                    "refuse_no_time"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model carreau -a_viscosity_exponent 0.5 -a_viscosity_time 1 "
+                              "-a_viscosity_infinite 2",
+                    "at most -a_viscosity", "refuse_viscosity_infinite"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model herschel_bulkley", "-a_yield_stress is missing", "refuse_no_yield"));
+  PetscCall(Refused(CUBE BALL "-a_viscosity_model herschel_bulkley -a_yield_stress 1 -a_viscosity_max 1e-4",
+                    "must be more than -a_viscosity", "refuse_viscosity_max"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TestRefusals(void)
 {
   PetscFunctionBegin;
@@ -459,6 +521,7 @@ int main(int argc, char **argv)
   PetscCall(TestVelocities());
   PetscCall(TestScene());
   PetscCall(TestRefusals());
+  PetscCall(TestViscosityModels());
   PetscCall(TestHelp());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

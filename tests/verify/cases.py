@@ -78,6 +78,16 @@ ENTRIES += [Entry("couette", "rings", file=RINGS), Entry("poiseuille", "rings", 
 IMPLICIT = "-viscosity_solver implicit -time_step_max 3e-3"
 ENTRIES += [Entry("couette", "steps of 9 explicit limits", IMPLICIT, TEST),
             Entry("poiseuille", "steps of 9 explicit limits", IMPLICIT, TEST)]
+# viscosity that depends on the shear rate
+MODELS = {"power law, n = 0.5": "power_law -liquid_viscosity_exponent 0.5",
+          "power law, n = 1.5": "power_law -liquid_viscosity_exponent 1.5",
+          "Carreau": "carreau -liquid_viscosity_exponent 0.5 -liquid_viscosity_time 10 -liquid_viscosity_infinite 10",
+          "Bingham": "herschel_bulkley -liquid_yield_stress 30"}
+for model, numbers in MODELS.items():
+    numbers = "-liquid_viscosity_model " + numbers
+    ENTRIES += [Entry("poiseuille", model, numbers, TEST if "0.5" in model else SHORT, file="models.opts"),
+                Entry("poiseuille", model + ", pipe", numbers, file="models_rings.opts")]
+ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
