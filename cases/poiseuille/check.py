@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Velocity of Poiseuille flow from rest, between plates or, of rings, through a pipe; of liquids whose viscosity depends
-on the shear rate the steady flow.
+"""Velocity of Poiseuille flow from rest, between plates or, of rings, through a pipe; of liquids whose viscosity
+depends on the shear rate the steady flow.
 check.py RUN_FOLDER"""
 import os
 import sys
