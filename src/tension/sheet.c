@@ -7,8 +7,8 @@
 
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
-   which is pairwise and central: momentum and angular momentum are kept. A sheet of one particle pulls its edge back
-   with 2 sigma per unit of length (cases/retracting_sheet). Three limits:
+   which is pairwise and central. A sheet of one particle pulls its edge back with 2 sigma per unit of length
+   (cases/retracting_sheet). Three limits:
    - Where curvature.c sees the sides, nothing may be added. There phi is that of the flat surface which |grad phi|
    tells of, and S' fades out with what phi lacks to that.
    - Below THICKNESS_SPRAY, where particles are nearly alone, S' stays as it is there.
@@ -26,21 +26,24 @@
    sigma (w^2 - w) (dn/n)^2 per area. That is negative, and the wave grows e-fold in 0.5 ms at a thickness of 0.25 mm.
    So particles repel each other at a shorter range. With W_c, of SHEET_CORE H and the same integral over the plane, in
 
-     grad W^H + (grad W^H - grad W_c)
+     grad W^H + P (grad W^H - grad W_c)
 
    instead of grad W^H, the energy becomes 2 sigma (w^2 - w + (w_c - w)) (dn/n)^2. Its minimum is -0.03 sigma instead of
-   -0.5 sigma, and the crown of the drop impact holds. 4/3 of this repulsion would leave no wave that grows, but pushes
-   particles out of the plane more. The pull of the edge stays, but for what sums over a lattice of that spacing differ
-   from integrals (2 % of W_c). */
+   -0.5 sigma, and the crown of the drop impact holds. The pull of the edge stays, but for what sums over a lattice of
+   that spacing differ from integrals (2 % of W_c). P projects onto the plane of the sheet, that of the thin particle of
+   the pair: repulsion along the line between two particles would push those out of the plane that have left it, and a
+   row of particles would zigzag and break within a millisecond. Momentum is kept exactly, angular momentum as well as
+   the sheet is flat. */
 #include "tension_impl.h"
 
 /* Chosen for this model, no reference. */
 #define THICKNESS_SPRAY                                                                                                \
-  0.41                 /* over the spacing; a thinner sheet would have more surface than the particles as spheres */
-#define LACK_NONE 0.2  /* what phi lacks to the flat surface that grad phi tells of: below this no S', ... */
-#define LACK_ALL  0.65 /* ... and above this all of it */
-#define FLAT_NONE 0.2  /* second over largest moment of the neighbours: below this a thread, no S', ... */
-#define FLAT_ALL  0.5  /* ... and above this a sheet, all of it */
+  0.41                    /* over the spacing; a thinner sheet would have more surface than the particles as spheres */
+#define LACK_NONE    0.2  /* what phi lacks to the flat surface that grad phi tells of: below this no S', ... */
+#define LACK_ALL     0.65 /* ... and above this all of it */
+#define FLAT_NONE    0.2  /* second over largest moment of the neighbours: below this a thread, no S', ... */
+#define FLAT_ALL     0.5  /* ... and above this a sheet, all of it */
+#define MOMENT_LEAST 1e-4 /* added to the moments, relative to their trace, so that an even plane has a normal */
 
 /* 0 for x below 'none', 1 above 'all', a line between. Both factors below are the smooth step 3 t^2 - 2 t^3 of it. */
 static PetscReal Ramp(PetscReal none, PetscReal all, PetscReal x)
@@ -70,18 +73,14 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
     slope * phi / (V * cloud->rest_density[a] * r) * PetscMax(0, PetscMin(1, others));
 }
 
-/* How flat the neighbourhood of the particle at place p is, whose n neighbours are collected: from the second over the
-   largest eigenvalue of sum W r (x) r, which is 1 in a sheet and at its edge and small in a thread. 0 for threads, 1
-   for sheets. */
-static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
+/* The second moments M = sum W r (x) r of the n collected neighbours of the particle at place p. */
+static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6])
 {
   const Liquid *liquid         = &tension->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
-  PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], opposite[6], largest, t, scale_w, scale_f,
-            inverse_h2;
-  float s[CHUNK], W[CHUNK];
+  PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], scale_w, scale_f, inverse_h2;
+  float     s[CHUNK], W[CHUNK];
 
-  if (tension->dim == 2) return 1;
   LiquidPosition(liquid, p, x);
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
@@ -101,8 +100,21 @@ static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
       yz += W[k] * dy * dz;
     }
   }
-  const PetscReal M[6] = {xx, yy, zz, xy, xz, yz};
+  M[0] = xx;
+  M[1] = yy;
+  M[2] = zz;
+  M[3] = xy;
+  M[4] = xz;
+  M[5] = yz;
+}
 
+/* How flat a neighbourhood with the second moments M is: from the second over the largest eigenvalue, which is 1 in a
+   sheet and at its edge and small in a thread. 0 for threads, 1 for sheets. */
+static PetscReal Flatness(PetscInt dim, const PetscReal M[6])
+{
+  PetscReal opposite[6], largest, t;
+
+  if (dim == 2) return 1;
   for (PetscInt d = 0; d < 6; d++) opposite[d] = -M[d];
   largest = -SymmetricSmallestEigenvalue(DIM, opposite);
   if (largest <= 0) return 0; /* it is alone */
@@ -111,23 +123,40 @@ static PetscReal Flatness(Tension tension, PetscInt p, PetscInt n)
   return t * t * (3 - 2 * t);
 }
 
-/* Adds the pull f d of ring b, thin, on its neighbour a, d = x_a - x_b, to its acceleration; what a gives to b over
-   1/rho to sum. */
-static void PullRing(Cloud cloud, PetscInt b, PetscInt a, PetscReal f, const PetscReal d[DIM], PetscReal sum[DIM])
+/* P = I - M^-1/tr M^-1 projects onto the plane of a sheet with the second moments M; for equal moments it is I less its
+   mean. */
+static void SheetPlane(PetscInt dim, const PetscReal M[6], PetscReal P[6])
+{
+  const PetscReal small = MOMENT_LEAST * (M[0] + M[1] + M[2]);
+  PetscReal       regular[6], inverse[6], trace = 0;
+
+  for (PetscInt d = 0; d < 6; d++) {
+    regular[d] = M[d] + (d < DIM ? small : 0);
+    P[d]       = d < DIM ? 1 : 0;
+  }
+  if (small <= 0) return;
+  SymmetricInverse(dim, regular, inverse);
+  for (PetscInt d = 0; d < dim; d++) trace += inverse[d];
+  for (PetscInt d = 0; d < 6; d++) P[d] -= inverse[d] / trace;
+}
+
+/* Adds the pull 'pull' of ring b, thin, on its neighbour a, over their weights, to its acceleration; what a gives to b
+   over 1/rho to sum. */
+static void PullRing(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[DIM], PetscReal sum[DIM])
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
-  const PetscReal  on_a = f * cloud->weight[b] * DomainRingLength(cloud->domain, x + DIM * b) /
+  const PetscReal  on_a = cloud->weight[b] * DomainRingLength(cloud->domain, x + DIM * b) /
                          (DomainRingLength(cloud->domain, x + DIM * a) * cloud->rest_density[a]);
 
   for (PetscInt e = 0; e < DIM; e++) {
-    sum[e] += f * cloud->weight[a] * d[e];
-    if (a < cloud->n_owned) cloud->field[FIELD_ACCELERATION][DIM * a + e] -= on_a * d[e];
+    sum[e] += cloud->weight[a] * pull[e];
+    if (a < cloud->n_owned) cloud->field[FIELD_ACCELERATION][DIM * a + e] -= on_a * pull[e];
   }
 }
 
-/* Adds the pull of the thin particle at place p, whose sigma S' is slope, on all n collected candidates, and theirs on
-   it. Column 3 holds the local indices. */
-static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope)
+/* Adds the pull of the thin particle at place p, whose sigma S' is slope and whose sheet lies in the plane P, on all n
+   collected candidates, and theirs on it. Column 3 holds the local indices. */
+static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope, const PetscReal P[6])
 {
   const Liquid  *liquid = &tension->liquid;
   const PetscInt b      = LiquidParticle(liquid, p);
@@ -146,22 +175,22 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, NULL, F);
     for (PetscInt k = 0; k < m; k++) {
-      const PetscInt  a = (PetscInt)liquid->near[DIM * liquid->stride + begin + k];
-      const PetscReal f = slope * (2 * scale_f * F[k] - SHEET_CORE * core_f * core[k]);
+      const PetscReal *near = liquid->near + begin + k;
+      const PetscInt   a    = (PetscInt)near[DIM * liquid->stride];
+      const PetscReal  f = slope * scale_f * F[k], spread = f - slope * SHEET_CORE * core_f * core[k],
+                      d[DIM] = {near[0] - x[0], near[liquid->stride] - x[1], near[2 * liquid->stride] - x[2]};
+      PetscReal pull[DIM];
 
       if (F[k] == 0) continue;
+      TensorApply(P, d[0], d[1], d[2], pull);
+      for (PetscInt e = 0; e < DIM; e++) pull[e] = f * d[e] + spread * pull[e];
       if (tension->rings) {
-        const PetscReal *near  = liquid->near + begin + k,
-                        d[DIM] = {near[0] - x[0], near[liquid->stride] - x[1], near[2 * liquid->stride] - x[2]};
-
-        PullRing(cloud, b, a, f, d, sum);
+        PullRing(cloud, b, a, pull, sum);
         continue;
       }
       for (PetscInt e = 0; e < DIM; e++) {
-        const PetscReal pull = f * (liquid->near[e * liquid->stride + begin + k] - x[e]);
-
-        sum[e] += pull;
-        if (a < cloud->n_owned) out[DIM * a + e] -= pull / cloud->rest_density[a];
+        sum[e] += pull[e];
+        if (a < cloud->n_owned) out[DIM * a + e] -= pull[e] / cloud->rest_density[a];
       }
     }
   }
@@ -171,21 +200,27 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
 
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[])
 {
-  Liquid  *liquid = &tension->liquid;
-  PetscInt cell = -1, n = 0;
+  Liquid    *liquid = &tension->liquid;
+  PetscInt   cell = -1, n = 0;
+  PetscReal *plane;
 
   PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 6, &plane));
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
+    PetscReal      M[6];
 
     if (a >= cloud->n_owned || slope[a] == 0) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM), 1, &n));
     }
-    slope[a] *= Flatness(tension, p, n);
+    SecondMoments(tension, p, n, M);
+    slope[a] *= Flatness(tension->dim, M);
+    SheetPlane(tension->dim, M, plane + 6 * a);
   }
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));
+  PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, plane));
   for (PetscInt p = 0; p < liquid->count; p++)
     liquid->sorted[DIM * liquid->count + p] = (PetscReal)LiquidParticle(liquid, p);
   cell = -1;
@@ -197,7 +232,8 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[])
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
     }
-    Pull(tension, cloud, p, n, slope[a]);
+    Pull(tension, cloud, p, n, slope[a], plane + 6 * a);
   }
+  PetscCall(CloudRestoreWork(cloud, &plane));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

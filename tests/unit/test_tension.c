@@ -272,6 +272,39 @@ static PetscErrorCode TestUnevenSheet(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A sheet of one particle whose particles leave its plane in turn, along x or in a chequerboard: the forces bring them
+   back. */
+static PetscErrorCode TestZigzagSheet(void)
+{
+  const PetscInt  strip[DIM] = {42, 14, 1};
+  const PetscReal any[] = {0, 1000}, step = 0.05;
+
+  PetscFunctionBegin;
+  for (PetscInt chequered = 0; chequered < 2; chequered++) {
+    const PetscInt n    = Fill(InShell, any, strip, origin, 0);
+    PetscReal      work = 0;
+    Setup          s;
+
+    for (PetscInt a = 0; a < n; a++) {
+      const PetscInt i = (PetscInt)PetscFloorReal(points[DIM * a]), j = (PetscInt)PetscFloorReal(points[DIM * a + 1]);
+
+      points[DIM * a + 2] += (i + chequered * j) % 2 == 0 ? step : -step;
+    }
+    PetscCall(SetupFill(STRIP, n, points, 0, &s));
+    PetscCall(SetupMoments(&s));
+    PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+    PetscCall(TensionApply(s.tension, s.cloud));
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+      const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a;
+
+      if (PetscAbsReal(x[0]) < 7) work += s.cloud->field[FIELD_ACCELERATION][DIM * a + 2] * x[2]; /* the edges pull */
+    }
+    PetscCall(SetupClose(&s));
+    CHECK(SetupSum(work) < 0, chequered ? "sheet_flat_chequered" : "sheet_flat_zigzag");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Threads of one particle are not pulled as sheets are: their ends stay. */
 static PetscErrorCode TestThread(void)
 {
@@ -468,6 +501,7 @@ int main(int argc, char **argv)
   PetscCall(TestExtremes());
   PetscCall(TestSheet());
   PetscCall(TestUnevenSheet());
+  PetscCall(TestZigzagSheet());
   PetscCall(TestThread());
   PetscCall(TestContact());
   PetscCall(TestBand());
