@@ -123,8 +123,7 @@ static void CountKinds(Cloud cloud)
   cloud->layout++;
 }
 
-/* Normals of the solids at their dummy particles, ghosts too. */
-static PetscErrorCode FindSolidNormals(Cloud cloud)
+PetscErrorCode CloudFindSolidNormals(Cloud cloud)
 {
   PetscFunctionBegin;
   if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -162,7 +161,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
   if (cloud->domain->rings) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
-  PetscCall(FindSolidNormals(cloud));
+  PetscCall(CloudFindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   cloud->halo_builds++;
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_HALO), 0, 0, 0, 0));

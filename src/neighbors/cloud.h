@@ -84,6 +84,9 @@ PetscErrorCode CloudBegin(Cloud cloud);
 /* CloudMoved - call after positions of owned particles changed: updates the ghosts' positions (all fields of a step's
    start if they had to be chosen again). Collective. */
 PetscErrorCode CloudMoved(Cloud cloud);
+/* CloudFindSolidNormals - solid_normal, ghosts too, at the positions of the cloud: again after solids have moved.
+   Collective. */
+PetscErrorCode CloudFindSolidNormals(Cloud cloud);
 /* CloudWeigh - a value of a sum over neighbours times the weight of particle a; without weights it is rounded as if
    there were no factor. Not collective. */
 static inline PetscReal CloudWeigh(Cloud cloud, PetscInt a, PetscReal value)

@@ -86,6 +86,30 @@ static PetscErrorCode AddShape(Lines *lines, Domain domain, Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where two corners of the box would be if they moved with a solid, at two times that no motion has a period of. */
+static PetscErrorCode AddMotion(Lines *lines, Domain domain, Body solid)
+{
+  const PetscReal times[2] = {0.3183098861, 0.7390851332}; /* s */
+  PetscReal       sum      = 0;
+
+  PetscFunctionBegin;
+  if (!BodyMoves(solid)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscReal x[2][DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      x[0][d] = domain->lower[d];
+      x[1][d] = domain->upper[d];
+    }
+    for (PetscInt c = 0; c < 2; c++) {
+      BodyMove(solid, 0, times[k], x[c]);
+      for (PetscInt d = 0; d < domain->dim; d++) sum += (PetscReal)(1 + c + 2 * d + 6 * k) * x[c][d] / domain->spacing;
+    }
+  }
+  PetscCall(AddLine(lines, "motion of %s ~ %.9g", BodyName(solid), (double)sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode AddBodies(Lines *lines, Domain domain, Scene scene)
 {
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
@@ -109,11 +133,12 @@ static PetscErrorCode AddBodies(Lines *lines, Domain domain, Scene scene)
 
 PetscErrorCode RestartSceneText(Output output, char **text)
 {
-  const Cloud  cloud  = output->cloud;
-  const Domain domain = cloud->domain;
-  const Scene  scene  = cloud->scene;
-  Lines        lines  = {.text = NULL};
-  char         number[LINE_LENGTH];
+  const Cloud     cloud  = output->cloud;
+  const Domain    domain = cloud->domain;
+  const Scene     scene  = cloud->scene;
+  const PetscReal time   = SceneSolidTime(scene);
+  Lines           lines  = {.text = NULL};
+  char            number[LINE_LENGTH];
 
   PetscFunctionBegin;
   if (domain->rings) PetscCall(AddLine(&lines, "-dimension = axisymmetric"));
@@ -128,10 +153,13 @@ PetscErrorCode RestartSceneText(Output output, char **text)
             (double)(KernelSupport(cloud->kernel) / KernelSmoothingLength(cloud->kernel)),
             (double)(KernelSelf(cloud->kernel) * PetscPowRealInt(KernelSmoothingLength(cloud->kernel), domain->dim))));
   PetscCall(AddBodies(&lines, domain, scene));
+  SceneMoveSolids(scene, 0);
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
     PetscCall(AddLine(&lines, "solid %d of -solids = %s", (int)b + 1, BodyName(SceneSolid(scene, b))));
     PetscCall(AddShape(&lines, domain, SceneSolid(scene, b)));
+    PetscCall(AddMotion(&lines, domain, SceneSolid(scene, b)));
   }
+  SceneMoveSolids(scene, time);
   *text = lines.text;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

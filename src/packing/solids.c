@@ -27,6 +27,7 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
     if (s > 0 || s <= -solids->depth) continue;
     sample.id = sample.parent = solids->first_id + number++;
     sample.body               = BODY_SOLID - solid;
+    BodyMotion(SceneSolid(solids->scene, solid), SceneSolidTime(solids->scene), sample.x, sample.v);
     PetscCall(visitor(context, &sample));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

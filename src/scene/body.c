@@ -29,6 +29,7 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscCall(PetscFree((*body)->velocity_data));
   PetscCall(PetscFree((*body)->viscosity_data));
   PetscCall(PetscFree((*body)->emitter));
+  PetscCall(PetscFree((*body)->motion));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -46,7 +47,10 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer)
                                    body->emitter ? "emitter, " : "", body->shape_type, (double)lower[0],
                                    (double)lower[1], (double)lower[2], (double)upper[0], (double)upper[1],
                                    (double)upper[2]));
-  if (!body->velocity) PetscFunctionReturn(PETSC_SUCCESS); /* a solid */
+  if (!body->velocity) { /* a solid */
+    PetscCall(MotionView(body, viewer));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "density %g kg/m3, viscosity %g Pa s%s%s, tension %g N/m, color %" PetscInt_FMT "\n",
@@ -75,7 +79,11 @@ PetscInt BodyColor(Body body)
 
 PetscReal BodyDistance(Body body, const PetscReal x[DIM])
 {
-  return body->shape->distance(body, x);
+  PetscReal y[DIM];
+
+  if (!body->motion) return body->shape->distance(body, x);
+  MotionBack(body, x, y);
+  return body->shape->distance(body, y);
 }
 
 PetscBool BodyContains(Body body, const PetscReal x[DIM])

@@ -192,6 +192,8 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
   PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
   PetscCall(SetUp(&body->shape->choice, body));
+  PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
+  PetscCall(MotionSetUp(body));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -238,6 +240,9 @@ PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
   PetscCall(HelpChoices(body, choices->viscosities, "viscosity_model", &body->viscosity_data));
   PetscCall(HelpChoices(body, choices->velocities, "velocity_type", &body->velocity_data));
   PetscCall(HelpChoices(body, choices->types, "type", &body->emitter));
+  PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
+  PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
+  PetscOptionsEnd();
   PetscCall(BodyDestroy(&body));
   PetscCall(DomainDestroy(&domain));
   PetscFunctionReturn(PETSC_SUCCESS);

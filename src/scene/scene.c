@@ -73,7 +73,7 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids)
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
   PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
                                     "SceneSetFromOptions", bodies->name, &bodies->count, NULL));
-  PetscCall(PetscOptionsStringArray("-solids", "Names of fixed solids, separated by commas", "SceneSetFromOptions",
+  PetscCall(PetscOptionsStringArray("-solids", "Names of solids, separated by commas", "SceneSetFromOptions",
                                     solids->name, &solids->count, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
                                 "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));

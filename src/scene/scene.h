@@ -14,8 +14,10 @@
    Liquid inside the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed is v (1 + e sin
    2 pi f t).
 
-   -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: fixed obstacles, no-slip as far as the viscous
-   form makes the walls of the box so. They may touch and overlap each other and the faces of the box.
+   -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: obstacles, no-slip as far as the viscous form
+   makes the walls of the box so. They may touch and overlap each other and the faces of the box. They are fixed or move
+   as their options say (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
+   _rotation_center; what is asked about them is so at the time set last (SceneMoveSolids).
 
    Sizes (m): box _lower, _upper (default: the simulation box); sphere _center, _radius; cylinder _center, _radius,
    _axis x|y|z or a vector, _height (0: infinite); ellipsoid _center, _radii; half_space _point, _normal (out of the
@@ -84,6 +86,20 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
 /* SceneSolidNormal - unit vector n out of the nearest solid at x (m), by differences of the distance; zero where that
    is flat. */
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM]);
+/* BodyMoves - whether a solid moves; BodyMovesAs - whether it moves as another one does. BodyMove - moves a point of
+   the solid from its place x (m) at one time (s) to its place at another. BodyMotion - the velocity v (m/s) of its
+   point that is at x (m) at the time; zero if it does not move. */
+PetscBool BodyMoves(Body solid);
+PetscBool BodyMovesAs(Body solid, Body other);
+void      BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM]);
+void      BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
+/* SceneSolidsMove - whether any solid does. SceneMoveSolids - puts all where they are at the time (s), 0 at first:
+   distances and normals are so from here on. SceneSolidTime - that time. SceneSolidSpeed - no point of any solid is
+   ever faster than this (m/s). */
+PetscBool SceneSolidsMove(Scene scene);
+void      SceneMoveSolids(Scene scene, PetscReal time);
+PetscReal SceneSolidTime(Scene scene);
+PetscReal SceneSolidSpeed(Scene scene);
 /* BodyDistance - signed distance of x (m) to the surface of the shape, negative inside; the box is not part of it. */
 PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 /* BodyContains - whether x (m) is inside the shape and inside the box. */

@@ -64,6 +64,7 @@ struct _p_Body {
   char                type[SCENE_NAME_LENGTH];
   void               *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
   PetscInt            color;
+  struct _p_Motion   *motion; /* of a solid that moves; else NULL */
 };
 
 struct _p_Scene {
@@ -75,6 +76,7 @@ struct _p_Scene {
   PetscReal gravity[DIM];                      /* m/s2 */
   PetscReal central_rate;                      /* 1/s */
   PetscReal amplitude[DIM], angular_frequency; /* of the part of gravity that swings, m/s2, rad/s */
+  PetscReal solid_time;                        /* at which solids are asked where they are, s */
   PetscReal shake[DIM];                        /* that part at the time set last, m/s2 */
 };
 
@@ -102,8 +104,16 @@ PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list);
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
 PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices);
-/* SolidSetFromOptions - the shape alone: all a solid has. Collective. */
+/* SolidSetFromOptions - shape and motion: all a solid has. Collective. */
 PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
+/* MotionSetFromOptions - makes the motion of a solid from its options; MotionSetUp - refuses what does not fit
+   together, and removes a motion of nothing. Collective. MotionView - prints it. MotionSetTime - the time (s) at which
+   MotionBack finds the place y (m) at the time 0 of the solid's point that is at x (m). */
+PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode MotionSetUp(Body body);
+PetscErrorCode MotionView(Body body, PetscViewer viewer);
+void           MotionSetTime(Body body, PetscReal time);
+void           MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 

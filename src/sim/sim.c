@@ -140,6 +140,9 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
                  "neither -time_end (s) nor -steps_max says when the run ends");
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
+  PetscCheckUser(
+    sim->relaxation_time == 0 || !SceneSolidsMove(sim->scene), comm,
+    "-packing_relaxation_time cannot be used with solids that move: they would during the relaxation, too");
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
   PetscCall(DumpFinish(sim));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE, OwnNames));
@@ -153,12 +156,14 @@ PetscErrorCode SimSetUp(Sim sim)
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
+  SceneMoveSolids(sim->scene, sim->state.time);
   PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
   if (restarting) {
     PetscCall(OutputRestart(sim->output, sim->restart, &sim->state));
     PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
                    "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time,
                    (double)sim->time_end);
+    SceneMoveSolids(sim->scene, sim->state.time);
     PetscCall(CloudResync(sim->cloud));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));

@@ -42,7 +42,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(StepKick(stepper, dt));
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));
-  PetscCall(StepGuard(stepper, cloud->field[FIELD_POSITION], trial));
+  PetscCall(StepGuard(stepper, dt, cloud->field[FIELD_POSITION], trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -56,7 +56,7 @@ static PetscErrorCode Correct(Stepper stepper, PetscReal dt, const PetscReal sta
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StepKick(stepper, dt));                        /* Eq. (9) */
   PetscCall(StepDriftOn(stepper, dt, start, PETSC_FALSE)); /* Eq. (10) */
-  PetscCall(StepGuard(stepper, start, trial));
+  PetscCall(StepGuard(stepper, dt, start, trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,11 +24,14 @@ static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscRea
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal deep = distance - SceneSolidDistance(cloud->scene, x + DIM * a, NULL);
-    PetscReal       n[DIM], inwards;
+    PetscReal       n[DIM], u[DIM], inwards;
+    PetscInt        solid = 0;
 
     if (deep <= 0) continue;
+    (void)SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
+    BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), x + DIM * a, u);
     SceneSolidNormal(cloud->scene, x + DIM * a, n);
-    inwards = PetscMin(0, Dot(v + DIM * a, n));
+    inwards = PetscMin(0, Dot(v + DIM * a, n) - Dot(u, n));
     for (PetscInt d = 0; d < DIM; d++) {
       x[DIM * a + d] += deep * n[d];
       v[DIM * a + d] -= inwards * n[d];

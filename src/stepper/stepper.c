@@ -179,6 +179,19 @@ static PetscErrorCode CheckRings(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Solids move with the liquid's positions, half way and at the end of a step. */
+static PetscErrorCode CheckSolids(Stepper s)
+{
+  PetscBool consistent;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrcmp(s->scheme_type, SCHEME_CONSISTENT, &consistent));
+  PetscCheckUser(!SceneSolidsMove(s->cloud->scene) || (consistent && s->force_time > 0), s->cloud->comm,
+                 "a solid of the scene moves, which needs -scheme " SCHEME_CONSISTENT " with -time_centered, the "
+                 "default");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperSetFromOptions(Stepper s)
 {
   PetscReal velocity;
@@ -192,6 +205,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
   PetscCall(CheckRings(s));
+  PetscCall(CheckSolids(s));
   s->reference_velocity = velocity = StepperReferenceVelocity(s);
   if (s->ops.check) PetscCall(s->ops.check(s));
   if (velocity > 0)
@@ -320,10 +334,16 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, end, &dt));
   stepper->first = (PetscBool)(state->step == 0);
+  stepper->time  = state->time;
   *failed        = PETSC_TRUE;
+  if (SceneSolidsMove(cloud->scene)) {
+    PetscCall(SolidsCheck(cloud, state->time, state->time + dt, why, length));
+    if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     trial = (StepTrial){.diagnose = diagnose};
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
+    SceneMoveSolids(cloud->scene, state->time);
     PetscCall(stepper->ops.step(stepper, dt, &trial));
     PetscCall(TrialReduce(stepper, &trial));
     PetscCall(TrialCheck(stepper, dt, &trial, why, length));

@@ -110,6 +110,7 @@ struct _p_Stepper {
   PetscBool      relaxing;           /* StepperSetRelaxation: no body force */
   PetscReal      damping;            /* velocities are multiplied with it in each step */
   PetscReal      relaxation_step;    /* s; 0: as in the run */
+  PetscReal      time;               /* s, at the start of the step */
   PetscBool      first;              /* the step is the first of a run */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */
@@ -157,14 +158,24 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt);
    of the drift is done. from ([n_fluid][3], m). */
 PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done);
 /* StepGuard - the wall guard (guard.c) on FIELD_POSITION_NEW and FIELD_VELOCITY_NEW, which then become FIELD_POSITION
-   and FIELD_VELOCITY; adds the largest displacement since 'from' ([n_fluid][3], m) to the trial. */
-PetscErrorCode StepGuard(Stepper stepper, const PetscReal from[], StepTrial *trial);
+   and FIELD_VELOCITY, with solids that move at the end of the step; adds the largest displacement since 'from'
+   ([n_fluid][3], m) to the trial. */
+PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial);
 
 /* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: a particle closer to a wall face or solid
    than 'distance' (m) is set back to it and loses its velocity into the wall; one that crossed a symmetry face is
    mirrored back. The Neumann condition of the pressure makes walls impermeable to first order only; this is the
    remainder. Not collective. */
 PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[]);
+
+/* --- solids.c --- */
+
+/* SolidsMove - the solids that move, and their dummy particles, from their places at the time 'from' to those at the
+   time 'to', with their velocities at the time 'end' (s). Not collective. */
+PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
+/* SolidsCheck - 'why' says in a sentence of at most 'length' bytes that a solid would leave the box, or go into another
+   one, between the two times (s); empty if not. Collective. */
+PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[], size_t length);
 
 /* --- trial.c --- */
 

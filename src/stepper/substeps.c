@@ -12,7 +12,13 @@ PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
   if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
+  if (SceneSolidsMove(cloud->scene))
+    PetscCall(SolidsMove(cloud, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt));
   PetscCall(CloudMoved(cloud));
+  if (SceneSolidsMove(cloud->scene)) {
+    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+    PetscCall(CloudFindSolidNormals(cloud));
+  }
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -82,13 +88,18 @@ PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepGuard(Stepper stepper, const PetscReal from[], StepTrial *trial)
+PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
   PetscReal *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
+  if (SceneSolidsMove(cloud->scene)) {
+    const PetscReal end = stepper->time + dt;
+
+    PetscCall(SolidsMove(cloud, stepper->time + 0.5 * dt, end, end));
+  }
   PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r_new, v_new));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal moved[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],

@@ -100,9 +100,10 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
 {
   Cloud                 cloud  = stepper->cloud;
   const TimeStepLimits *limits = &stepper->limits;
-  const PetscReal       h = KernelSmoothingLength(cloud->kernel), fastest = extreme[FASTEST];
-  const PetscReal       spray_path = limits->spray_share * stepper->trial.displacement * cloud->domain->spacing;
-  StepBounds            bounds     = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
+  const PetscReal       h      = KernelSmoothingLength(cloud->kernel),
+                  fastest      = PetscMax(extreme[FASTEST], SceneSolidSpeed(cloud->scene));
+  const PetscReal spray_path   = limits->spray_share * stepper->trial.displacement * cloud->domain->spacing;
+  StepBounds      bounds       = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
 
   if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
   if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
@@ -204,6 +205,7 @@ static void FindScales(Stepper stepper, Scales *scales)
     if (TensionReach(stepper->tension) > 0)
       scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
   }
+  scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
   for (PetscInt f = 0; f < DIM * 2; f++)
     scales->speed = PetscMax(scales->speed, Norm(cloud->domain->wall_velocity[f / 2][f % 2]));
 }
@@ -223,7 +225,7 @@ PetscReal StepperEnergyAtHand(Stepper stepper)
   PetscReal    energy;
 
   FindScales(stepper, &scales);
-  if (SceneEmits(stepper->cloud->scene)) return 0;
+  if (SceneEmits(stepper->cloud->scene) || SceneSolidsMove(stepper->cloud->scene)) return 0;
   energy = 0.5 * scales.speed * scales.speed + scales.capillary;
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (scales.acceleration[d] > 0 && domain->face[d][0] == FACE_PERIODIC) return 0;

@@ -1,0 +1,233 @@
+/* Motion of solids: where a solid is at each time, as a function of the time alone, so that a run that is continued has
+   it where it was. At the time 0 it is where its shape says:
+
+     x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)),
+
+   X the place at the time 0, c the centre of the rotation, R(t) the rotation by the angle |rate| t about the direction
+   of the rate. */
+#include "scene_impl.h"
+#include <string.h>
+
+#define DEGREE (PETSC_PI / 180)
+
+struct _p_Motion {
+  PetscReal velocity[DIM];              /* m/s */
+  PetscReal amplitude[DIM], w, phase;   /* m, rad/s, rad */
+  PetscReal rate[DIM + 1], center[DIM]; /* rad/s; m; one number more, to notice too many */
+  PetscInt  rates;                      /* numbers given */
+  PetscReal shift[DIM], turn[DIM][DIM]; /* s and R at the time set last */
+};
+
+/* s (m) and, if wanted, its rate (m/s) at the time (s). */
+static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) {
+    shift[d] =
+      m->velocity[d] * time + m->amplitude[d] * (PetscSinReal(m->w * time + m->phase) - PetscSinReal(m->phase));
+    if (rate) rate[d] = m->velocity[d] + m->amplitude[d] * m->w * PetscCosReal(m->w * time + m->phase);
+  }
+}
+
+/* R at the time (s), after Rodrigues. */
+static void Turn(const struct _p_Motion *m, PetscReal time, PetscReal turn[DIM][DIM])
+{
+  const PetscReal size = Norm(m->rate), c = PetscCosReal(size * time), s = PetscSinReal(size * time);
+  PetscReal       n[DIM] = {0, 0, 0};
+
+  for (PetscInt d = 0; d < DIM && size > 0; d++) n[d] = m->rate[d] / size;
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) {
+      const PetscInt k = DIM - i - j; /* the third direction, where i and j differ */
+
+      turn[i][j] = (1 - c) * n[i] * n[j] + (i == j ? c : 0);
+      if (i != j) turn[i][j] += ((j - i + DIM) % DIM == 1 ? -1 : 1) * s * n[k];
+    }
+}
+
+/* y = c + R^T (x - c - s): the place at the time 0 of the point that is at x. */
+static void Back(const struct _p_Motion *m, const PetscReal shift[DIM], const PetscReal turn[DIM][DIM],
+                 const PetscReal x[DIM], PetscReal y[DIM])
+{
+  for (PetscInt i = 0; i < DIM; i++) {
+    y[i] = m->center[i];
+    for (PetscInt j = 0; j < DIM; j++) y[i] += turn[j][i] * (x[j] - m->center[j] - shift[j]);
+  }
+}
+
+PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
+{
+  Domain            domain = body->domain;
+  struct _p_Motion *m;
+  PetscReal         frequency = 0, phase = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&m));
+  body->motion = m;
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, "-velocity",
+                                "Velocity with which the solid moves (m/s)", "SceneSetFromOptions", m->velocity, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, "-oscillation_amplitude",
+                                "Amplitude a of a motion a (sin(2 pi f t + phase) - sin(phase)) (m)",
+                                "SceneSetFromOptions", m->amplitude, NULL));
+  PetscCall(OptionReal("-oscillation_frequency", "Frequency f of that motion (Hz)", "[0, inf)", &frequency));
+  PetscCall(OptionReal("-oscillation_phase", "Phase of that motion (degrees); -90: it starts from rest", "[-360, 360]",
+                       &phase));
+  m->rates = DIM + 1;
+  PetscCall(PetscOptionsRealArray("-rotation_rate",
+                                  "Angular velocity of the solid about an axis of this direction; in two dimensions "
+                                  "one number will do (rad/s)",
+                                  "SceneSetFromOptions", m->rate, &m->rates, NULL));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
+                                "Point on that axis (m); it moves with the solid", "SceneSetFromOptions", m->center,
+                                NULL));
+  m->w     = 2 * PETSC_PI * frequency;
+  m->phase = DEGREE * phase;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The angular velocity as a vector; refuses what is none. */
+static PetscErrorCode CheckRate(Body body)
+{
+  Domain            domain = body->domain;
+  struct _p_Motion *m      = body->motion;
+  const PetscBool   flat   = (PetscBool)(domain->dim == 2);
+
+  PetscFunctionBegin;
+  PetscCheckUser(m->rates == 0 || m->rates == DIM || (flat && m->rates == 1), domain->comm,
+                 "-%srotation_rate must have %s", body->prefix,
+                 flat ? "one number, or three of which the first two are 0" : "three numbers");
+  if (m->rates == 1) {
+    m->rate[2] = m->rate[0];
+    m->rate[0] = 0;
+  }
+  PetscCheckUser(!PetscIsInfOrNanReal(m->rate[0] + m->rate[1] + m->rate[2]), domain->comm,
+                 "-%srotation_rate must have finite numbers", body->prefix);
+  PetscCheckUser(!flat || (m->rate[0] == 0 && m->rate[1] == 0), domain->comm,
+                 "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", body->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MotionSetUp(Body body)
+{
+  Domain            domain = body->domain;
+  struct _p_Motion *m      = body->motion;
+
+  PetscFunctionBegin;
+  PetscCall(CheckRate(body));
+  PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
+                 "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
+  PetscCheckUser(!domain->rings || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0), domain->comm,
+                 "with -dimension axisymmetric the solid %s can move along the axis only, and not turn", body->name);
+  if (Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0)
+    PetscCall(PetscFree(body->motion));
+  else
+    MotionSetTime(body, 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MotionSetTime(Body body, PetscReal time)
+{
+  if (!body->motion) return;
+  Shift(body->motion, time, body->motion->shift, NULL);
+  Turn(body->motion, time, body->motion->turn);
+}
+
+void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
+{
+  Back(body->motion, body->motion->shift, body->motion->turn, x, y);
+}
+
+PetscErrorCode MotionView(Body body, PetscViewer viewer)
+{
+  const struct _p_Motion *m = body->motion;
+
+  PetscFunctionBegin;
+  if (!m) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPushTab(viewer));
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   "moves: velocity %g, %g, %g m/s, oscillation %g, %g, %g m at %g Hz, rotation %g, "
+                                   "%g, %g rad/s about %g, %g, %g m\n",
+                                   (double)m->velocity[0], (double)m->velocity[1], (double)m->velocity[2],
+                                   (double)m->amplitude[0], (double)m->amplitude[1], (double)m->amplitude[2],
+                                   (double)(m->w / (2 * PETSC_PI)), (double)m->rate[0], (double)m->rate[1],
+                                   (double)m->rate[2], (double)m->center[0], (double)m->center[1],
+                                   (double)m->center[2]));
+  PetscCall(PetscViewerASCIIPopTab(viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool BodyMoves(Body solid)
+{
+  return (PetscBool)(solid->motion != NULL);
+}
+
+/* Motions are structs of numbers alone, which start as zeros. */
+PetscBool BodyMovesAs(Body solid, Body other)
+{
+  if (!solid->motion || !other->motion) return (PetscBool)(solid->motion == other->motion);
+  return (PetscBool)!memcmp(solid->motion, other->motion, sizeof(struct _p_Motion));
+}
+
+void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
+{
+  const struct _p_Motion *m = solid->motion;
+  PetscReal               shift[DIM], turn[DIM][DIM], y[DIM];
+
+  Shift(m, from, shift, NULL);
+  Turn(m, from, turn);
+  Back(m, shift, turn, x, y);
+  Shift(m, to, shift, NULL);
+  Turn(m, to, turn);
+  for (PetscInt i = 0; i < DIM; i++) {
+    x[i] = m->center[i] + shift[i];
+    for (PetscInt j = 0; j < DIM; j++) x[i] += turn[i][j] * (y[j] - m->center[j]);
+  }
+}
+
+void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  const struct _p_Motion *m = solid->motion;
+  PetscReal               shift[DIM], r[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
+  if (!m) return;
+  Shift(m, time, shift, v);
+  for (PetscInt d = 0; d < DIM; d++) r[d] = x[d] - m->center[d] - shift[d];
+  for (PetscInt d = 0; d < DIM; d++)
+    v[d] += m->rate[(d + 1) % DIM] * r[(d + 2) % DIM] - m->rate[(d + 2) % DIM] * r[(d + 1) % DIM];
+}
+
+PetscBool SceneSolidsMove(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->solids; b++)
+    if (BodyMoves(scene->solid[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+void SceneMoveSolids(Scene scene, PetscReal time)
+{
+  scene->solid_time = time;
+  for (PetscInt b = 0; b < scene->solids; b++) MotionSetTime(scene->solid[b], time);
+}
+
+PetscReal SceneSolidTime(Scene scene)
+{
+  return scene->solid_time;
+}
+
+/* A bound: the velocity, the largest of the oscillation, and the rate times the distance of the farthest corner. */
+PetscReal SceneSolidSpeed(Scene scene)
+{
+  PetscReal speed = 0;
+
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    const struct _p_Motion *m = scene->solid[b]->motion;
+    PetscReal               lower[DIM], upper[DIM], arm[DIM] = {0, 0, 0};
+
+    if (!m) continue;
+    BodyBounds(scene->solid[b], lower, upper);
+    for (PetscInt d = 0; d < scene->domain->dim; d++)
+      arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
+    speed = PetscMax(speed, Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm));
+  }
+  return speed;
+}

@@ -1,0 +1,75 @@
+/* Solids that move. In a step from t to t + dt their dummy particles are where the liquid is, half way at t + dt/2,
+   with the velocity of the end, t + dt, which is the time that the new velocity of the liquid belongs to; then at the
+   end. Where they are depends on the time alone. */
+#include "stepper_impl.h"
+
+/* The solid that a dummy particle belongs to, if it moves; else NULL. */
+static Body MovingSolid(Scene scene, PetscInt body)
+{
+  const Body solid = body <= BODY_SOLID ? SceneSolid(scene, BODY_SOLID - body) : NULL;
+
+  return solid && BodyMoves(solid) ? solid : NULL;
+}
+
+PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end)
+{
+  PetscFunctionBegin;
+  SceneMoveSolids(cloud->scene, to);
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][a]);
+    PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a, y[DIM];
+
+    if (!solid) continue;
+    BodyMove(solid, from, to, x);
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d];
+    BodyMove(solid, to, end, y);
+    BodyMotion(solid, end, y, cloud->field[FIELD_VELOCITY] + DIM * a);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The name of a solid other than this one, of another motion, that x is inside of by more than a spacing; NULL: none.
+ */
+static const char *Inside(Scene scene, Body solid, PetscReal spacing, const PetscReal x[DIM])
+{
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (SceneSolid(scene, b) != solid && !BodyMovesAs(SceneSolid(scene, b), solid) &&
+        BodyDistance(SceneSolid(scene, b), x) < -spacing)
+      return BodyName(SceneSolid(scene, b));
+  return NULL;
+}
+
+PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[], size_t length)
+{
+  const Domain   domain = cloud->domain;
+  const Scene    scene  = cloud->scene;
+  ParticleArrays arrays;
+  PetscMPIInt    rank, own, first, size;
+
+  PetscFunctionBegin;
+  why[0] = 0;
+  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
+  SceneMoveSolids(scene, to);
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n && !why[0]; a++) {
+    const Body  solid = MovingSolid(scene, arrays.integer[INT_BODY][a]);
+    PetscReal   x[DIM];
+    const char *other;
+    PetscBool   out = PETSC_FALSE;
+
+    if (!solid) continue;
+    for (PetscInt d = 0; d < DIM; d++) x[d] = arrays.real[FIELD_POSITION][DIM * a + d];
+    BodyMove(solid, from, to, x);
+    for (PetscInt d = 0; d < domain->dim; d++)
+      out = (PetscBool)(out || x[d] < domain->lower[d] || x[d] > domain->upper[d]);
+    other = Inside(scene, solid, domain->spacing, x);
+    if (out) PetscCall(PetscSNPrintf(why, length, "the solid %s moves out of the box", BodyName(solid)));
+    if (other) PetscCall(PetscSNPrintf(why, length, "the solid %s moves into the solid %s", BodyName(solid), other));
+  }
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  own = why[0] ? rank : size;
+  PetscCallMPI(MPI_Allreduce(&own, &first, 1, MPI_INT, MPI_MIN, cloud->comm));
+  if (first < size) PetscCallMPI(MPI_Bcast(why, (PetscMPIInt)length, MPI_CHAR, first, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
