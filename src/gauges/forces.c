@@ -80,9 +80,31 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
   return best;
 }
 
-/* Force [receivers][dim] of the liquid's pressure, N (N/m in two dimensions): -sum V_a V_b (p_a + p_b) grad W over
-   pairs of fluid a and dummy b, as Adami, Hu and Adams (2012) have it for the fluid. Of rings, the part away from the
-   axis is summed all around. */
+/* Adds what viscosity does to the walls, this rank. */
+static PetscErrorCode AddDrag(Gauges gauges, PetscReal force[])
+{
+  Cloud          cloud = gauges->cloud;
+  const PetscInt dim   = cloud->domain->dim;
+  PetscReal     *drag;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+  PetscCall(CloudGetWork(cloud, DIM, &drag));
+  PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, drag));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
+    PetscInt to;
+
+    if (!cloud->integer[INT_LAYER][b]) continue;
+    to = Receiver(gauges, cloud->integer[INT_BODY][b], cloud->field[FIELD_POSITION] + DIM * b);
+    for (PetscInt d = 0; d < dim; d++) force[dim * to + d] += drag[DIM * b + d];
+  }
+  PetscCall(CloudRestoreWork(cloud, &drag));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Force [receivers][dim] of the liquid's pressure and viscosity, N (N/m in two dimensions): -sum V_a V_b (p_a + p_b)
+   grad W over pairs of fluid a and dummy b, as Adami, Hu and Adams (2012) have it for the fluid. Of rings, the part
+   away from the axis is summed all around. */
 static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 {
   Cloud            cloud = gauges->cloud;
@@ -117,6 +139,7 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     for (PetscInt d = 0; d < dim; d++) force[dim * to + d] += sum[d];
   }
   PetscCall(PetscFree(row));
+  if (gauges->viscosity) PetscCall(AddDrag(gauges, force));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)(count * dim), MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

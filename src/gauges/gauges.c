@@ -36,6 +36,11 @@ PetscErrorCode GaugesDestroy(Gauges *gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void GaugesSetViscosity(Gauges gauges, const Viscosity *viscosity)
+{
+  gauges->viscosity = viscosity;
+}
+
 PetscErrorCode GaugesSetFromOptions(Gauges gauges)
 {
   PetscFunctionBegin;

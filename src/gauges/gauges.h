@@ -6,7 +6,7 @@
 #ifndef ISPH_GAUGES_H
 #define ISPH_GAUGES_H
 
-#include "../neighbors/cloud.h"
+#include "../operators/operators.h"
 
 typedef struct _p_Gauges *Gauges;
 
@@ -33,6 +33,8 @@ typedef struct {
 
 /* GaugesCreate - for the particles of a cloud (borrowed), whose scene must know its bodies. Collective. */
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
+/* GaugesSetViscosity - the forces on walls hold those of this viscosity (borrowed), too. Not collective. */
+void GaugesSetViscosity(Gauges gauges, const Viscosity *viscosity);
 /* GaugesSetFromOptions - all options -gauge_...; refuses (UserError) values that make no sense. Collective. */
 PetscErrorCode GaugesSetFromOptions(Gauges gauges);
 PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer);

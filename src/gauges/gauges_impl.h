@@ -46,18 +46,19 @@ typedef struct {
 } Places;
 
 struct _p_Gauges {
-  MPI_Comm    comm;
-  PetscMPIInt rank, size;
-  Cloud       cloud;        /* borrowed */
-  PetscReal   level;        /* m; NAN: not given and not measured */
-  PetscBool   level_given;  /* by -gauge_level */
-  PetscReal   multiplicity; /* how many copies of the simulated part make the whole */
-  PetscReal   connection;   /* spacings, distance within which particles hang together */
-  CraterSetup crater;
-  Places      points, heights, lines;
-  PetscInt    line_points;
-  PetscBool   forces, droplets;
-  PetscInt    droplet_least; /* particles of the smallest droplet */
+  MPI_Comm         comm;
+  PetscMPIInt      rank, size;
+  Cloud            cloud;        /* borrowed */
+  const Viscosity *viscosity;    /* borrowed; NULL: not known */
+  PetscReal        level;        /* m; NAN: not given and not measured */
+  PetscBool        level_given;  /* by -gauge_level */
+  PetscReal        multiplicity; /* how many copies of the simulated part make the whole */
+  PetscReal        connection;   /* spacings, distance within which particles hang together */
+  CraterSetup      crater;
+  Places           points, heights, lines;
+  PetscInt         line_points;
+  PetscBool        forces, droplets;
+  PetscInt         droplet_least; /* particles of the smallest droplet */
 };
 
 static inline char AxisName(PetscInt direction)

@@ -118,6 +118,9 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
    have their own velocity and the viscosity of their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and
    in the linear operator. Not collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[]);
+/* OperatorsWallDrag - the viscous force of the fluid of this rank on each dummy particle of walls, drag[]
+   ([n_total][3], N), ghosts too: what the pairs with it take from the fluid, at rest density. Not collective. */
+PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, PetscReal drag[]);
 /* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times the wall factor - 1,
    which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not
    collective. */

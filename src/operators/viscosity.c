@@ -228,11 +228,65 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The row of fluid particle a with its factors in the viscous sum, but zeta and scale_f. */
+static inline void LoadViscousRow(Cloud cloud, const Viscosity *viscosity, PetscBool one, PetscInt a,
+                                  const PetscReal density[], const PetscReal mu[], PairRow *row)
+{
+  PetscReal factor;
+
+  PairRowLoadFactors(cloud, a, row);
+  if (viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, EtaSquared(cloud->kernel), row);
+  MultiplyViscosity(cloud, one, a, density, mu, row);
+  factor = WallFactor(cloud, viscosity, a);
+  if (factor != 1)
+    for (PetscInt k = 0; k < row->n; k++)
+      if (cloud->integer[INT_LAYER][row->index[k]]) row->f[k] *= factor;
+  if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings) MultiplyLengths(cloud, a, row);
+}
+
+PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, PetscReal drag[])
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY],
+                  zeta = FormFactor(cloud, viscosity->form);
+  PetscReal *mu, scale_w, scale_f, inverse_h2;
+  PairRow    row;
+
+  PetscFunctionBegin;
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  PetscCall(CloudGetWork(cloud, 1, &mu));
+  CollectViscosity(cloud, mu);
+  PetscCall(PetscArrayzero(drag, DIM * cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal mass = cloud->volume[a] * cloud->rest_density[a];
+
+    if (mu[a] <= 0 || !OperatorsNearWall(cloud, x + DIM * a)) continue;
+    LoadViscousRow(cloud, viscosity, PETSC_FALSE, a, cloud->rest_density, mu, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt b = row.index[k];
+      PetscReal      d[DIM], u[DIM], f = mass * zeta * scale_f * row.f[k];
+
+      if (!cloud->integer[INT_LAYER][b]) continue;
+      for (PetscInt i = 0; i < DIM; i++) {
+        d[i] = x[DIM * a + i] - x[DIM * b + i];
+        u[i] = v[DIM * a + i] - v[DIM * b + i];
+      }
+      if (viscosity->form == VISCOSITY_CLEARY)
+        f *= Dot(u, d);
+      else if (domain->rings)
+        f *= DomainPairLength(domain, x + DIM * a, x + DIM * b) / DomainRingLength(domain, x + DIM * a);
+      for (PetscInt i = 0; i < DIM; i++) drag[DIM * b + i] -= f * (viscosity->form == VISCOSITY_CLEARY ? d[i] : u[i]);
+    }
+  }
+  PetscCall(CloudRestoreWork(cloud, &mu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[])
 {
   const PetscReal *v    = cloud->field[FIELD_VELOCITY];
-  const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, viscosity->form);
-  const PetscBool  one = (PetscBool)(density == cloud->rest_density && OperatorsOneLiquid(cloud));
+  const PetscReal  zeta = FormFactor(cloud, viscosity->form);
+  const PetscBool  one  = (PetscBool)(density == cloud->rest_density && OperatorsOneLiquid(cloud));
   PetscReal       *mu, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
   PairRow          row;
 
@@ -242,20 +296,12 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
   PetscCall(CloudGetWork(cloud, 1, &mu));
   CollectViscosity(cloud, mu);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal sum[DIM], factor;
+    PetscReal sum[DIM];
 
     if (mu[a] <= 0) continue;
-    PairRowLoadFactors(cloud, a, &row);
-    if (viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, eta2, &row);
-    MultiplyViscosity(cloud, one, a, density, mu, &row);
-    factor = WallFactor(cloud, viscosity, a);
-    if (factor != 1)
-      for (PetscInt k = 0; k < row.n; k++)
-        if (cloud->integer[INT_LAYER][row.index[k]]) row.f[k] *= factor;
-    if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings) {
-      MultiplyLengths(cloud, a, &row);
+    LoadViscousRow(cloud, viscosity, one, a, density, mu, &row);
+    if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings)
       acceleration[DIM * a] += GrowthFriction(cloud, a, mu[a] / density[a]) * v[DIM * a];
-    }
     if (viscosity->form == VISCOSITY_CLEARY)
       ViscosityCleary(cloud, a, &row, v, sum);
     else if (cloud->domain->rings)

@@ -79,12 +79,15 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
 
 /* --- writing one --- */
 
-/* Whether a particle at x (m), in a layer of a wall or in the fluid (0), goes into the snapshots. */
-static PetscBool Wanted(Output output, PetscInt layer, const PetscReal x[DIM])
+/* Whether a particle at x (m), of the fluid or a wall as 'body' says, goes into the snapshots. Solids that move do:
+   solids.h5 has only where they are at the start. */
+static PetscBool Wanted(Output output, PetscInt body, const PetscReal x[DIM])
 {
   const SnapshotSetup *content = &output->content;
+  const Scene          scene   = output->cloud->scene;
+  const PetscBool      moves   = (PetscBool)(body <= BODY_SOLID && BodyMoves(SceneSolid(scene, BODY_SOLID - body)));
 
-  if (layer && !content->walls) return PETSC_FALSE;
+  if (body < 0 && !content->walls && !moves) return PETSC_FALSE;
   for (PetscInt d = 0; d < output->cloud->domain->dim && content->region; d++)
     if (x[d] < content->corner[0][d] || x[d] > content->corner[1][d]) return PETSC_FALSE;
   return PETSC_TRUE;
@@ -97,7 +100,7 @@ static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscI
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < arrays->n; a++)
-    if (Wanted(output, arrays->integer[INT_LAYER][a], arrays->real[FIELD_POSITION] + DIM * a)) particle[n++] = a;
+    if (Wanted(output, arrays->integer[INT_BODY][a], arrays->real[FIELD_POSITION] + DIM * a)) particle[n++] = a;
   PetscCall(RowsSet(output->comm, n, 1, rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -202,7 +205,7 @@ PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, Pet
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++)
-    count[0] += Wanted(output, arrays.integer[INT_LAYER][a], arrays.real[FIELD_POSITION] + DIM * a);
+    count[0] += Wanted(output, arrays.integer[INT_BODY][a], arrays.real[FIELD_POSITION] + DIM * a);
   count[1] = arrays.n;
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));

@@ -38,8 +38,9 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscBool      set[2];
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-snapshot_walls", "Wall particles in the snapshots too", "OutputStep", content->walls,
-                             &content->walls, NULL));
+  PetscCall(PetscOptionsBool("-snapshot_walls",
+                             "Wall particles in the snapshots too; those of solids that move always are", "OutputStep",
+                             content->walls, &content->walls, NULL));
   PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", content->precise,
                              &content->precise, NULL));
   content->names       = SNAPSHOT_FIELDS + 1;

@@ -85,7 +85,7 @@ def sections(run, states, color, ends, folder):
 def window(run, states):
     """Corners (x, up) of what sections show: the liquid of all states and the solids, cut by the box."""
     pair = [0, run.up]
-    points = np.concatenate([state.points for state in states] + [run.solid])[:, pair]
+    points = np.concatenate([part for state in states for part in (state.points, state.solid)])[:, pair]
     room = 0.04 * (points.max(axis=0) - points.min(axis=0)).max() + run.spacing
     return (np.maximum(run.lower[pair], points.min(axis=0) - room),
             np.minimum(run.upper[pair], points.max(axis=0) + room))

@@ -15,13 +15,17 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
+SOLID = -2  # body of the particles of the first of -solids; -3 of the second, and so on
+
+
 class State:
     """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: of rings the area over
-    spacing^2, else 1. Rings lie in the plane y = 0 on both sides of the axis z."""
+    spacing^2, else 1; solid [n][3]: dummy particles of solids at this time. Rings lie in the plane y = 0 on both sides
+    of the axis z."""
 
-    def __init__(self, time, points, velocity, pressure, body, share):
+    def __init__(self, time, points, velocity, pressure, body, share, solid):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
-        self.share = share
+        self.share, self.solid = share, solid
 
     @property
     def speed(self):
@@ -67,7 +71,7 @@ class Run:
         self.faces = [[self.face(d, side) for side in ("min", "max")] for d in range(3)]
         self.mirrors = self.unfold()
         self.bodies = [name.strip() for name in self.options.get("bodies", "liquid").split(",")]
-        self.solid = self.read_solid()
+        self.solid, self.solid_of = self.read_solid()
 
     def face(self, d, side):
         """The kind of a face, as options.opts says."""
@@ -117,6 +121,8 @@ class Run:
             time = float(np.ravel(file.attrs["time"])[0])
             body = np.ravel(file["body"])
             liquid = body >= 0
+            moved = body <= SOLID
+            solid = np.array(file["position"], float)[moved]
             points = np.array(file["position"], float)[liquid]
             zero = np.zeros(len(points))
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
@@ -125,24 +131,29 @@ class Run:
             if self.rings and "volume" in file:
                 share = ring_share(points[:, 0], np.ravel(file["volume"])[liquid], self.spacing)
         if self.rings:
-            points, velocity = upright(points), upright(velocity)
+            points, velocity, solid = upright(points), upright(velocity), upright(solid)
+        # solids that move are in the snapshots, the others where solids.h5 has them
+        still = ~np.isin(self.solid_of, SOLID - np.unique(body[moved]))
+        solid = np.concatenate([self.solid[still], self.reflect(solid)[0]])
         others = [pressure, body[liquid], share]
         points, (velocity,), (pressure, body, share) = self.reflect(points, [velocity], others)
-        return State(time, points, velocity, pressure, body, share)
+        return State(time, points, velocity, pressure, body, share, solid)
 
     def around(self, points):
         """Points and, of rings, also those that are a quarter of a turn further: what a picture must hold."""
         return np.concatenate([points, points[:, [1, 0, 2]]]) if self.rings else points
 
     def read_solid(self):
-        """Dummy particles of solid bodies, [n][3]; none without the file."""
+        """Dummy particles of solid bodies at the start, [n][3], and the index of the solid of each; none without the
+        file."""
         path = os.path.join(self.folder, "solids.h5")
         if not os.path.exists(path):
-            return np.zeros((0, 3))
+            return np.zeros((0, 3)), np.zeros(0, int)
         with h5py.File(path, "r") as file:
-            points = np.array(file["position"], float).reshape(-1, 3)
+            points, solid = np.array(file["position"], float).reshape(-1, 3), np.ravel(file["solid"])
         points = upright(points) if self.rings else points
-        return self.reflect(points)[0]
+        points, _, (solid,) = self.reflect(points, others=[solid])
+        return points, solid
 
     def moments(self, times=None, count=6):
         """The snapshots nearest to the times (s), or 'count' of them spread over the run."""

@@ -35,7 +35,7 @@ def section(axes, run, state, color, ends, unit):
     size = run.spacing * unit
     pair = (0, run.up)
     chosen = np.ones(len(state.points), bool)
-    solid = run.solid
+    solid = state.solid
     if run.dim == 3:
         middle = 0.5 * (run.lower[1] + run.upper[1])
         chosen = np.abs(state.points[:, 1] - middle) <= 0.75 * run.spacing
@@ -155,11 +155,11 @@ def base_colors(table, color, ends, colormap):
     return share @ np.array([rgb_of(BODY_COLORS[b % len(BODY_COLORS)]) for b in range(table.shape[1])])
 
 
-def solid_mesh(run):
+def solid_mesh(run, state):
     """Triangles of the solid bodies."""
-    if not len(run.solid):
+    if not len(state.solid):
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
-    return Fluid(run, run.solid, np.zeros((len(run.solid), 1)), np.ones(len(run.solid))).mesh()[:3]
+    return Fluid(run, state.solid, np.zeros((len(state.solid), 1)), np.ones(len(state.solid))).mesh()[:3]
 
 
 def floor_mesh(run, focus, half):
@@ -179,7 +179,7 @@ def floor_mesh(run, focus, half):
 
 def camera(run, states, azimuth, elevation):
     """A perspective that holds the box around the liquid of all states; and half of that box' diagonal."""
-    points = run.around(np.concatenate([state.points for state in states] + [run.solid]))
+    points = run.around(np.concatenate([part for state in states for part in (state.points, state.solid)]))
     lower = np.maximum(run.lower, np.percentile(points, 0.5, axis=0) - run.spacing)
     upper = np.minimum(run.upper, np.percentile(points, 99.5, axis=0) + run.spacing)
     focus = 0.5 * (lower + upper)
@@ -214,7 +214,7 @@ def picture(run, state, color, ends, colormap, view, half, size=PANEL):
     points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
     cells = np.concatenate([cells, balls[2] + len(points) - len(balls[0])])
     base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)
-    solid = solid_mesh(run)
+    solid = solid_mesh(run, state)
     base = np.concatenate([base, np.tile(rgb_of(SOLID_COLOR), (len(solid[0]), 1))])
     cells = np.concatenate([cells, solid[2] + len(points)])
     points, normals = np.concatenate([points, solid[0]]), np.concatenate([normals, solid[1]])

@@ -214,20 +214,14 @@ PetscReal SceneSolidTime(Scene scene)
   return scene->solid_time;
 }
 
-/* A bound: the velocity, the largest of the oscillation, and the rate times the distance of the farthest corner. */
-PetscReal SceneSolidSpeed(Scene scene)
+/* The velocity, the largest of the oscillation, and the rate times the distance of the farthest corner. */
+PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
-  PetscReal speed = 0;
+  const struct _p_Motion *m        = body->motion;
+  PetscReal               arm[DIM] = {0, 0, 0};
 
-  for (PetscInt b = 0; b < scene->solids; b++) {
-    const struct _p_Motion *m = scene->solid[b]->motion;
-    PetscReal               lower[DIM], upper[DIM], arm[DIM] = {0, 0, 0};
-
-    if (!m) continue;
-    BodyBounds(scene->solid[b], lower, upper);
-    for (PetscInt d = 0; d < scene->domain->dim; d++)
-      arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
-    speed = PetscMax(speed, Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm));
-  }
-  return speed;
+  if (!m) return 0;
+  for (PetscInt d = 0; d < body->domain->dim; d++)
+    arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
+  return Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm);
 }

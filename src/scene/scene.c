@@ -253,6 +253,18 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
   return least;
 }
 
+PetscReal SceneSolidSpeed(Scene scene)
+{
+  PetscReal speed = 0, lower[DIM], upper[DIM];
+
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    if (!BodyMoves(scene->solid[b])) continue;
+    BodyBounds(scene->solid[b], lower, upper);
+    speed = PetscMax(speed, MotionSpeed(scene->solid[b], lower, upper));
+  }
+  return speed;
+}
+
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM])
 {
   const PetscReal step = NORMAL_STEP * scene->domain->spacing;

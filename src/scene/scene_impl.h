@@ -113,6 +113,8 @@ PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
 PetscErrorCode MotionSetUp(Body body);
 PetscErrorCode MotionView(Body body, PetscViewer viewer);
 void           MotionSetTime(Body body, PetscReal time);
+/* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
+PetscReal      MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void           MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);

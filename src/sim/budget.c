@@ -39,8 +39,9 @@ static const char *Knob(const StepState *state, PetscReal residual, PetscReal do
 
 PetscErrorCode BudgetReport(Sim sim)
 {
-  const StepState *state = &sim->state;
-  const char      *joule = GaugeUnit(sim->domain, "J");
+  const StepState *state  = &sim->state;
+  const char      *joule  = GaugeUnit(sim->domain, "J");
+  const PetscBool  moving = SceneSolidsMove(sim->scene);
   GaugeTotals      totals;
   PetscReal        viscous, tension, gain, residual, exchanged;
 
@@ -64,14 +65,15 @@ PetscErrorCode BudgetReport(Sim sim)
                           "  particles   %" PetscInt_FMT " joined with others, %" PetscInt_FMT
                           " split, which took %.3g %s of kinetic energy\n",
                           state->joined, state->split, (double)(totals.multiplicity * state->resampling_loss), joule));
-  PetscCall(PetscPrintf(sim->comm,
-                        "  energy      kinetic %.4g, potential %.4g, together %+.4g %s since the start; viscosity gave "
-                        "%.4g, tension %.4g\n"
-                        "              residual %+.3g %s, %+.2g %% of what was exchanged\n"
-                        "  dominant    %s\n",
-                        (double)totals.kinetic_energy, (double)totals.potential_energy, (double)gain, joule,
-                        (double)viscous, (double)tension, (double)residual, joule,
-                        exchanged > 0 ? 100 * (double)(residual / exchanged) : 0.0,
-                        Knob(state, residual, ENERGY_SHARE * exchanged + TENSION_SHARE * PetscAbsReal(tension))));
+  PetscCall(
+    PetscPrintf(sim->comm,
+                "  energy      kinetic %.4g, potential %.4g, together %+.4g %s since the start; viscosity gave "
+                "%.4g, tension %.4g\n"
+                "              residual %+.3g %s, %+.2g %% of what was exchanged%s\n"
+                "  dominant    %s\n",
+                (double)totals.kinetic_energy, (double)totals.potential_energy, (double)gain, joule, (double)viscous,
+                (double)tension, (double)residual, joule, exchanged > 0 ? 100 * (double)(residual / exchanged) : 0.0,
+                moving ? ", the work of solids that move included" : "",
+                Knob(state, moving ? 0 : residual, ENERGY_SHARE * exchanged + TENSION_SHARE * PetscAbsReal(tension))));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

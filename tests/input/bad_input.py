@@ -112,6 +112,19 @@ refused("densities_too_far_apart", BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 
         ["-b_density", "-density_ratio_max"])
 for late in ("-log_vieww", "-infoo x", "-options_lefft"):
     refused(f"unknown_option_of_petsc_{late}", GOOD + late, [late.split()[0]])
+PLANE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -box_ymin wall -gravity 0,-9.81 -bodies film
+ -film_upper 2,0.2 -steps_max 200 -progress_interval 0 -solids part,post -part_lower 0.5,0.4 -part_upper 0.7,0.6
+ -post_lower 1.2,0 -post_upper 1.4,0.8 """
+for name, options, words in (("leaves_the_box", "-part_velocity 0,10", ["the solid part moves out of the box"]),
+                             ("runs_into_another", "-part_velocity 10,0",
+                             ["the solid part moves into the solid post"])):
+    process = runs.start(PLANE + options + f" -output_dir {runs.scratch('solid_' + name)}")
+    runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["last good state"]),
+               f"solid_{name}", process.stderr)
+refused("solid_moves_with_printed_scheme", PLANE + "-part_velocity 1,0 -scheme density_invariant",
+        ["-scheme consistent"])
+refused("solid_moves_while_packing_relaxes", PLANE + "-part_velocity 1,0 -packing_relaxation_time 1",
+        ["-packing_relaxation_time"])
 refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
 refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
 refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])

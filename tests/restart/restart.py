@@ -16,14 +16,16 @@ IMPACT = """-spacing 1e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box
 PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall -gravity 0,-9.81
  -bodies film,drop -film_upper 1,0.4 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.62
  -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -snapshot_double -checkpoint_interval 1e-2
- -sort_interval 7 """
+ -sort_interval 7 -solids paddle
+ -paddle_lower 0.3,0.1 -paddle_upper 0.7,0.2 -paddle_rotation_rate 9 -paddle_rotation_center 0.5,0.2
+ -paddle_velocity 0.5,0.2 -paddle_oscillation_amplitude 0,0.01 -paddle_oscillation_frequency 9 """
 RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 14e-3,12e-3 -box_xmax wall -box_ymin wall
  -gravity 0,-9.81 -bodies film,drop,jet -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3
  -film_tension 0.067 -drop_viscosity 0.35 -viscosity_solver implicit -film_viscosity_model carreau
  -film_viscosity_exponent 0.5 -film_viscosity_time 0.1 -drop_viscosity_model herschel_bulkley -drop_yield_stress 5
  -drop_shape sphere -drop_radius 3e-3 -drop_center 0,5.8e-3 -drop_velocity 0,-3 -drop_tension 0.067 -snapshot_double
  -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4
- -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3e-3 -gauge_forces
+ -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3e-3 -ball_velocity 0,1 -gauge_forces
  -jet_type emitter -jet_lower 8e-3,3e-3 -jet_upper 11e-3,4e-3 -jet_velocity 0,-2 -jet_tension 0.067 """
 # Two rings of liquid, one that grows thin and one that grows fat: particles join and split.
 TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall

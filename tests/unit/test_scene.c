@@ -418,6 +418,66 @@ static PetscErrorCode TestViscosityModels(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A solid that moves in every way: its points stay the same distance apart, come back, and have the velocity of the
+   differences of their places; the distance to it goes with it. */
+static PetscErrorCode TestMotion(void)
+{
+  const char *const options = CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_lower -0.3,-0.2,-0.1 -s_upper 0.3,0.2,0.1 "
+                                   "-s_velocity 0.1,0,0 -s_oscillation_amplitude 0,0.2,0 -s_oscillation_frequency 2 "
+                                   "-s_oscillation_phase -90 -s_rotation_rate 1,2,-2 -s_rotation_center 0.1,0,0";
+  const PetscReal   t = 0.37, step = 1e-5, corner[DIM] = {0.3, 0.2, 0.1};
+  PetscReal x[DIM] = {0.3, 0.2, 0.1}, low[DIM], high[DIM], v[DIM], out[DIM] = {0.5, 0.2, 0.1}, error = 0, r2 = 0;
+  Domain    domain;
+  Scene     scene;
+  Body      solid;
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  CHECK(BodyMoves(solid) && SceneSolidsMove(scene), "solid_moves");
+  BodyMove(solid, 0, t, x);
+  for (PetscInt d = 0; d < DIM; d++) {
+    low[d] = high[d]          = x[d];
+    const PetscReal from_axis = x[d] - (d == 0   ? 0.1 + 0.1 * t
+                                        : d == 1 ? 0.2 * (1 - PetscCosReal(4 * PETSC_PI * t))
+                                                 : 0);
+
+    r2 += from_axis * from_axis;
+  }
+  CHECK_CLOSE(r2, 0.04 + 0.04 + 0.01, 1e-12, "motion_is_rigid");
+  BodyMove(solid, t, t - step, low);
+  BodyMove(solid, t, t + step, high);
+  BodyMotion(solid, t, x, v);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal((high[d] - low[d]) / (2 * step) - v[d]));
+  CHECK_CLOSE(error, 0, 1e-7, "velocity_of_a_motion");
+  CHECK(Norm(v) <= SceneSolidSpeed(scene) && Norm(v) > 0.1 * SceneSolidSpeed(scene), "speed_bounds_a_motion");
+  SceneMoveSolids(scene, t);
+  BodyMove(solid, 0, t, out);
+  CHECK_CLOSE(SceneSolidDistance(scene, x, NULL), 0, 1e-12, "distance_goes_with_a_solid");
+  CHECK_CLOSE(SceneSolidDistance(scene, out, NULL), 0.2, 1e-12, "distance_from_a_solid");
+  BodyMove(solid, t, 0, x);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(x[d] - corner[d]) * 1e5);
+  CHECK_CLOSE(error, 0, 1e-7, "motion_back");
+  PetscCall(Free(&domain, &scene));
+  /* a quarter turn about z in the plane: x goes to y */
+  PetscCall(Read(SQUARE BALL "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 -s_rotation_rate "
+                             "3.14159265358979",
+                 &domain, &scene));
+  x[0] = 0.3;
+  x[1] = x[2] = 0;
+  BodyMove(SceneSolid(scene, 0), 0, 0.5, x);
+  CHECK(PetscAbsReal(x[0]) < 1e-12 && PetscAbsReal(x[1] - 0.3) < 1e-12, "turn_of_a_quarter");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(
+    Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_rotation_rate 3", "three numbers", "refuse_rate_of_solid"));
+  PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_oscillation_amplitude 1,0,0", "-s_oscillation_frequency",
+                    "refuse_no_frequency"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
+                    "-a_radius 0.2 -solids s -s_upper 1,-0.9 -s_velocity 1,0",
+                    "along the axis only", "refuse_motion_of_rings"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TestRefusals(void)
 {
   PetscFunctionBegin;
@@ -521,6 +581,7 @@ int main(int argc, char **argv)
   PetscCall(TestVelocities());
   PetscCall(TestScene());
   PetscCall(TestRefusals());
+  PetscCall(TestMotion());
   PetscCall(TestViscosityModels());
   PetscCall(TestHelp());
   PetscCall(PetscOptionsClear(NULL));

@@ -89,6 +89,9 @@ for model, numbers in MODELS.items():
                 Entry("poiseuille", model + ", pipe", numbers, file="models_rings.opts")]
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
+# solids that move
+ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston")]
+
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
 VORTEX = "-time_centered -packing_jitter 0.25"
