@@ -8,6 +8,8 @@
 #define CELL_GROWTH     1.05  /* step of the search for a cell size that keeps to CELLS_MAX */
 #define LENGTH_ROUNDING 1e-12 /* relative; a box exactly one reach wide is allowed */
 #define DUMMY_LAYERS    20    /* of wall particles on both sides of the box, at most */
+#define COARSEST        4     /* largest ratio of coarse to fine spacing: more was never tried */
+#define DEFAULT_GROWTH  0.1
 
 const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
@@ -189,6 +191,32 @@ static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObjec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* -spacing_coarse and -spacing_growth, after -spacing. */
+static PetscErrorCode ReadGrading(Domain domain, OptionItems PetscOptionsObject)
+{
+  const MPI_Comm comm   = domain->comm;
+  PetscReal      coarse = 0;
+
+  PetscFunctionBegin;
+  domain->growth = DEFAULT_GROWTH;
+  PetscCall(OptionReal("-spacing_coarse",
+                       "Largest particle spacing (m), far from the regions of -fine; 0: all particles are of -spacing",
+                       "[0, inf)", &coarse));
+  PetscCall(OptionReal("-spacing_growth",
+                       "Growth of the spacing over the distance from the regions of -fine (1); 0.05 is quieter where "
+                       "it goes on along a free surface",
+                       "(0, 0.2]", &domain->growth));
+  domain->graded         = (PetscBool)(coarse > 0);
+  domain->spacing_coarse = domain->graded ? coarse : domain->spacing;
+  PetscCheckUser(domain->spacing_coarse >= domain->spacing &&
+                   domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSEST * domain->spacing,
+                 comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)coarse, COARSEST,
+                 (double)domain->spacing);
+  PetscCheckUser(!domain->graded || !domain->rings, comm,
+                 "-spacing_coarse cannot be used with -dimension axisymmetric yet: rings have sizes of their own");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DomainSetFromOptions(Domain domain)
 {
   MPI_Comm  comm = domain->comm;
@@ -201,6 +229,7 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscCheckUser(domain->spacing > 0, comm,
                  "-spacing is missing%s: the distance of the particles (m) must be given and positive",
                  OptionMeant("-spacing"));
+  PetscCall(ReadGrading(domain, PetscOptionsObject));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
                                 "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
                                 &has_lower));
@@ -281,8 +310,12 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
   if (!viewer) PetscCall(PetscViewerASCIIGetStdout(domain->comm, &viewer));
   PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
   if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Domain: %" PetscInt_FMT " dimensions%s, spacing %g m\n", domain->dim,
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Domain: %" PetscInt_FMT " dimensions%s, spacing %g m", domain->dim,
                                    domain->rings ? " of rings about x = 0" : "", (double)domain->spacing));
+  if (domain->graded)
+    PetscCall(PetscViewerASCIIPrintf(viewer, " to %g m, growing by %g over the distance",
+                                     (double)domain->spacing_coarse, (double)domain->growth));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   for (PetscInt d = 0; d < domain->dim; d++) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %g to %g m, %s to %s, %" PetscInt_FMT " cells of %g m\n",

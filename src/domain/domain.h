@@ -17,13 +17,19 @@ extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" 
    Rings (-dimension axisymmetric): a scene that is the same all around an axis, as two dimensions. x is the distance
    from the axis, y is along it; the face x = 0 is a mirror. A particle is a ring of a constant volume, whose cross
    section, the ring area, is this volume over its length; sums over neighbours are those of two dimensions, with ring
-   areas in place of the one volume of all particles. Volumes, masses and energies are those of whole rings. */
+   areas in place of the one volume of all particles. Volumes, masses and energies are those of whole rings.
+
+   Graded spacing (-spacing_coarse): the spacing grows from 'spacing' to 'spacing_coarse' with the distance from the
+   regions of -fine (SceneSpacing). A particle keeps the volume s^dim and the smoothing length (in spacings) that it was
+   made with, wherever it goes. */
 typedef struct {
   MPI_Comm  comm;
   PetscInt  dim;                        /* 2 or 3 */
   PetscBool rings;                      /* dim is 2, particles are rings about x = 0 */
   PetscReal spacing;                    /* particle spacing d0, m */
   PetscReal volume;                     /* of one particle, d0^dim, m^dim; ring area of one as it is made */
+  PetscBool graded;                     /* particles differ in size */
+  PetscReal spacing_coarse, growth;     /* the largest spacing, m, 'spacing' if not graded; its growth a length, 1 */
   PetscReal lower[DIM];                 /* m */
   PetscReal upper[DIM];                 /* m */
   FaceType  face[DIM][2];               /* lower and upper face of each direction */
@@ -34,10 +40,24 @@ typedef struct {
   PetscMPIInt *cell_rank;      /* [cells0*cells1*cells2] owner */
 } * Domain;
 
+/* DomainSize - the size s/d0 (1) of a particle of this volume (m^dim): its spacing over 'spacing'. DomainSizeMost - the
+   largest that there is: packings make no larger ones. Not collective. */
+#define SIZE_MARGIN 1.1 /* a packing that fits its volume to a body's may exceed the coarse spacing by so much */
+static inline PetscReal DomainSize(Domain domain, PetscReal volume)
+{
+  const PetscReal share = volume / domain->volume;
+
+  return domain->dim == 2 ? PetscSqrtReal(share) : cbrt(share);
+}
+static inline PetscReal DomainSizeMost(Domain domain)
+{
+  return domain->graded ? SIZE_MARGIN * domain->spacing_coarse / domain->spacing : 1;
+}
+
 /* DomainCreate - an empty domain. Collective on comm. */
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain);
-/* DomainSetFromOptions - reads -dimension 2|3|axisymmetric, -spacing (m), -box_lower, -box_upper (m), -box_x|y|z (both
-   faces), -box_xmin
+/* DomainSetFromOptions - reads -dimension 2|3|axisymmetric, -spacing, -spacing_coarse (m), -spacing_growth, -box_lower,
+   -box_upper (m), -box_x|y|z (both faces), -box_xmin
    ... -box_zmax (one face, overrides) and -box_<face>_velocity (m/s). Refuses (UserError) a missing or non-positive
    spacing, a missing or empty box, an unknown face type, a periodic face opposite another type, and a velocity of a
    face that is no wall or not tangential; rings: a box that does not begin at x = 0. Collective. */

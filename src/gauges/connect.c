@@ -24,7 +24,7 @@ static void JoinNeighbors(Cloud cloud, PetscReal distance, PetscInt parent[])
       const PetscInt  b      = cloud->list[k];
       const PetscReal r[DIM] = {x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]};
 
-      if (layer[b] == 0 && Dot(r, r) < distance * distance) {
+      if (layer[b] == 0 && Dot(r, r) < PetscSqr(CloudPairSize(cloud, a, b) * distance)) {
         const PetscInt p = Find(parent, a), q = Find(parent, b);
 
         if (p != q) parent[PetscMax(p, q)] = PetscMin(p, q);

@@ -38,11 +38,12 @@ static inline void FromAxis(Gauges gauges, const PetscReal x[], PetscReal r[2])
   }
 }
 
-/* A particle of the pool: its distance from the axis and height (m), the column and the layer of its cell; how many
-   particles of the spacing its share of the sums is. */
+/* A particle of the pool: its distance from the axis and height (m), of a larger one that of the highest of the fine
+   ones it could be divided into; how many of these would be in one layer, of a ring how many particles its share of the
+   sums is; the columns that it covers, and the layer of its cell. */
 typedef struct {
   PetscReal radius, height, count;
-  PetscInt  column, layer;
+  PetscInt  first[2], last[2], layer;
 } PoolParticle;
 
 /* The pool's liquid on this rank: n particles, in an array to be freed. */
@@ -56,18 +57,20 @@ static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, cons
   PetscCall(PetscMalloc1(arrays->n, pool));
   *n = 0;
   for (PetscInt a = 0; a < arrays->n; a++) {
-    const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a;
+    const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a, size = ParticleSize(domain, arrays, a);
     PetscReal        r[2];
-    PetscInt         index[DIM], c;
+    PetscInt         index[DIM], first[DIM], last[DIM], c;
 
     if (arrays->integer[INT_LAYER][a]) continue;
     c = CraterGridCell(grid, x, index);
     if (c < 0 || !(grid->cell[c] & CELL_POOL)) continue;
     FromAxis(gauges, x, r);
+    (void)CraterGridReach(grid, x, size, domain->spacing, first, last);
     (*pool)[(*n)++] = (PoolParticle){.radius = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]),
-                                     .height = x[up],
-                                     .count  = ParticleShare(domain, arrays, a) / domain->volume,
-                                     .column = index[1] * grid->n[0] + index[0],
+                                     .height = x[up] + 0.5 * (size - 1) * domain->spacing,
+                                     .count  = ParticleShare(domain, arrays, a) / (size * domain->volume),
+                                     .first  = {first[0], first[1]},
+                                     .last   = {last[0], last[1]},
                                      .layer  = index[2]};
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -111,9 +114,12 @@ static PetscErrorCode SkyMapCreate(Gauges gauges, CraterGrid *grid, PetscInt n, 
   }
   CraterGridSky(grid, dim, map->inside, lowest);
   for (PetscInt a = 0; a < n; a++) {
-    const PetscInt c = pool[a].column;
+    for (PetscInt j = pool[a].first[1]; j <= pool[a].last[1]; j++)
+      for (PetscInt i = pool[a].first[0]; i <= pool[a].last[0]; i++) {
+        const PetscInt c = j * grid->n[0] + i;
 
-    if (pool[a].layer < lowest[c]) map->top[c] = PetscMax(map->top[c], pool[a].height);
+        if (pool[a].layer < lowest[c]) map->top[c] = PetscMax(map->top[c], pool[a].height);
+      }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, map->top, (PetscMPIInt)grid->columns, MPIU_REAL, MPIU_MAX, gauges->comm));
   PetscCall(PetscFree(lowest));
@@ -291,7 +297,8 @@ static PetscErrorCode CrownAndJet(Gauges gauges, CraterValues *values)
     if (!connected[a]) continue;
     FromAxis(gauges, x + DIM * a, r);
     jet      = r[0] * r[0] + r[1] * r[1] <= PetscSqr(gauges->crater.jet_radius);
-    top[jet] = PetscMax(top[jet], x[DIM * a + cloud->domain->dim - 1]);
+    top[jet] = PetscMax(top[jet],
+                        x[DIM * a + cloud->domain->dim - 1] + 0.5 * (CloudSize(cloud, a) - 1) * cloud->domain->spacing);
   }
   PetscCall(PetscFree(connected));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, 2, MPIU_REAL, MPIU_MAX, gauges->comm));

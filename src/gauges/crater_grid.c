@@ -108,17 +108,24 @@ static void MarkPool(CraterGrid *grid)
 
 PetscErrorCode CraterGridCreate(Gauges gauges, const ParticleArrays *arrays, CraterGrid *grid)
 {
+  const Domain domain = gauges->cloud->domain;
+
   PetscFunctionBegin;
   PetscCall(SetSizes(gauges, arrays, grid));
   PetscCall(PetscCalloc1(grid->count, &grid->cell));
   PetscCall(PetscMalloc1(grid->count, &grid->queue));
   for (PetscInt a = 0; a < arrays->n; a++) {
-    PetscInt index[DIM], c;
+    PetscInt first[DIM], last[DIM], at[DIM];
 
     if (arrays->integer[INT_LAYER][a]) continue;
-    c = CraterGridCell(grid, arrays->real[FIELD_POSITION] + DIM * a, index);
-    if (c >= 0)
-      grid->cell[c] |= arrays->integer[INT_BODY][a] == gauges->crater.pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+    if (!CraterGridReach(grid, arrays->real[FIELD_POSITION] + DIM * a, ParticleSize(domain, arrays, a), domain->spacing,
+                         first, last))
+      continue;
+    for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
+    do
+      grid->cell[CellIndex(grid->n, at[0], at[1], at[2])] |=
+        arrays->integer[INT_BODY][a] == gauges->crater.pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+    while (CellNext(first, last, at));
   }
   PetscCallMPI(
     MPI_Allreduce(MPI_IN_PLACE, grid->cell, (PetscMPIInt)grid->count, MPI_UNSIGNED_CHAR, MPI_BOR, gauges->comm));

@@ -123,7 +123,10 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     PetscInt  to;
 
     PairRowLoadGeometry(cloud, x, b, row);
-    KernelGradient(cloud->kernel, row->n, row->r2, row->F);
+    if (cloud->size)
+      PairRowEvaluate(cloud, b, row, PETSC_TRUE);
+    else
+      KernelGradient(cloud->kernel, row->n, row->r2, row->F);
     for (PetscInt k = 0; k < row->n; k++) {
       const PetscInt  a = row->index[k];
       const PetscReal c = cloud->integer[INT_LAYER][a]

@@ -144,4 +144,23 @@ static inline PetscInt CraterGridCell(const CraterGrid *grid, const PetscReal x[
   return CellIndex(grid->n, index[0], index[1], index[2]);
 }
 
+/* CraterGridReach - the block of cells, first to last, that a particle at x (m) of this size (1) covers: that of its
+   centre, and if it is larger than the spacing those around that it would be divided over. False where CraterGridCell
+   is -1. Not collective. */
+static inline PetscBool CraterGridReach(const CraterGrid *grid, const PetscReal x[DIM], PetscReal size,
+                                        PetscReal spacing, PetscInt first[DIM], PetscInt last[DIM])
+{
+  const PetscReal reach = 0.5 * PetscMax(0, size - 1) * spacing / grid->size; /* cells */
+  PetscInt        index[DIM];
+
+  if (CraterGridCell(grid, x, index) < 0) return PETSC_FALSE;
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal s = (x[grid->component[d]] - grid->lower[d]) / grid->size;
+
+    first[d] = reach > 0 ? PetscMax(1, (PetscInt)PetscFloorReal(s - reach) + 1) : index[d];
+    last[d]  = reach > 0 ? PetscMin(grid->n[d] - 2, (PetscInt)PetscFloorReal(s + reach) + 1) : index[d];
+  }
+  return PETSC_TRUE;
+}
+
 #endif

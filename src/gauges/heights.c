@@ -48,13 +48,14 @@ typedef struct {
 static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal bin,
                         PetscInt bins, Share share[])
 {
-  const Domain    domain = gauges->cloud->domain;
-  const Kernel    kernel = gauges->cloud->kernel;
-  const PetscInt  up     = domain->dim - 1;
-  const PetscReal reach2 = PetscSqr(KernelSupport(kernel)), lower = domain->lower[up];
+  const Domain    domain   = gauges->cloud->domain;
+  const Kernel    kernel   = gauges->cloud->kernel;
+  const PetscInt  up       = domain->dim - 1;
+  const PetscReal support2 = PetscSqr(KernelSupport(kernel)), lower = domain->lower[up];
 
   for (PetscInt a = 0; a < arrays->n; a++) {
-    const PetscReal *x       = arrays->real[FIELD_POSITION] + DIM * a;
+    const PetscReal *x    = arrays->real[FIELD_POSITION] + DIM * a;
+    const PetscReal  size = ParticleSize(domain, arrays, a), reach2 = support2 * PetscSqr(size);
     PetscReal        across2 = 0, half;
 
     for (PetscInt d = 0; d < up; d++) across2 += PetscSqr(x[d] - image->x[d]);
@@ -62,11 +63,11 @@ static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const Point
     half = PetscSqrtReal(reach2 - across2);
     for (PetscInt k = PetscMax(0, (PetscInt)PetscCeilReal((x[up] - half - lower) / bin));
          k < bins && lower + k * bin < x[up] + half; k++) {
-      const PetscReal r2 = across2 + PetscSqr(lower + k * bin - x[up]);
+      const PetscReal r2 = (across2 + PetscSqr(lower + k * bin - x[up])) / PetscSqr(size);
       PetscReal       W;
 
       KernelEvaluate(kernel, 1, &r2, &W, NULL);
-      W *= ParticleShare(domain, arrays, a);
+      W *= ParticleShare(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
       if (arrays->integer[INT_LAYER][a])
         share[k].solid += W;
       else
@@ -102,7 +103,7 @@ static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
   const Domain    domain = gauges->cloud->domain;
   const Places   *places = &gauges->heights;
   const PetscInt  up     = domain->dim - 1;
-  const PetscReal bin = domain->spacing / BINS, reach = KernelSupport(gauges->cloud->kernel);
+  const PetscReal bin = domain->spacing / BINS, reach = gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel);
   const PetscInt  bins = (PetscInt)((domain->upper[up] - domain->lower[up]) / bin) + 1;
   Share          *share; /* [heights][bins] */
   ParticleArrays  arrays;

@@ -58,17 +58,18 @@ PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, Point
 static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
 {
   Kernel           kernel = gauges->cloud->kernel;
+  const Domain     domain = gauges->cloud->domain;
   const PetscReal  reach2 = PetscSqr(KernelSupport(kernel));
   const PetscReal *x = arrays->real[FIELD_POSITION], *v = arrays->real[FIELD_VELOCITY];
 
   for (PetscInt a = 0; a < arrays->n; a++) {
     const PetscReal r[DIM] = {x[DIM * a] - image->x[0], x[DIM * a + 1] - image->x[1], x[DIM * a + 2] - image->x[2]};
-    const PetscReal r2     = Dot(r, r);
+    const PetscReal size = ParticleSize(domain, arrays, a), r2 = Dot(r, r) / PetscSqr(size);
     PetscReal       W;
 
     if (r2 >= reach2 || arrays->integer[INT_LAYER][a]) continue;
     KernelEvaluate(kernel, 1, &r2, &W, NULL);
-    W *= ParticleShare(gauges->cloud->domain, arrays, a);
+    W *= ParticleShare(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
     sum[0] += W;
     sum[1] += W * arrays->real[FIELD_PRESSURE][a];
     for (PetscInt d = 0; d < DIM; d++) sum[2 + d] += W * image->sign[d] * v[DIM * a + d];
@@ -87,7 +88,8 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   for (PetscInt p = 0; p < count; p++) {
     PointImage     image[IMAGES_MOST];
-    const PetscInt images = PointImages(domain, at + domain->dim * p, KernelSupport(gauges->cloud->kernel), image);
+    const PetscInt images =
+      PointImages(domain, at + domain->dim * p, gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel), image);
 
     for (PetscInt k = 0; k < images; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);
   }

@@ -30,7 +30,7 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
 {
   const Domain   domain  = gauges->cloud->domain;
   const Scene    scene   = gauges->cloud->scene;
-  PetscReal      sum[4]  = {0, 0, 0, 0}; /* kinetic, potential energy, particles, volume of rings */
+  PetscReal      sum[4]  = {0, 0, 0, 0}; /* kinetic, potential energy, particles, volume where stored */
   PetscReal      highest = -PETSC_MAX_REAL;
   ParticleArrays arrays;
 
@@ -45,8 +45,8 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
     sum[0] += 0.5 * mass * Dot(v, v);
     sum[1] += mass * SceneForcePotential(scene, x);
     sum[2] += 1;
-    if (domain->rings) sum[3] += arrays.real[FIELD_VOLUME][a];
-    highest = PetscMax(highest, x[domain->dim - 1]);
+    if (arrays.real[FIELD_VOLUME]) sum[3] += arrays.real[FIELD_VOLUME][a];
+    highest = PetscMax(highest, x[domain->dim - 1] + 0.5 * (ParticleSize(domain, &arrays, a) - 1) * domain->spacing);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPIU_REAL, MPIU_SUM, gauges->comm));
@@ -54,8 +54,8 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
   totals->multiplicity     = gauges->multiplicity;
   totals->kinetic_energy   = gauges->multiplicity * sum[0];
   totals->potential_energy = gauges->multiplicity * sum[1];
-  totals->volume           = gauges->multiplicity * (domain->rings ? sum[3] : sum[2] * domain->volume);
-  totals->particles        = (PetscInt)sum[2];
-  totals->highest          = HeightOverLevel(gauges, highest);
+  totals->volume    = gauges->multiplicity * (domain->rings || domain->graded ? sum[3] : sum[2] * domain->volume);
+  totals->particles = (PetscInt)sum[2];
+  totals->highest   = HeightOverLevel(gauges, highest);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,8 +20,9 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->scene         = scene;
   c->kernel        = kernel;
   c->particles     = particles;
-  c->reach         = reach;
-  c->slack         = domain->spacing;
+  c->reach         = reach * DomainSizeMost(domain);
+  c->size_most     = DomainSizeMost(domain);
+  c->slack         = domain->spacing_coarse;
   c->rebalance     = 1.2;
   c->sort_interval = 100;
   PetscCall(HaloCreate(domain, &c->halo));
@@ -31,7 +32,7 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
 
 PetscErrorCode CloudSetFromOptions(Cloud cloud)
 {
-  PetscReal slack = cloud->slack / cloud->domain->spacing;
+  PetscReal slack = cloud->slack / cloud->domain->spacing_coarse;
 
   PetscFunctionBegin;
   PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
@@ -43,7 +44,7 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
   PetscCall(OptionInt("-sort_interval", "steps between two sorts of the particles along the cells", "[1, inf)",
                       &cloud->sort_interval));
   PetscOptionsEnd();
-  cloud->slack = slack * cloud->domain->spacing;
+  cloud->slack = slack * cloud->domain->spacing_coarse;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,6 +59,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
   PetscCall(PetscFree(c->weight));
+  PetscCall(PetscFree(c->size));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->reference));
@@ -84,7 +86,9 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
   cloud->volume = cloud->field[FIELD_VOLUME];
-  if (cloud->domain->rings) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
+  if (cloud->domain->rings || cloud->domain->graded)
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
+  if (cloud->domain->graded) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->size));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
@@ -123,6 +127,22 @@ static void CountKinds(Cloud cloud)
   cloud->layout++;
 }
 
+/* The sizes of graded particles, ghosts too; their volumes are known. */
+static PetscErrorCode FindSizes(Cloud cloud)
+{
+  PetscReal most = 0;
+
+  PetscFunctionBegin;
+  if (!cloud->size) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    cloud->size[a] = DomainSize(cloud->domain, cloud->volume[a]);
+    most           = PetscMax(most, cloud->size[a]);
+  }
+  PetscCheck(most <= (1 + POINT_TOLERANCE) * cloud->size_most, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "a particle has %g times the spacing, more than -spacing_coarse allows", (double)most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode CloudFindSolidNormals(Cloud cloud)
 {
   PetscFunctionBegin;
@@ -157,10 +177,11 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
-    if (!cloud->domain->rings) cloud->volume[a] = cloud->domain->volume;
+    if (!ParticlesHave(cloud->particles, FIELD_VOLUME)) cloud->volume[a] = cloud->domain->volume;
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
-  if (cloud->domain->rings) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
+  if (ParticlesHave(cloud->particles, FIELD_VOLUME)) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
+  PetscCall(FindSizes(cloud));
   PetscCall(CloudFindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   cloud->halo_builds++;

@@ -36,9 +36,13 @@ typedef struct _p_Cloud {
   PetscInt  *integer[INT_COUNT]; /* [n_total] */
   /* Volumes. 'volume' is of the whole particle, m^dim (m3 of a ring): mass = rest density * volume. Sums over
      neighbours weight with V_0 = d0^dim (Domain's volume) times 'weight'; NULL: all weights are 1. Of a ring the weight
-     is the ring area over V_0, at the positions of the last search. */
+     is the ring area over V_0, at the positions of the last search. The pair of particles of different sizes has the
+     smoothing length (h_a + h_b)/2 in all sums: then a pair's kernel is the same for both, and the first-order error
+     that differing lengths make in a Laplacian vanishes. */
   PetscReal *volume;       /* [n_total] FIELD_VOLUME */
   PetscReal *weight;       /* [n_total] 1 */
+  PetscReal *size;         /* [n_total] s/d0 of graded particles (DomainSize), 1; NULL: all have one size */
+  PetscReal  size_most;    /* 1; of all ranks and times: supports are at most so much wider than the kernel's */
   PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
@@ -48,8 +52,9 @@ typedef struct _p_Cloud {
   PetscInt   *list;
   /* Factors of the pairs, in the order of the list, at the positions of the last search; without weights the same for
      both particles of a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f, times the weight of the
-     neighbour: sums take V_0 as if it were the volume of all. laplacian, always without weights: the pair's part in a
-     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, and 0 between two wall particles. It is rounded to
+     neighbour: sums take V_0 as if it were the volume of all. laplacian, of rings without weights: the pair's part in a
+     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, of graded particles times the weights of both, and 0
+     between two wall particles. It is rounded to
      sixteen bits because the solver reads it in every iteration; a Laplacian with 80 such weights is right to 3e-6. */
   float     *slope;
   uint16_t  *laplacian;
@@ -58,7 +63,7 @@ typedef struct _p_Cloud {
   CellGrid   grid;             /* of the last search, over all n_total points */
   WorkArray *work;             /* of CloudGetWork, a list */
   PetscReal  slack;            /* m, twice the distance that particles may move before the halo is built again */
-  PetscReal  reach;            /* m, largest kernel support in use */
+  PetscReal  reach;            /* m, largest kernel support in use, of the largest particles */
   PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
   PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
   PetscReal  rebalance;        /* imbalance that triggers METIS */
@@ -67,7 +72,8 @@ typedef struct _p_Cloud {
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
 } * Cloud;
 
-/* CloudCreate - borrows the four; reach = largest kernel support any operator will use (m). Collective. */
+/* CloudCreate - borrows the four; reach = largest kernel support any operator will use (m), of the finest particles.
+   Collective. */
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud);
 /* CloudSetFromOptions - -halo_slack (in spacings), -rebalance, -sort_interval. Collective. */
@@ -92,6 +98,17 @@ PetscErrorCode CloudFindSolidNormals(Cloud cloud);
 static inline PetscReal CloudWeigh(Cloud cloud, PetscInt a, PetscReal value)
 {
   return cloud->weight ? cloud->weight[a] * value : value;
+}
+
+/* CloudSize - the size s/d0 of particle a, 1 where all have one. CloudPairSize - that of a pair, whose smoothing length
+   is so many times the kernel's. Not collective. */
+static inline PetscReal CloudSize(Cloud cloud, PetscInt a)
+{
+  return cloud->size ? cloud->size[a] : 1;
+}
+static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
+{
+  return cloud->size ? 0.5 * (cloud->size[a] + cloud->size[b]) : 1;
 }
 
 /* RowVisitor - what CloudSearch calls for each owned particle a as soon as its row is found, while the row is in the

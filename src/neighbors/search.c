@@ -1,47 +1,9 @@
 /* The neighbour search: the list of the pairs within the kernel's support, and the factors of the pairs. */
-#include "pairs.h"
+#include "search.h"
 
-#define LINES_AROUND 9            /* of cells along x, around and including that of a particle */
-#define SPLIT        4            /* cells along x in the kernel's support */
-#define LANES        SEARCH_LANES /* candidates compared at once */
-#define SLACK        1e-3f        /* of a cell along x: what single precision may miss of a chord */
-#define PADDING      1e4f         /* squared distance over h2, beyond any kernel */
-#define ROW_GUESS    72           /* neighbours a particle: the first guess of the size of the list */
-
-/* Positions are compared as integers, sixteen at a time. Their unit is the same on every rank, and the box is 2^n units
-   long, n = BOX_BITS unless the box is narrow. Differences are therefore exact, and the same for both particles of a
-   pair, also across a periodic face or a mirror. The unit is a billionth of the box, so a position is as exact as the
-   single precision of the pair factors. */
-#define BOX_BITS 30
-#define OUTSIDE  1.5 /* the integers reach so many box lengths from the middle of the box, and besides */
-#define REACHES  4   /* so many times the largest support */
-
-typedef struct {
-  PetscReal center[DIM], inverse[DIM]; /* m; 1/m */
-  float     unit[DIM];                 /* over h */
-} Units;
-
-static Units ChooseUnits(Cloud cloud)
-{
-  const Domain domain = cloud->domain;
-  Units        units  = {{0}, {0}, {0}};
-
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal length = domain->upper[d] - domain->lower[d], needed = OUTSIDE * length + REACHES * cloud->reach;
-    int             bits = BOX_BITS;
-
-    while (PetscPowRealInt(2, 31 - bits) * length < needed) bits--;
-    units.center[d]  = 0.5 * (domain->lower[d] + domain->upper[d]);
-    units.inverse[d] = PetscPowRealInt(2, bits) / length;
-    units.unit[d]    = (float)(1 / (units.inverse[d] * KernelSmoothingLength(cloud->kernel)));
-  }
-  return units;
-}
-
-static inline PetscReal Place(const Units *units, PetscInt d, PetscReal x)
-{
-  return rint((x - units->center[d]) * units->inverse[d]);
-}
+#define LINES_AROUND 9     /* of cells along x, around and including that of a particle */
+#define SPLIT        4     /* cells along x in the kernel's support */
+#define SLACK        1e-3f /* of a cell along x: what single precision may miss of a chord */
 
 /* The integer positions of the points in the grid's order: [3][n]. */
 static PetscErrorCode SortPlaces(Cloud cloud, const Units *units, int32_t sorted[])
@@ -174,12 +136,6 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
   return __builtin_popcount(keep);
 }
 #else
-/* p - x. Lanes behind the candidates may hold points so far away that it wraps around; nothing comes of them. */
-static inline int32_t Apart(int32_t p, int32_t x)
-{
-  return (int32_t)((uint32_t)p - (uint32_t)x);
-}
-
 static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const int32_t *restrict x,
                                 const int32_t *restrict y, const int32_t *restrict z, const int32_t p[DIM],
                                 const float unit[DIM], float limit, PetscInt a, PetscInt *restrict list,
@@ -208,34 +164,6 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
 }
 #endif
 
-PetscInt64 CloudListRoom(PetscInt64 used, PetscInt rows, PetscInt most)
-{
-  return used + PetscMax(most, used / 8 + (PetscInt64)ROW_GUESS * rows) + most;
-}
-
-/* Makes room for so many pairs. */
-static PetscErrorCode ReserveList(Cloud cloud, PetscInt64 pairs)
-{
-  const size_t room = (size_t)pairs;
-
-  PetscFunctionBegin;
-  cloud->list_capacity = pairs;
-  PetscCall(PetscRealloc(room * sizeof(PetscInt), &cloud->list));
-  PetscCall(PetscRealloc(room * sizeof(float), &cloud->slope));
-  PetscCall(PetscRealloc(room * sizeof(uint16_t), &cloud->laplacian));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Pads a row with pairs of the particle with itself that weigh nothing, so that what follows works on whole vectors.
-   The next row overwrites them. */
-static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
-{
-  for (PetscInt k = n; k < n + LANES; k++) {
-    list[k] = a;
-    s[k]    = PADDING;
-  }
-}
-
 /* The factors of n padded pairs from s = r2/h2: w (NULL if not wanted), slope, the slope over s + eta2/h2, and the
    Laplacian ones in units of 'unit', whose sum is returned. -F is largest at r = 0; with the unit of SearchCreate no
    Laplacian factor is larger than sixteen bits can hold. */
@@ -257,19 +185,6 @@ static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *
       laplacian[k]     = (uint16_t)code;
       sum += code;
     }
-  }
-  return sum;
-}
-
-/* Removes the Laplacian weights of the pairs of a wall particle with other wall particles, between which nothing flows.
-   Returns the sum of the other weights. */
-static PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[], uint16_t laplacian[])
-{
-  PetscInt sum = 0;
-
-  for (PetscInt k = 0; k < n; k++) {
-    if (layer[list[k]]) laplacian[k] = 0;
-    sum += laplacian[k];
   }
   return sum;
 }
@@ -318,7 +233,7 @@ static PetscErrorCode SearchCreate(Cloud cloud, Search *search)
   PetscInt        longest = 0;
 
   PetscFunctionBegin;
-  search->units  = ChooseUnits(cloud);
+  search->units  = SearchUnits(cloud);
   search->radius = KernelSupport(cloud->kernel);
   search->limit  = (float)PetscSqr(search->radius / KernelSmoothingLength(cloud->kernel));
   SetLines(grid, &search->lines);
@@ -363,6 +278,11 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
+  if (cloud->size) {
+    PetscCall(SearchGraded(cloud, visit, context));
+    PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(CellGridBuild(&cloud->grid, cloud->domain->dim, cloud->n_total, x, KernelSupport(cloud->kernel), SPLIT));
   PetscCall(SearchCreate(cloud, &search));
   FindWeights(cloud);

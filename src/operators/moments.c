@@ -77,10 +77,10 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = CloudWeigh(cloud, a, V * self);
+    PetscReal sum = cloud->size ? V * self : CloudWeigh(cloud, a, V * self);
 
     PairRowLoadGeometry(cloud, x, a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    PairRowEvaluate(cloud, a, &row, PETSC_FALSE);
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < row.n; k++) sum += CloudWeigh(cloud, row.index[k], V) * row.W[k];
     cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * sum;
@@ -97,10 +97,19 @@ typedef struct {
   PetscReal viscosity;        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
 } Scales;
 
+/* (s_ab/s_b)^dim of eight neighbours of a graded particle, s_ab the mean of both sizes: takes V_b W_ab to s_ab^dim
+   W_ab, which is the same at a distance of s_ab for pairs of all sizes. */
+static inline Vec8 Crowd(Cloud cloud, PetscInt a, const PetscInt list[])
+{
+  const Vec8 other = Vec8Gather(cloud->size, list), ratio = 0.5 * (Vec8Set(cloud->size[a]) + other) / other;
+
+  return cloud->domain->dim == 2 ? ratio * ratio : ratio * ratio * ratio;
+}
+
 /* Makes all sums of row a and stores what follows from them: FIELD_DENSITY, FIELD_NORMAL, FIELD_CROWDING, the moments
    in FIELD_CORRECTION and, if 'viscous' says so, the viscous term in FIELD_ACCELERATION. */
 static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[],
-                              const Scales *scales, PetscBool viscous)
+                              const Scales *scales, PetscBool viscous, PetscBool graded)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
                   scale = V * scales->scale_f;
@@ -116,8 +125,9 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   for (PetscInt k = 0; k < n; k += VEC8) {
     const Vec8Offsets at = Vec8Locate(list + k);
     const Vec8x3      d  = Vec8x3Difference(p, Vec8x3Collect(x, &at));
-    const Vec8        f = Vec8LoadSingle(slope + k), W = Vec8LoadSingle(w + k), r = W * ratio, r2 = r * r, fx = f * d.x,
-               fy = f * d.y, fz = f * d.z;
+    const Vec8        f = Vec8LoadSingle(slope + k), W = Vec8LoadSingle(w + k),
+               r = graded ? W * ratio * Crowd(cloud, a, list + k) : W * ratio, r2 = r * r, fx = f * d.x, fy = f * d.y,
+               fz = f * d.z;
 
     sum += W;
     normal.x += fx;
@@ -137,7 +147,8 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   total = Vec8x3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
-    cloud->rest_density[a] * V * (CloudWeigh(cloud, a, scales->self) + scales->scale_w * total[3]);
+    cloud->rest_density[a] * V *
+    ((graded ? scales->self : CloudWeigh(cloud, a, scales->self)) + scales->scale_w * total[3]);
   Vec4Store(scale * (total + Vec8x3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Vec8x3Sum(diagonal, zero), M);
   Vec4Store(-scale * Vec8x3Sum(off, zero), M + DIM);
@@ -146,12 +157,22 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
 
 static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE);
+  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE, PETSC_FALSE);
 }
 
 static void ViscousRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid));
+  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid), PETSC_FALSE);
+}
+
+static void GradedMomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
+{
+  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE, PETSC_TRUE);
+}
+
+static void GradedViscousRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
+{
+  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid), PETSC_TRUE);
 }
 
 /* FIELD_CORRECTION holds the moments M: finds FIELD_LAMBDA and replaces M by B. */
@@ -189,7 +210,10 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   scales.ratio     = scales.scale_w / at_spacing;
   scales.viscosity = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
                      scales.scale_f * inverse_h2;
-  PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
+  if (cloud->size)
+    PetscCall(CloudSearch(cloud, viscosity ? GradedViscousRow : GradedMomentsRow, &scales));
+  else
+    PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
   if (viscosity) PetscCall(OperatorsWallFriction(cloud, viscosity, scales.viscosity / inverse_h2));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);

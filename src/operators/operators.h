@@ -24,7 +24,7 @@ static inline void TensorApply(const PetscReal B[6], PetscReal x, PetscReal y, P
 static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
 {
   const Domain    domain = cloud->domain;
-  const PetscReal reach  = KernelSupport(cloud->kernel);
+  const PetscReal reach  = cloud->size_most * KernelSupport(cloud->kernel);
 
   if (cloud->solid_normal && SceneSolidDistance(cloud->scene, x, NULL) < reach) return PETSC_TRUE;
   for (PetscInt d = 0; d < domain->dim; d++)

@@ -70,7 +70,7 @@ static void FlagSurface(Cloud cloud, const SurfaceTest *test, PetscInt flag[])
       flag[a] = 1;
     else {
       for (PetscInt d = 0; d < DIM; d++) n[d] /= length;
-      flag[a] = ConeIsEmpty(cloud, a, n, s) ? 1 : 0;
+      flag[a] = ConeIsEmpty(cloud, a, n, s * CloudSize(cloud, a)) ? 1 : 0;
     }
   }
 }
@@ -101,7 +101,7 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test)
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     if (flag[a] || lambda[a] >= test->near) continue;
-    if (lambda[a] < test->inner || SurfaceIsNear(cloud, a, distance, flag)) flag[a] = 2;
+    if (lambda[a] < test->inner || SurfaceIsNear(cloud, a, distance * CloudSize(cloud, a), flag)) flag[a] = 2;
   }
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));

@@ -58,13 +58,15 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
   }
 }
 
-/* The factor on wall friction of fluid particle a, from its distance to the nearest wall. */
+/* The factor on wall friction of fluid particle a, from its distance to the nearest wall. Dummy particles of walls have
+   the size of the liquid beside them. */
 static PetscReal WallFactor(Cloud cloud, const Viscosity *viscosity, PetscInt a)
 {
   const Domain     domain = cloud->domain;
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, support = KernelSupport(cloud->kernel);
-  PetscReal        nearest = cloud->solid_normal ? SceneSolidDistance(cloud->scene, x, NULL) : support, place;
-  PetscInt         k;
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a,
+                  support = CloudSize(cloud, a) * KernelSupport(cloud->kernel);
+  PetscReal nearest       = cloud->solid_normal ? SceneSolidDistance(cloud->scene, x, NULL) : support, place;
+  PetscInt  k;
 
   if (!viscosity->no_slip) return 1;
   for (PetscInt d = 0; d < domain->dim; d++) {
@@ -189,6 +191,14 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, PairRow *r
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], x0 = x[DIM * a], x1 = x[DIM * a + 1], x2 = x[DIM * a + 2];
 
+  for (PetscInt k = 0; k < row->n && cloud->size; k++) {
+    const PetscInt   b      = row->index[k];
+    const PetscReal *at     = x + DIM * b;
+    const PetscReal  d[DIM] = {x0 - at[0], x1 - at[1], x2 - at[2]};
+
+    row->f[k] /= Dot(d, d) + eta2 * PetscSqr(CloudPairSize(cloud, a, b));
+  }
+  if (cloud->size) return;
   SIMD_LOOP()
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscReal *at = x + DIM * row->index[k];
@@ -220,7 +230,7 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, Pe
         d[i] = x[DIM * a + i] - x[DIM * b + i];
         u[i] = v[DIM * a + i] - v[DIM * b + i];
       }
-      f = (factor - 1) * scale * row.f[k] * Dot(u, d) / (Dot(d, d) + eta2);
+      f = (factor - 1) * scale * row.f[k] * Dot(u, d) / (Dot(d, d) + eta2 * PetscSqr(CloudPairSize(cloud, a, b)));
       for (PetscInt i = 0; i < DIM; i++) out[i] += f * d[i];
     }
   }
@@ -384,7 +394,10 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
     const PetscReal factor = WallFactor(cloud, viscosity, a);
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
+    if (cloud->size)
+      PairRowEvaluate(cloud, a, &row, PETSC_TRUE);
+    else
+      KernelGradient(cloud->kernel, row.n, row.r2, row.F);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b    = row.index[k];
       const PetscReal mu_b = mu[b] < 0 ? mu[a] : mu[b], sum = mu[a] + mu_b;
@@ -392,7 +405,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
       c[k] = sum > 0 ? volume[b] * rest[b] * zeta * (1 / PetscSqr(density[a]) + 1 / PetscSqr(density[b])) * 2 * mu[a] *
                          mu_b / sum * row.F[k]
                      : 0;
-      if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2;
+      if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2 * PetscSqr(CloudPairSize(cloud, a, b));
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
     }
   }

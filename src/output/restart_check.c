@@ -63,7 +63,7 @@ static void CheckPlace(Cloud cloud, const ParticleArrays *arrays, PetscInt a, ch
   const Domain     domain = cloud->domain;
   const PetscReal *x = arrays->real[FIELD_POSITION] + DIM * a, *v = arrays->real[FIELD_VELOCITY] + DIM * a;
   const PetscBool  liquid = (PetscBool)(arrays->integer[INT_LAYER][a] == 0);
-  const PetscReal  wall   = WALL_MARGIN * (KernelSupport(cloud->kernel) + domain->spacing);
+  const PetscReal  wall   = WALL_MARGIN * (cloud->size_most * KernelSupport(cloud->kernel) + domain->spacing_coarse);
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscBool real   = (PetscBool)(d < domain->dim);

@@ -142,6 +142,7 @@ PetscErrorCode RestartSceneText(Output output, char **text)
 
   PetscFunctionBegin;
   if (domain->rings) PetscCall(AddLine(&lines, "-dimension = axisymmetric"));
+  if (domain->graded) PetscCall(AddLine(&lines, "-spacing_coarse = %.9g", (double)domain->spacing_coarse));
   PetscCall(AddLine(&lines, "-box_lower = %s", Vector(domain, domain->lower, number)));
   PetscCall(AddLine(&lines, "-box_upper = %s", Vector(domain, domain->upper, number)));
   for (PetscInt d = 0; d < domain->dim; d++)

@@ -96,8 +96,8 @@ static PetscErrorCode CheckFields(Output output)
       if (found) content->fields |= 1U << f;
     }
     PetscCheckUser(found, output->comm,
-                   "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (of "
-                   "rings), viscosity (that varies), surface, layer and color, or none.",
+                   "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
+                   "differs), viscosity (that varies), surface, layer and color, or none.",
                    content->name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -67,6 +67,10 @@ PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[
   HashReal(hash, KernelSupport(kernel));
   HashReal(hash, W[0]);
   HashReal(hash, W[1]);
+  for (PetscInt k = 0; k < packing->graded_count[0]; k++) { /* the sizes of graded particles */
+    HashReal(hash, packing->graded[0][k].area);
+    for (PetscInt d = 0; d < domain->dim; d++) HashReal(hash, packing->graded[0][k].x[d]);
+  }
   HashBytes(hash, packing->type, strlen(packing->type));
   HashReal(hash, packing->seed);
   for (PetscInt k = 0; k < n; k++) HashReal(hash, numbers[k]);
@@ -96,7 +100,7 @@ static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const Petsc
                        PetscBool seen[])
 {
   const Domain    domain                   = cloud->domain;
-  const PetscReal margin                   = cloud->slack + STRAY * domain->spacing;
+  const PetscReal margin                   = cloud->slack + STRAY * domain->spacing_coarse;
   PetscBool       filled[SCENE_MAX_BODIES] = {PETSC_FALSE};
 
   for (PetscInt k = 0; k < n; k++) {

@@ -3,15 +3,16 @@
 
 PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
 {
-  PetscReal sum = 0;
+  const PetscReal self = KernelSelf(cloud->kernel);
+  PetscReal       sum  = 0;
 
   PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
-  KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
+  PairRowEvaluate(cloud, a, row, PETSC_FALSE);
   if (cloud->weight)
     for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
   SIMD_LOOP(reduction(+ : sum))
   for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
-  return cloud->domain->volume * (sum + CloudWeigh(cloud, a, KernelSelf(cloud->kernel)));
+  return cloud->domain->volume * (sum + (cloud->size ? self : CloudWeigh(cloud, a, self)));
 }
 
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)
@@ -29,7 +30,8 @@ PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)
     if (a >= cloud->n_fluid) continue;
     squares += PetscSqr(rest * (fraction - 1));
     for (PetscInt k = 0; k < row->n; k++)
-      if (cloud->integer[INT_LAYER][row->index[k]] == 0) closest2 = PetscMin(closest2, row->r2[k]);
+      if (cloud->integer[INT_LAYER][row->index[k]] == 0)
+        closest2 = PetscMin(closest2, row->r2[k] / PetscSqr(CloudPairSize(cloud, a, row->index[k])));
   }
   PetscCall(PetscFree(row));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, cloud->comm));

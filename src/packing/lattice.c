@@ -14,10 +14,10 @@ typedef struct {
   PetscReal jitter; /* largest displacement a component, in spacings */
 } LatticeData;
 
-void LatticeOfBox(Domain domain, Lattice *lattice)
+void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice)
 {
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal length = domain->upper[d] - domain->lower[d], spacing = domain->spacing;
+    const PetscReal length = domain->upper[d] - domain->lower[d];
     const PetscBool below  = (PetscBool)(domain->face[d][0] != FACE_OPEN);
     const PetscBool above  = (PetscBool)(domain->face[d][1] != FACE_OPEN);
     const PetscBool fitted = (PetscBool)(below && above); /* the nearest number of points; else those inside the box */
@@ -39,14 +39,14 @@ void LatticeOfBox(Domain domain, Lattice *lattice)
 /* The part of the lattice that may be inside a body, and one layer more. Where the body touches a closed face it is the
    box's, which the walls and images continue; elsewhere it has the spacing and is symmetric about the middle of the
    body. */
-static void LatticeOfBody(Domain domain, Body body, Lattice *lattice)
+void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice)
 {
   const PetscReal tiny = POINT_TOLERANCE * domain->spacing;
   PetscReal       lower[DIM], upper[DIM];
   Lattice         box;
 
   BodyBounds(body, lower, upper);
-  LatticeOfBox(domain, &box);
+  LatticeOfBox(domain, spacing, &box);
   *lattice = box;
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscBool below = (PetscBool)(domain->face[d][0] != FACE_OPEN && lower[d] <= domain->lower[d] + tiny);
@@ -62,9 +62,9 @@ static void LatticeOfBody(Domain domain, Body body, Lattice *lattice)
       lattice->n[d]      = PetscMax(0, last - first + 1);
       lattice->origin[d] = box.origin[d] + first * box.pitch[d];
     } else {
-      lattice->n[d]      = PetscMax(1, (PetscInt)PetscFloorReal((upper[d] - lower[d]) / domain->spacing + 0.5)) + 2;
-      lattice->pitch[d]  = domain->spacing;
-      lattice->origin[d] = 0.5 * (lower[d] + upper[d]) - 0.5 * (lattice->n[d] - 1) * domain->spacing;
+      lattice->n[d]      = PetscMax(1, (PetscInt)PetscFloorReal((upper[d] - lower[d]) / spacing + 0.5)) + 2;
+      lattice->pitch[d]  = spacing;
+      lattice->origin[d] = 0.5 * (lower[d] + upper[d]) - 0.5 * (lattice->n[d] - 1) * spacing;
     }
   }
 }
@@ -89,7 +89,7 @@ static PetscBool InsideBox(Domain domain, const PetscReal x[DIM])
 
 /* Whether point x (m) is inside the box and closer to the inside of body number b than its level, and of no earlier
    body. */
-static PetscBool Belongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM])
+PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM])
 {
   const Scene scene = packing->cloud->scene;
 
@@ -235,7 +235,7 @@ static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *la
     length = DomainRingLength(domain, sample.x);
     BodyDisplace(SceneBody(packing->cloud->scene, b), sample.x);
     sample.area = area * (length / DomainRingLength(domain, sample.x)); /* what is displaced keeps its volume */
-    if (!Belongs(packing, level, b, point, sample.x)) continue;
+    if (!LatticeBelongs(packing, level, b, point, sample.x)) continue;
     sample.id = sample.parent = (*id)++;
     for (PetscInt d = 0; d < domain->dim; d++)
       sample.x[d] += jitter * (2 * RandomUnit(seed, (unsigned long long)sample.id * DIM + (unsigned long long)d) - 1);
@@ -270,7 +270,7 @@ static PetscErrorCode VisitBody(Packing packing, PetscInt b, PetscReal level[], 
   Lattice      lattice;
 
   PetscFunctionBegin;
-  LatticeOfBody(domain, SceneBody(packing->cloud->scene, b), &lattice);
+  LatticeOfBody(domain, domain->spacing, SceneBody(packing->cloud->scene, b), &lattice);
   PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
   if (domain->rings) {
     PetscCall(VisitPoints(packing, b, &lattice, level, 1, AddLength, &sum, &first));
@@ -315,6 +315,27 @@ static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscO
   PetscCall(OptionReal("-packing_jitter", "largest random displacement from the lattice, of each component (spacings)",
                        "[0, 0.5)", &lattice->jitter));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES])
+{
+  const Domain domain = packing->cloud->domain;
+  const Scene  scene  = packing->cloud->scene;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    PetscReal length;
+    Lattice   lattice;
+
+    LatticeOfBody(domain, domain->spacing, SceneBody(scene, b), &lattice);
+    PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal LatticeJitter(Packing packing)
+{
+  return ((LatticeData *)packing->data)->jitter;
 }
 
 static PetscErrorCode Destroy_Lattice(Packing packing)

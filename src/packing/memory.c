@@ -24,7 +24,8 @@ static PetscReal EstimateParticles(Packing packing)
 
       CellCoordinates(n, k, at);
       for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * (at[d] + 0.5) / n[d];
-      inside += BodyContains(body, x) ? 1 : 0;
+      if (BodyContains(body, x))
+        inside += PetscPowRealInt(domain->spacing / SceneSpacing(packing->cloud->scene, x), (int)domain->dim);
     }
     count += volume * inside / points;
   }
@@ -34,7 +35,7 @@ static PetscReal EstimateParticles(Packing packing)
     box *= places;
     walled *= places + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
   }
-  return count + walled - box;
+  return domain->graded ? count : count + walled - box; /* few dummy particles are fine */
 }
 
 /* Linux gives more memory away than there is and ends the run later. */

@@ -93,6 +93,7 @@ PetscErrorCode PackingDestroy(Packing *packing)
   if (!*packing) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*packing)->ops.destroy) PetscCall((*packing)->ops.destroy(*packing));
   PetscCall(EmissionsDestroy(*packing));
+  PetscCall(GradedDestroy(*packing));
   PetscCall(PetscFree(*packing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -131,26 +132,33 @@ static PetscErrorCode CreateParticles(Packing packing)
   const Cloud    cloud  = packing->cloud;
   const Domain   domain = cloud->domain;
   const PetscInt cells = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
+  SampleSource   visit = domain->graded ? GradedVisit : packing->ops.visit;
   PetscInt      *weight, walls, solids;
   PetscMPIInt    rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscCalloc1(cells, &weight));
-  PetscCall(SamplesWeigh(domain, packing->ops.visit, packing, weight, &packing->count));
+  PetscCall(SamplesWeigh(domain, visit, packing, weight, &packing->count));
   PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
   if (rank) /* DomainPartition sums over the ranks */
     PetscCall(PetscArrayzero(weight, cells));
   else {
-    PetscCall(WallWeigh(domain, layers, weight));
+    if (domain->graded)
+      PetscCall(GradedWeighWalls(packing, weight));
+    else
+      PetscCall(WallWeigh(domain, layers, weight));
     PetscCall(SolidWeigh(domain, cloud->scene, layers, weight));
   }
   PetscCall(DomainPartition(domain, 1, weight));
   PetscCall(PetscFree(weight));
-  PetscCall(SamplesAppend(cloud->particles, domain, packing->ops.visit, packing, &packing->count));
-  PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
+  PetscCall(SamplesAppend(cloud->particles, domain, visit, packing, &packing->count));
+  if (domain->graded)
+    PetscCall(GradedCreateWalls(packing, packing->count, &walls));
+  else
+    PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
   PetscCall(SolidCreateParticles(cloud->particles, domain, cloud->scene, layers, packing->count + walls, &solids));
   PetscCall(PetscInfo(NULL,
                       "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
@@ -252,6 +260,7 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscCall(PackingCheckMemory(packing));
   ProgressBegin("the packing", "no step was computed");
   if (packing->ops.setup) PetscCall(packing->ops.setup(packing, report));
+  if (cloud->domain->graded) PetscCall(GradedSetUp(packing));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));
   if (packing->ops.improve) PetscCall(packing->ops.improve(packing, report));

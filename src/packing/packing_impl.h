@@ -6,7 +6,7 @@
 #include "packing.h"
 
 /* A particle to be made: its place x (m), velocity v (m/s) and integers as in the field table; density (kg/m3): 0 where
-   it is summed later; of a ring its area there over V_0. */
+   it is summed later; area: that of a ring there, or the volume of a graded particle, over V_0. */
 typedef struct {
   PetscReal x[DIM], v[DIM], density, area;
   PetscInt  id, parent, body, layer;
@@ -51,6 +51,8 @@ struct _p_Packing {
   PetscInt   count; /* fluid particles, over all ranks */
   char       cache[PETSC_MAX_PATH_LEN];
   Emission   emission[SCENE_MAX_BODIES];
+  PetscInt   graded_count[2]; /* with -spacing_coarse: particles of liquid and of walls */
+  Sample    *graded[2];       /* [graded_count], NULL until GradedSetUp */
 };
 
 PetscErrorCode PackingCreate_Lattice(Packing packing);
@@ -77,9 +79,17 @@ static inline void LatticePoint(const Lattice *lattice, PetscInt point, PetscRea
   for (PetscInt d = 0; d < DIM; d++) x[d] = lattice->origin[d] + at[d] * lattice->pitch[d];
 }
 
-/* LatticeOfBox - the lattice inside the box. Between two closed faces the pitch is fitted to the box, else it is the
-   spacing, counted from the closed face if there is one. Not collective. */
-void LatticeOfBox(Domain domain, Lattice *lattice);
+/* LatticeOfBox - the lattice of this spacing (m) inside the box. Between two closed faces the pitch is fitted to the
+   box, else it is the spacing, counted from the closed face if there is one. LatticeOfBody - see there. Not collective.
+ */
+void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice);
+void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice);
+/* LatticeJitter - of -packing_jitter, spacings, where the packing is a lattice. LatticeFit - the levels of all bodies'
+   lattices of the spacing, for LatticeBelongs: whether point number 'point' of the lattice of body b, at x (m), is a
+   particle of it. LatticeFit is collective. */
+PetscReal      LatticeJitter(Packing packing);
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES]);
+PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);
 /* LatticeVisitBody - shows the lattice points of one body. Collective. */
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
 
@@ -93,6 +103,38 @@ PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
 PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
 PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
                                     PetscInt *count);
+/* A part of space to be filled with particles of the spacing SceneSpacing: a body, or a face, edge or corner of the
+   box, which its walls continue. */
+typedef struct {
+  PetscReal x[DIM], measure; /* m; m^dim of the region */
+  PetscBool fixed;           /* on a lattice */
+} RegionPoint;
+typedef struct {
+  Packing          packing;
+  PetscInt         dim;                    /* directions that it spreads in */
+  PetscBool        along[DIM];             /* which they are */
+  PetscReal        lower[DIM], upper[DIM]; /* m */
+  PetscInt         body;                   /* -1: all between lower and upper */
+  const PetscReal *level;                  /* of LatticeFit */
+  Lattice          fine, coarse;           /* of one point in other directions */
+  PetscInt         n;
+  RegionPoint     *point; /* [n] */
+} Region;
+/* RegionFill - makes its points: on the fine lattice where the spacing is fine, on the coarse one where that is
+   reached, between at the spacing wanted there. Frees nothing; the caller frees 'point' by PetscFree. The same on every
+   rank. Collective. */
+PetscErrorCode RegionFill(Region *region);
+/* RegionSpread - spreads the points that are not fixed evenly. Not collective. */
+PetscErrorCode RegionSpread(Region *region);
+
+/* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit - a
+   SampleSource of the liquid (source: the packing); GradedWeighWalls, GradedCreateWalls - as WallWeigh and
+   WallCreateParticles. GradedDestroy - frees them. */
+PetscErrorCode GradedSetUp(Packing packing);
+PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context);
+PetscErrorCode GradedWeighWalls(Packing packing, PetscInt weight[]);
+PetscErrorCode GradedCreateWalls(Packing packing, PetscInt first_id, PetscInt *count);
+PetscErrorCode GradedDestroy(Packing packing);
 /* EmissionsDestroy - frees what emitters bring. */
 PetscErrorCode EmissionsDestroy(Packing packing);
 

@@ -47,6 +47,9 @@ static PetscErrorCode Check_Poisson(Packing packing)
   PetscCheckUser(!packing->cloud->domain->rings, packing->cloud->comm,
                  "-packing_type poisson cannot be used with -dimension axisymmetric: it counts the particles of a body "
                  "by one volume that all have, and rings do not; use -packing_type lattice");
+  PetscCheckUser(!packing->cloud->domain->graded, packing->cloud->comm,
+                 "-packing_type poisson cannot be used with -spacing_coarse: its particles have one size; use "
+                 "-packing_type lattice, which fills the grading between two lattices");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,7 +17,7 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
 
   PetscFunctionBegin;
   if (!SceneSolidCount(solids->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  LatticeOfBox(solids->domain, &box);
+  LatticeOfBox(solids->domain, solids->domain->spacing, &box);
   for (PetscInt point = 0; point < LatticeCount(&box); point++) {
     Sample    sample = {.layer = 1, .area = box.pitch[0] * box.pitch[1] / solids->domain->volume};
     PetscReal s;

@@ -21,7 +21,7 @@ static void WallsSetUp(Domain domain, PetscInt layers, PetscInt first_id, Walls 
 
   walls->domain   = domain;
   walls->first_id = first_id;
-  LatticeOfBox(domain, lattice);
+  LatticeOfBox(domain, domain->spacing, lattice);
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscBool real  = (PetscBool)(d < domain->dim);
     const PetscInt  below = real && domain->face[d][0] == FACE_WALL ? layers : 0;

@@ -25,7 +25,7 @@ struct _p_Particles {
 
 PetscBool ParticlesHave(Particles particles, PetscInt f)
 {
-  if (f == FIELD_VOLUME) return particles->domain->rings;
+  if (f == FIELD_VOLUME) return (PetscBool)(particles->domain->rings || particles->domain->graded);
   return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);
 }
 

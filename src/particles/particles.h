@@ -24,7 +24,7 @@ typedef enum {
   X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection; start value of the next")          \
   X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
   X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")     \
-  X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the whole ring; stored where particles are rings")            \
+  X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume, of a ring the whole; stored where they differ")                 \
   X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, "Pa s",                                                                  \
     "viscosity in the last step; stored where the shear rate changes that of a body")
 
@@ -94,7 +94,14 @@ PetscBool ParticlesHave(Particles particles, PetscInt f);
 /* ParticleVolume - of a particle, from its fields, m3 (m2 in two dimensions). Not collective. */
 static inline PetscReal ParticleVolume(Domain domain, const ParticleArrays *arrays, PetscInt a)
 {
-  return domain->rings ? arrays->real[FIELD_VOLUME][a] : domain->volume;
+  return arrays->real[FIELD_VOLUME] ? arrays->real[FIELD_VOLUME][a] : domain->volume;
+}
+
+/* ParticleSize - its spacing over the domain's (1): see DomainSize; 1 where particles are all of one size, or rings.
+   Not collective. */
+static inline PetscReal ParticleSize(Domain domain, const ParticleArrays *arrays, PetscInt a)
+{
+  return domain->graded ? DomainSize(domain, arrays->real[FIELD_VOLUME][a]) : 1;
 }
 
 /* ParticleShare - the volume that it has in sums over neighbours, m^dim: of a ring its area. Not collective. */

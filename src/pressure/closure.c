@@ -31,7 +31,8 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
   if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
   mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
   if (cloud->field[FIELD_LAMBDA][a] < pressure->closure_lambda)
-    filling = pressure->closure_factor * PetscMax(0, pressure->lattice_diagonal * mass - diagonal);
+    filling = pressure->closure_factor *
+              PetscMax(0, pressure->lattice_diagonal / PetscSqr(CloudSize(cloud, a)) * mass - diagonal);
   if (!cloud->integer[INT_SURFACE][a]) return filling;
   normal = cloud->field[FIELD_NORMAL] + DIM * a;
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);

@@ -117,17 +117,20 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
     PetscReal *out = acceleration + DIM * a;
 
     PairRowLoadFactors(cloud, a, &row);
-    if (cloud->integer[INT_SURFACE][a])
+    if (cloud->integer[INT_SURFACE][a]) {
       SymmetricRow(pressure, a, &row, scale, out);
-    else {
+      if (cloud->size)
+        for (PetscInt d = 0; d < DIM; d++) out[d] /= SurfaceSlope(pressure, a);
+    } else {
       const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
       PetscReal        g[DIM], background, against;
 
       CorrectedRow(cloud, a, &row, scale, out);
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
-      background = factor * Norm(out);
-      against    = PetscMax(pressure->pairing_moving * background,
-                            pressure->pairing_loaded * PetscMin(background, factor * density[a] * Norm(g)));
+      background = CloudSize(cloud, a) * factor * Norm(out);
+      against =
+        PetscMax(pressure->pairing_moving * background,
+                 pressure->pairing_loaded * PetscMin(background, CloudSize(cloud, a) * factor * density[a] * Norm(g)));
       for (PetscInt d = 0; d < DIM; d++)
         out[d] = (out[d] - background * n[d] - against * (crowding[d] - n[d])) / density[a];
     }

@@ -61,8 +61,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->volume_most  = cloud->domain->volume;
-  pressure->own_weights  = (PetscBool)(cloud->weight || !OneDensity(pressure));
+  pressure->volume_most  = cloud->domain->volume * PetscPowRealInt(cloud->size_most, (int)cloud->domain->dim);
+  pressure->own_weights  = (PetscBool)(cloud->domain->rings || !OneDensity(pressure));
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads multiples of eight */
@@ -80,7 +80,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
       pressure->pair_weight[k] = (float)(rest_a * rest[b] * 4 / (sum * sum)) * (float)cloud->laplacian[k];
     }
   }
-  if (cloud->weight) PetscCall(WeightRings(pressure));
+  if (cloud->domain->rings) PetscCall(WeightRings(pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,7 +89,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
 static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 {
   const Domain     domain = cloud->domain;
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, reach = KernelSupport(cloud->kernel);
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a,
+                  reach   = CloudSize(cloud, a) * KernelSupport(cloud->kernel);
 
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_SYMMETRY && 2 * (x[d] - domain->lower[d]) < reach) return PETSC_TRUE;

@@ -223,6 +223,19 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
   KernelHalfSpace(cloud->kernel, 0, &pressure->surface_plane, NULL);
   KernelSurfaceTable(cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
+  if (cloud->domain->graded) SurfaceLattice(pressure);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureCheckGraded(Pressure pressure)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(pressure->source == SourceDivergence, pressure->cloud->comm,
+                 "-pressure_source " SOURCE_DENSITY " cannot be used with -spacing_coarse yet; " SOURCE_DIVERGENCE
+                 " can");
+  PetscCheckUser(pressure->gradient != GradientConserved, pressure->cloud->comm,
+                 "-pressure_gradient " GRADIENT_CONSERVED
+                 " cannot be used with -spacing_coarse yet; " GRADIENT_CORRECTED " can");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -51,6 +51,8 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
+/* PressureCheckGraded - refuses (UserError) types that were not tried with particles of different sizes. Collective. */
+PetscErrorCode PressureCheckGraded(Pressure pressure);
 /* PressureCheckRings - refuses (UserError) types that have no form for rings. Collective. */
 PetscErrorCode PressureCheckRings(Pressure pressure);
 

@@ -50,6 +50,13 @@ struct _p_Pressure {
   PetscReal surface_plane;                       /* |sum V grad W| on the plane surface of a half space, 1/m */
   PetscReal surface_fraction[SURFACE_TABLE + 1]; /* sum V W over its value inside, by |sum V grad W|/surface_plane */
 
+  /* Of graded particles, what sums over the first two layers of a lattice below a flat surface are, from which the
+     gradient and the density of surface rows are corrected: see surface_lattice.c. All 0 where particles have one size
+   */
+  PetscReal layer_normal[2]; /* |sum V grad W| times the spacing, 1 */
+  PetscReal layer_slope[2];  /* what Eq. (9) makes of a hydrostatic pressure of slope 1 */
+  PetscReal layer_density;   /* filled fraction of the first layer less that of the table, 1 */
+
   /* of the closure */
   PetscReal closure_factor, closure_lambda, closure_least; /* 1 */
   PetscBool wall_suction;                                  /* of the density source */
@@ -132,6 +139,13 @@ PetscErrorCode SetConvergence(Pressure pressure);
 /* ResidualCheck - the true residual of the solution x, by a product of its own, into the result, and whether the solver
    did what it says, whose reason must be there. Collective. */
 PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result);
+
+/* SurfaceLattice - sets the layer_... of particles of different sizes. Not collective. */
+void SurfaceLattice(Pressure pressure);
+/* SurfaceSlope, SurfaceDensity - by what Eq. (9) is too large in the row of particle a on or near the surface; what is
+   to be added to its filled fraction. Not collective. */
+PetscReal SurfaceSlope(Pressure pressure, PetscInt a);
+PetscReal SurfaceDensity(Pressure pressure, PetscInt a);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);

@@ -33,11 +33,12 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   PetscReal        fraction = 1, defect;
 
   if (lambda < LAMBDA_FULL) {
-    const PetscReal place = Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
+    const PetscReal place = CloudSize(cloud, a) * Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
     const PetscInt  k     = (PetscInt)PetscMin(place, (PetscReal)(SURFACE_TABLE - 1));
     const PetscReal t     = PetscMin(place - k, 1.0);
 
     fraction = (1 - t) * pressure->surface_fraction[k] + t * pressure->surface_fraction[k + 1];
+    if (cloud->size) fraction += SurfaceDensity(pressure, a);
   }
   defect = fraction - cloud->field[FIELD_DENSITY][a] / (cloud->rest_density[a] * pressure->lattice_sum);
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
@@ -54,10 +55,11 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 {
   Cloud            cloud = pressure->cloud;
   const PetscReal *div   = cloud->field[FIELD_DIVERGENCE];
-  const PetscReal  rate  = 1 / (dt * PetscMax(pressure->relaxation_time, pressure->relaxation_steps * dt));
+  const PetscReal  least = pressure->relaxation_steps * dt, T = pressure->relaxation_time;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * rate;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * (1 / (dt * PetscMax(CloudSize(cloud, a) * T, least)));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);

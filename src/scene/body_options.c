@@ -198,6 +198,20 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices)
+{
+  char title[2 * SCENE_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Region %s", body->name));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
+  PetscCall(SetUp(&body->shape->choice, body));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Shows the options of each choice of a list; option: the one that makes it; data: its place in the body. */
 static PetscErrorCode HelpChoices(Body body, PetscFunctionList list, const char option[], void **data)
 {

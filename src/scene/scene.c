@@ -53,6 +53,7 @@ PetscErrorCode SceneDestroy(Scene *scene)
   if (!*scene) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < (*scene)->count; b++) PetscCall(BodyDestroy(&(*scene)->body[b]));
   for (PetscInt b = 0; b < (*scene)->solids; b++) PetscCall(BodyDestroy(&(*scene)->solid[b]));
+  for (PetscInt b = 0; b < (*scene)->fine_regions; b++) PetscCall(BodyDestroy(&(*scene)->fine[b]));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -65,7 +66,7 @@ typedef struct {
 } Names;
 
 /* Reads the forces and the names. */
-static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids)
+static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names *fine)
 {
   PetscReal frequency = 0;
 
@@ -75,6 +76,10 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids)
                                     "SceneSetFromOptions", bodies->name, &bodies->count, NULL));
   PetscCall(PetscOptionsStringArray("-solids", "Names of solids, separated by commas", "SceneSetFromOptions",
                                     solids->name, &solids->count, NULL));
+  PetscCall(PetscOptionsStringArray("-fine",
+                                    "Names of the regions of the fine spacing, shaped like bodies, separated by "
+                                    "commas; with -spacing_coarse",
+                                    "SceneSetFromOptions", fine->name, &fine->count, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
                                 "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity_amplitude",
@@ -109,8 +114,8 @@ static PetscErrorCode CheckName(Scene scene, const char option[], const char nam
   PetscCall(PetscStrcmp(name, "box", &same));
   if (!same) PetscCall(PetscStrncmp(name, "box_", 4, &same));
   PetscCheckUser(!same, comm, "%s: the name %s is taken: -box_... are the options of the box", option, name);
-  for (PetscInt b = 0; b < scene->count + scene->solids; b++) {
-    PetscCall(PetscStrcmp(name, b < scene->count ? scene->body[b]->name : scene->solid[b - scene->count]->name, &same));
+  for (PetscInt b = 0; b < SceneNames(scene); b++) {
+    PetscCall(PetscStrcmp(name, SceneName(scene, b), &same));
     PetscCheckUser(!same, comm, "%s: the name %s appears twice", option, name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -170,20 +175,43 @@ static PetscErrorCode CheckRings(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses half a grading, and what particles of several sizes cannot do yet. */
+static PetscErrorCode CheckGrading(Scene scene)
+{
+  const Domain domain = scene->domain;
+
+  PetscFunctionBegin;
+  PetscCheckUser(domain->graded == (PetscBool)(scene->fine_regions > 0), domain->comm,
+                 "-spacing_coarse and -fine belong together: %s is missing%s",
+                 domain->graded ? "-fine, the names of the regions that have the fine spacing," : "-spacing_coarse (m)",
+                 OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
+  if (!domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheckUser(scene->solids == 0, domain->comm,
+                 "-solids cannot be used with -spacing_coarse yet: their particles have one size only");
+  PetscCheckUser(!SceneViscosityVaries(scene), domain->comm,
+                 "a viscosity that depends on the shear rate cannot be used with -spacing_coarse yet");
+  PetscCheckUser(!SceneEmits(scene), domain->comm,
+                 "-%stype emitter cannot be used with -spacing_coarse yet: its particles have one size only",
+                 scene->body[0]->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SceneSetFromOptions(Scene scene)
 {
   Domain domain = scene->domain;
   Names  bodies = {.option = "-bodies", .count = SCENE_MAX_BODIES + 1},
-        solids  = {.option = "-solids", .count = SCENE_MAX_BODIES + 1};
+        solids  = {.option = "-solids", .count = SCENE_MAX_BODIES + 1},
+        fine    = {.option = "-fine", .count = SCENE_MAX_BODIES + 1};
 
   PetscFunctionBegin;
   PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read once only");
-  PetscCall(ReadScene(scene, &bodies, &solids));
+  PetscCall(ReadScene(scene, &bodies, &solids, &fine));
   PetscCheckUser(bodies.count > 0, domain->comm,
                  "-bodies is missing%s: the names of one or more bodies of liquid must be given",
                  OptionMeant("-bodies"));
   PetscCall(CreateBodies(scene, &bodies, scene->body, &scene->count));
   PetscCall(CreateBodies(scene, &solids, scene->solid, &scene->solids));
+  PetscCall(CreateBodies(scene, &fine, scene->fine, &scene->fine_regions));
   for (PetscInt b = 0; b < scene->count; b++) {
     PetscCall(BodySetFromOptions(scene->body[b], &Choices));
     PetscCall(BodyCheckInside(scene->body[b]));
@@ -192,6 +220,11 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
     PetscCall(SolidSetFromOptions(scene->solid[b], &Choices));
     PetscCall(BodyCheckInside(scene->solid[b]));
   }
+  for (PetscInt b = 0; b < scene->fine_regions; b++) {
+    PetscCall(RegionSetFromOptions(scene->fine[b], &Choices));
+    PetscCall(BodyCheckInside(scene->fine[b]));
+  }
+  PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
   PetscCall(SceneCheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -236,6 +269,28 @@ PetscInt SceneSolidCount(Scene scene)
 Body SceneSolid(Scene scene, PetscInt index)
 {
   return scene->solid[index];
+}
+
+PetscInt SceneNames(Scene scene)
+{
+  return scene->count + scene->solids + scene->fine_regions;
+}
+
+const char *SceneName(Scene scene, PetscInt index)
+{
+  const PetscInt solid = index - scene->count, region = solid - scene->solids;
+
+  return solid < 0 ? scene->body[index]->name : region < 0 ? scene->solid[solid]->name : scene->fine[region]->name;
+}
+
+PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM])
+{
+  const Domain domain = scene->domain;
+  PetscReal    least  = domain->spacing_coarse;
+
+  for (PetscInt b = 0; b < scene->fine_regions; b++)
+    least = PetscMin(least, domain->spacing + domain->growth * PetscMax(0, BodyDistance(scene->fine[b], x)));
+  return least;
 }
 
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest)

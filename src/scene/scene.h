@@ -19,6 +19,9 @@
    as their options say (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
    _rotation_center; what is asked about them is so at the time set last (SceneMoveSolids).
 
+   -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: where the spacing is -spacing, with
+   -spacing_coarse farther away (SceneSpacing).
+
    Sizes (m): box _lower, _upper (default: the simulation box); sphere _center, _radius; cylinder _center, _radius,
    _axis x|y|z or a vector, _height (0: infinite); ellipsoid _center, _radii; half_space _point, _normal (out of the
    liquid); wave _lower, _upper (as a box, the last number of _upper is the mean level), _wave_amplitude a,
@@ -100,6 +103,12 @@ PetscBool SceneSolidsMove(Scene scene);
 void      SceneMoveSolids(Scene scene, PetscReal time);
 PetscReal SceneSolidTime(Scene scene);
 PetscReal SceneSolidSpeed(Scene scene);
+/* SceneSpacing - the particle spacing (m) that is wanted at x (m): -spacing in the regions of -fine, growing with the
+   distance from them by -spacing_growth, at most -spacing_coarse. Not collective. */
+PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
+/* SceneNames, SceneName - of all that has options of a body: bodies, then solids, then regions of -fine. */
+PetscInt    SceneNames(Scene scene);
+const char *SceneName(Scene scene, PetscInt index);
 /* BodyDistance - signed distance of x (m) to the surface of the shape, negative inside; the box is not part of it. */
 PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 /* BodyContains - whether x (m) is inside the shape and inside the box. */

@@ -73,6 +73,8 @@ struct _p_Scene {
   Body      body[SCENE_MAX_BODIES];
   PetscInt  solids;
   Body      solid[SCENE_MAX_BODIES];
+  PetscInt  fine_regions;
+  Body      fine[SCENE_MAX_BODIES];            /* shapes alone, around which the spacing is fine */
   PetscReal gravity[DIM];                      /* m/s2 */
   PetscReal central_rate;                      /* 1/s */
   PetscReal amplitude[DIM], angular_frequency; /* of the part of gravity that swings, m/s2, rad/s */
@@ -114,8 +116,10 @@ PetscErrorCode MotionSetUp(Body body);
 PetscErrorCode MotionView(Body body, PetscViewer viewer);
 void           MotionSetTime(Body body, PetscReal time);
 /* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
-PetscReal      MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
-void           MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
+PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
+void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
+/* RegionSetFromOptions - the shape alone: all a region of -fine has. Collective. */
+PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 

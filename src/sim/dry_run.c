@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#define DRAWN        4     /* numbers of a particle in the picture */
+#define SIZE_STEPS   4     /* classes of sizes of graded particles, a fine spacing */
+#define SIZE_CLASSES 20    /* of them at most */
 #define TRIAL_STEPS  3     /* that are computed to tell the time; the first, which sets everything up, is left out */
 #define PICTURE      800.0 /* larger side of the picture, pixels */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
@@ -84,6 +87,31 @@ static PetscErrorCode PrintBodies(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How many particles of liquid there are of each size, in steps of a quarter of the fine spacing. */
+static PetscErrorCode PrintSizes(Sim sim)
+{
+  const Domain   domain              = sim->domain;
+  const PetscInt last                = (PetscInt)PetscCeilReal(SIZE_STEPS * (DomainSizeMost(domain) - 1));
+  PetscInt       count[SIZE_CLASSES] = {0};
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  if (!domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscReal size = ParticleSize(domain, &arrays, a);
+
+    if (arrays.integer[INT_BODY][a] >= 0) count[PetscMax(0, (PetscInt)PetscFloorReal(SIZE_STEPS * (size - 1) + 0.5))]++;
+  }
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, SIZE_CLASSES, MPIU_INT, MPI_SUM, sim->comm));
+  for (PetscInt k = 0; k <= last; k++)
+    if (count[k])
+      PetscCall(PetscPrintf(sim->comm, "    spacing about %.3g m: %" PetscInt_FMT "\n",
+                            (double)(domain->spacing * (1 + (PetscReal)k / SIZE_STEPS)), count[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintParticles(Sim sim)
 {
   PetscInt       count[3] = {0, 0, 0}; /* liquid, walls, solids */
@@ -109,6 +137,7 @@ static PetscErrorCode PrintParticles(Sim sim)
                         " of the box's walls, %" PetscInt_FMT " of solids\n",
                         count[0], count[1], count[2]));
   PetscCall(PrintBodies(sim));
+  PetscCall(PrintSizes(sim));
   PetscCall(PetscPrintf(sim->comm, "  memory: %.0f MB in all, %.0f MB on the largest rank, after the trial steps\n",
                         memory[0] / MEGABYTE, memory[1] / MEGABYTE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -166,7 +195,7 @@ static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rank 0 writes what all send: x, up and colour of the particles of the slab. Returns an errno. */
+/* Rank 0 writes what all send: x, up, colour and size of the particles of the slab. Returns an errno. */
 static int Draw(Sim sim, const char path[], PetscInt n, const double particle[])
 {
   const Domain domain = sim->domain;
@@ -181,11 +210,12 @@ static int Draw(Sim sim, const char path[], PetscInt n, const double particle[])
           "height=\"100%%\" fill=\"white\" stroke=\"black\"/>\n",
           wide * scale, high * scale + 20);
   for (PetscInt k = 0; k < n; k++) {
-    const int body = (int)particle[3 * k + 2];
+    const int body = (int)particle[DRAWN * k + 2];
 
     fprintf(file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\" fill=\"%s\"/>\n",
-            (particle[3 * k] - (double)domain->lower[0]) * scale,
-            ((double)domain->upper[up] - particle[3 * k + 1]) * scale, 0.5 * (double)domain->spacing * scale,
+            (particle[DRAWN * k] - (double)domain->lower[0]) * scale,
+            ((double)domain->upper[up] - particle[DRAWN * k + 1]) * scale,
+            0.5 * particle[DRAWN * k + 3] * (double)domain->spacing * scale,
             body < 0 ? "#999999" : colors[(size_t)body % PETSC_STATIC_ARRAY_LENGTH(colors)]);
   }
   for (PetscInt b = 0; b < SceneCount(sim->scene); b++)
@@ -212,15 +242,16 @@ static PetscErrorCode Picture(Sim sim)
   PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
   PetscCallMPI(MPI_Comm_size(sim->comm, &size));
   PetscCall(ParticlesOpen(sim->particles, &arrays));
-  PetscCall(PetscMalloc1(3 * arrays.n, &own));
+  PetscCall(PetscMalloc1(DRAWN * arrays.n, &own));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, wide = ParticleSize(domain, &arrays, a);
 
     if (arrays.integer[INT_BODY][a] == BODY_WALL) continue;
-    if (domain->dim == 3 && PetscAbsReal(x[1] - middle) > SLAB * domain->spacing) continue;
+    if (domain->dim == 3 && PetscAbsReal(x[1] - middle) > SLAB * wide * domain->spacing) continue;
     own[n++] = (double)x[0];
     own[n++] = (double)x[up];
     own[n++] = (double)arrays.integer[INT_BODY][a];
+    own[n++] = (double)wide;
   }
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCall(PetscMalloc2(size, &count, size, &place));
@@ -232,7 +263,7 @@ static PetscErrorCode Picture(Sim sim)
   PetscCall(PetscMalloc1(total, &all));
   PetscCallMPI(MPI_Gatherv(own, n, MPI_DOUBLE, all, count, place, MPI_DOUBLE, 0, sim->comm));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.svg", OutputFolder(sim->output)));
-  if (!rank) error = Draw(sim, path, total / 3, all);
+  if (!rank) error = Draw(sim, path, total / DRAWN, all);
   PetscCall(PetscFree(all));
   PetscCall(PetscFree2(count, place));
   PetscCall(PetscFree(own));

@@ -35,15 +35,15 @@ PetscErrorCode OptionNamesDestroy(OptionNames *names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of an option of any body, and the choice it belongs to, for each body and solid of the scene. */
+/* The name of an option of any body, and the choice it belongs to, for each body, solid and region of the scene. */
 static PetscErrorCode AddForBodies(Scene scene, OptionNames *names, const char name[], size_t length,
                                    const char choice[])
 {
   const char *where = strstr(choice, ANY_BODY);
 
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneCount(scene) + SceneSolidCount(scene); b++) {
-    const char *body = BodyName(b < SceneCount(scene) ? SceneBody(scene, b) : SceneSolid(scene, b - SceneCount(scene)));
+  for (PetscInt b = 0; b < SceneNames(scene); b++) {
+    const char *body = SceneName(scene, b);
     char        full[OPTION_NAME_LENGTH], chosen[OPTION_NAME_LENGTH] = "";
 
     (void)snprintf(full, sizeof(full), "%s_%.*s", body, (int)(length - strlen(ANY_BODY)), name + strlen(ANY_BODY));

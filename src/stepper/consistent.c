@@ -102,6 +102,8 @@ static PetscErrorCode CheckConsistent(Stepper stepper)
 
   PetscFunctionBegin;
   scheme->divergence_offset = stepper->force_time;
+  PetscCheckUser(!scheme->shifting.conserved || !stepper->cloud->domain->graded, stepper->cloud->comm,
+                 "-shifting_conserved cannot be used with -spacing_coarse yet");
   PetscCheckUser(
     !scheme->shifting.conserved || !stepper->cloud->domain->rings, stepper->cloud->comm,
     "-shifting_conserved cannot be used with -dimension axisymmetric: it keeps the sums of momentum and of "

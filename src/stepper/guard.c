@@ -9,8 +9,10 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
                   wall_velocity = domain->wall_velocity[d][side][d];
 
   for (PetscInt k = d; k < DIM * cloud->n_fluid; k += DIM) {
-    if (wall && inwards * (x[k] - at) < distance) {
-      x[k] = at + inwards * distance;
+    const PetscReal least = distance * CloudSize(cloud, k / DIM);
+
+    if (wall && inwards * (x[k] - at) < least) {
+      x[k] = at + inwards * least;
       if (inwards * (v[k] - wall_velocity) < 0) v[k] = wall_velocity;
     } else if (!wall && inwards * (x[k] - at) < 0) {
       x[k] = 2 * at - x[k];

@@ -9,9 +9,9 @@
 static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal dt, PetscInt a, PetscReal dr[DIM])
 {
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
-  const PetscReal  cap = shifting->cap * cloud->domain->spacing, factor = -shifting->strength *
-                                                                         KernelSmoothingLength(cloud->kernel) * dt *
-                                                                         cloud->field[FIELD_VELOCITY_JUMP][a];
+  const PetscReal  size = CloudSize(cloud, a), cap = size * shifting->cap * cloud->domain->spacing,
+                  factor = -shifting->strength * size * KernelSmoothingLength(cloud->kernel) * dt *
+                           cloud->field[FIELD_VELOCITY_JUMP][a];
   PetscReal length;
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];

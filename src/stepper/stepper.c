@@ -192,6 +192,20 @@ static PetscErrorCode CheckSolids(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses what was not tried with particles of different sizes. */
+static PetscErrorCode CheckGraded(Stepper s)
+{
+  PetscBool consistent;
+
+  PetscFunctionBegin;
+  if (!s->cloud->domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrcmp(s->scheme_type, SCHEME_CONSISTENT, &consistent));
+  PetscCheckUser(consistent, s->cloud->comm,
+                 "-scheme %s cannot be used with -spacing_coarse yet; " SCHEME_CONSISTENT " can", s->scheme_type);
+  PetscCall(PressureCheckGraded(s->pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperSetFromOptions(Stepper s)
 {
   PetscReal velocity;
@@ -206,6 +220,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(PressureSetFromOptions(s->pressure));
   PetscCall(CheckRings(s));
   PetscCall(CheckSolids(s));
+  PetscCall(CheckGraded(s));
   s->reference_velocity = velocity = StepperReferenceVelocity(s);
   if (s->ops.check) PetscCall(s->ops.check(s));
   if (velocity > 0)

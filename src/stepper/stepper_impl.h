@@ -164,8 +164,8 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
 
 /* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: a particle closer to a wall face or solid
    than 'distance' (m) is set back to it and loses its velocity into the wall; one that crossed a symmetry face is
-   mirrored back. The Neumann condition of the pressure makes walls impermeable to first order only; this is the
-   remainder. Not collective. */
+   mirrored back. The distance is that of the finest particles; larger ones keep more. The Neumann condition of the
+   pressure makes walls impermeable to first order only; this is the remainder. Not collective. */
 PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[]);
 
 /* --- solids.c --- */

@@ -105,7 +105,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
     const PetscReal moved[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
                                   r_new[3 * a + 2] - from[3 * a + 2]};
 
-    largest = PetscMax(largest, Norm(moved));
+    largest = PetscMax(largest, Norm(moved) / CloudSize(cloud, a));
     if (!(Norm(moved) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
   }
   trial->largest[LARGEST_DISPLACEMENT] += largest;

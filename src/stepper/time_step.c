@@ -45,8 +45,9 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
 typedef enum { FASTEST, FASTEST_SPRAY, STRONGEST, THICKEST, EXTREME_COUNT } Extreme;
 
 /* Largest speeds (m/s) of the fluid and of its spray, which pressure does not slow down, and largest body force (m/s2),
-   and of a viscosity that varies the largest one over the density (m2/s), over all ranks. At the start of a run no
-   particle counts as spray: lambda is not known yet. */
+   and of a viscosity that varies the largest one over the density (m2/s), over all ranks; speeds and forces of graded
+   particles over their size, as fine ones with the same bounds on the step have them. At the start of a run no particle
+   counts as spray: lambda is not known yet. */
 static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extreme[EXTREME_COUNT])
 {
   ParticleArrays arrays;
@@ -56,8 +57,9 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
     const Extreme   kind  = start || arrays.real[FIELD_LAMBDA][a] > SPRAY_LAMBDA ? FASTEST : FASTEST_SPRAY;
-    const PetscReal speed = Norm(arrays.real[FIELD_VELOCITY] + DIM * a);
-    PetscReal       g[DIM];
+    const PetscReal size  = ParticleSize(cloud->domain, &arrays, a),
+                    speed = Norm(arrays.real[FIELD_VELOCITY] + DIM * a) / size;
+    PetscReal g[DIM];
 
     if (arrays.integer[INT_LAYER][a]) continue;
     if (arrays.real[FIELD_VISCOSITY]) {
@@ -68,7 +70,7 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
     }
     SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
     extreme[kind]      = PetscMax(extreme[kind], speed);
-    extreme[STRONGEST] = PetscMax(extreme[STRONGEST], Norm(g));
+    extreme[STRONGEST] = PetscMax(extreme[STRONGEST], Norm(g) / size);
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, extreme, EXTREME_COUNT, MPIU_REAL, MPIU_MAX, cloud->comm));

@@ -101,6 +101,7 @@ static inline PetscReal Mass(Cloud cloud, PetscInt a)
 {
   const PetscReal mass = cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
 
+  if (cloud->size) return mass * cloud->weight[a];
   if (!cloud->domain->rings) return mass;
   return mass * cloud->volume[a] / (cloud->domain->volume * DomainRingLength(cloud->domain, cloud->domain->upper));
 }

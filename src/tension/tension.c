@@ -40,6 +40,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->comm        = domain->comm;
   t->dim         = domain->dim;
   t->rings       = domain->rings;
+  t->graded      = domain->graded;
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
   t->ratio       = 1.75;
@@ -109,6 +110,9 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   tension->cosine = PetscCosReal(tension->angle);
   tension->sine   = PetscSinReal(tension->angle);
   if (!tension->apply) tension->active = PETSC_FALSE;
+  PetscCheckUser(!tension->active || !tension->graded, tension->comm,
+                 "surface tension cannot be used with -spacing_coarse yet: its sums know particles of one size only; "
+                 "-tension_type none goes without");
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active && tension->setup) PetscCall(tension->setup(tension));

@@ -128,7 +128,7 @@ struct _p_Tension {
   MPI_Comm  comm;
   PetscBool active; /* the scene has tension and the model is not none */
   PetscInt  dim;
-  PetscBool rings;
+  PetscBool rings, graded;
   char      type[64];
   /* Of the model: its options, those of the advanced group, its tables, and what TensionApply does. May be NULL. */
   PetscErrorCode (*setfromoptions)(Tension, OptionItems);

@@ -11,8 +11,8 @@ struct _p_CoarseGrid {
   PetscInt  *cell;   /* [n] cell of the point, -1: skipped */
   PetscReal *t;      /* [n][3] place in the cell, 0..1 */
   PetscInt  *corner; /* [n_cells][8] local nodes; bit d of the corner's number: upper end in direction d */
-  PetscReal *fill;   /* [n_cells] points of this rank */
-  PetscReal *share;  /* [n_cells] points of all ranks */
+  PetscReal *fill;   /* [n_cells] points of this rank, by weight */
+  PetscReal *share;  /* [n_cells] points of all ranks, by weight */
   PetscInt  *key;    /* [n_nodes] place in the whole grid, periodic images united */
   PetscInt  *number; /* [n_nodes] row of the coarse matrix */
   PetscInt   n_own;
@@ -101,16 +101,17 @@ static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const Pets
 
 /* Numbers the cells that hold a point, x fastest, in cell[a] too; place[c] is where cell c is in this rank's box of
    'count' cells. */
-static PetscErrorCode NumberCells(CoarseGrid g, PetscInt count, PetscInt **place)
+static PetscErrorCode NumberCells(CoarseGrid g, const PetscReal weight[], PetscInt count, PetscInt **place)
 {
-  PetscInt *number, *points;
+  PetscInt  *number;
+  PetscReal *points;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(count, &number));
   PetscCall(PetscCalloc1(count, &points));
   for (PetscInt a = 0; a < g->n; a++)
-    if (g->cell[a] >= 0) points[g->cell[a]]++;
-  for (PetscInt k = 0; k < count; k++) number[k] = points[k] ? g->n_cells++ : -1;
+    if (g->cell[a] >= 0) points[g->cell[a]] += weight ? weight[a] : 1;
+  for (PetscInt k = 0; k < count; k++) number[k] = points[k] > 0 ? g->n_cells++ : -1;
   for (PetscInt a = 0; a < g->n; a++)
     if (g->cell[a] >= 0) g->cell[a] = number[g->cell[a]];
   PetscCall(PetscMalloc1(g->n_cells, place));
@@ -150,13 +151,14 @@ static PetscInt CornerNode(CoarseGrid g, const PetscInt first[DIM], const PetscI
 }
 
 /* Numbers the cells that hold a point, and their nodes. */
-static PetscErrorCode FindNodes(CoarseGrid g, const PetscInt first[DIM], const PetscInt size[DIM])
+static PetscErrorCode FindNodes(CoarseGrid g, const PetscReal weight[], const PetscInt first[DIM],
+                                const PetscInt size[DIM])
 {
   const PetscInt nx = size[0] + 1, ny = size[1] + 1, nodes = nx * ny * (size[2] + 1);
   PetscInt      *place, *node;
 
   PetscFunctionBegin;
-  PetscCall(NumberCells(g, size[0] * size[1] * size[2], &place));
+  PetscCall(NumberCells(g, weight, size[0] * size[1] * size[2], &place));
   PetscCall(PetscMalloc1(GRID_CORNERS * g->n_cells, &g->corner));
   PetscCall(PetscMalloc1(GRID_CORNERS * g->n_cells, &g->key));
   PetscCall(PetscMalloc1(nodes, &node));
@@ -248,9 +250,9 @@ static PetscErrorCode Connect(CoarseGrid g)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscBool skip[],
-                                PetscReal width, const PetscReal lower[DIM], const PetscReal upper[DIM],
-                                const PetscBool periodic[DIM], CoarseGrid *grid)
+PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscReal weight[],
+                                const PetscBool skip[], PetscReal width, const PetscReal lower[DIM],
+                                const PetscReal upper[DIM], const PetscBool periodic[DIM], CoarseGrid *grid)
 {
   CoarseGrid g;
   PetscInt   first[DIM], size[DIM];
@@ -265,7 +267,7 @@ PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const P
   PetscCall(PetscCalloc1(DIM * n, &g->t));
   PetscCall(GridExtent(g, x, skip, width, lower, upper));
   PetscCall(LocatePoints(g, x, skip, first, size));
-  PetscCall(FindNodes(g, first, size));
+  PetscCall(FindNodes(g, weight, first, size));
   PetscCall(Connect(g));
   *grid = g;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,12 +10,13 @@
 typedef struct _p_CoarseGrid *CoarseGrid;
 
 /* CoarseGridCreate - covers the points x ([n][dim], m) whose skip[a] is false with cells of about the given width (m).
+   weight ([n], 1; NULL: 1): points that each stands for, by its volume.
    Periodic directions span lower..upper (m) with a whole number of cells; the others span the points. Only nodes of
    cells that hold a point exist; a node belongs to the lowest rank that touches it. Collective on comm; ranks may have
    no point. */
-PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscBool skip[],
-                                PetscReal width, const PetscReal lower[DIM], const PetscReal upper[DIM],
-                                const PetscBool periodic[DIM], CoarseGrid *grid);
+PetscErrorCode CoarseGridCreate(MPI_Comm comm, PetscInt dim, PetscInt n, const PetscReal x[], const PetscReal weight[],
+                                const PetscBool skip[], PetscReal width, const PetscReal lower[DIM],
+                                const PetscReal upper[DIM], const PetscBool periodic[DIM], CoarseGrid *grid);
 PetscErrorCode CoarseGridDestroy(CoarseGrid *grid);
 /* CoarseGridSizes - nodes of this rank and of all; any pointer may be NULL. Not collective. */
 PetscErrorCode CoarseGridSizes(CoarseGrid grid, PetscInt *local, PetscInt *global);

@@ -41,6 +41,8 @@ typedef struct {
   PetscBool  periodic[DIM];
   PetscInt   dim, n; /* n: points given */
   PetscReal *x;      /* [n][dim] m */
+  PetscReal *volume; /* [n] over spacing^dim, 1; NULL: all are 1 */
+  PetscReal  most;   /* largest spacing, m */
   CoarseGrid grid;
   PetscReal  point_energy;               /* [A] m2 */
   Vec        weight, coarse_b, coarse_x; /* weight: omega D^-1 */
@@ -85,7 +87,7 @@ static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const
   TwoLevel *two = (TwoLevel *)pc->data;
 
   PetscFunctionBegin;
-  two->spacing = spacing;
+  two->spacing = two->most = spacing;
   for (PetscInt d = 0; d < DIM; d++) {
     two->lower[d]    = lower[d];
     two->upper[d]    = upper[d];
@@ -101,6 +103,32 @@ PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower
   PetscTryMethod(pc, "PCTwoLevelSetGrid_C", (PC, PetscReal, const PetscReal[], const PetscReal[], const PetscBool[]),
                  (pc, spacing, lower, upper, periodic));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PCTwoLevelSetVolumes_TwoLevel(PC pc, PetscReal most, PetscInt n, const PetscReal volume[])
+{
+  TwoLevel *two = (TwoLevel *)pc->data;
+
+  PetscFunctionBegin;
+  two->most = most;
+  PetscCall(PetscFree(two->volume));
+  PetscCall(PetscMalloc1(n, &two->volume));
+  PetscCall(PetscArraycpy(two->volume, volume, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal most, PetscInt n, const PetscReal volume[])
+{
+  PetscFunctionBegin;
+  PetscTryMethod(pc, "PCTwoLevelSetVolumes_C", (PC, PetscReal, PetscInt, const PetscReal[]), (pc, most, n, volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The pairs' sum of a row of the size of a point of the given spacing: it grows with the volume over the square of the
+   spacing. */
+static PetscReal RowSize(const TwoLevel *two, PetscInt a, PetscReal sum)
+{
+  return two->volume ? sum * PetscPowReal(two->volume[a], 2. / two->dim - 1) : sum;
 }
 
 /* surplus ([n]) of the diagonal over the row's pairs; skip ([n]) rows without pairs; the largest pair sum of all rows;
@@ -123,7 +151,7 @@ static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], P
 
     surplus[a] = s > NO_PAIR * d ? s : 0;
     skip[a]    = (PetscBool)(d - s <= NO_PAIR * d);
-    *largest   = PetscMax(*largest, d - s);
+    *largest   = PetscMax(*largest, RowSize(two, a, d - s));
   }
   PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
   PetscCall(VecRestoreArrayRead(sums, &sum));
@@ -142,7 +170,7 @@ static PetscInt WaveDirection(const TwoLevel *two, PetscReal *k)
   for (PetscInt d = 1; d < two->dim; d++)
     if (two->upper[d] - two->lower[d] > two->upper[direction] - two->lower[direction]) direction = d;
   length = two->upper[direction] - two->lower[direction];
-  waves  = PetscMax(1, PetscFloorReal(length / (WAVELENGTH * two->spacing)));
+  waves  = PetscMax(1, PetscFloorReal(length / (WAVELENGTH * two->most)));
   *k     = 2 * PETSC_PI * waves / length;
   return direction;
 }
@@ -177,9 +205,9 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
   }
   PetscCall(VecGetArrayRead(two->weight, &diagonal));
   for (PetscInt a = 0; a < two->n; a++) {
-    if (PetscRealPart(diagonal[a]) - surplus[a] < FULL_ROW * largest) continue;
+    if (RowSize(two, a, PetscRealPart(diagonal[a]) - surplus[a]) < FULL_ROW * largest) continue;
     sum[0] += energy[a] - surplus[a];
-    sum[1] += 1;
+    sum[1] += two->volume ? two->volume[a] : 1;
   }
   PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)pc)));
@@ -259,8 +287,9 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
   PetscCall(PetscMalloc1(n, &surplus));
   PetscCall(PetscMalloc1(n, &skip));
   PetscCall(SplitDiagonal(pc, two, surplus, skip, &largest));
-  PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, skip, two->ratio * two->spacing,
-                             two->lower, two->upper, two->periodic, &two->grid));
+  PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, two->volume, skip,
+                             PetscMax(two->ratio * two->spacing, two->most), two->lower, two->upper, two->periodic,
+                             &two->grid));
   PetscCall(CoarseGridSizes(two->grid, &local, &nodes));
   if (nodes > 0) {
     for (PetscInt d = 0; d < two->dim; d++) volume *= two->spacing;
@@ -334,6 +363,8 @@ static PetscErrorCode PCDestroy_TwoLevel(PC pc)
   PetscFunctionBegin;
   PetscCall(PCReset_TwoLevel(pc));
   PetscCall(PetscFree(two->x));
+  PetscCall(PetscFree(two->volume));
+  PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetVolumes_C", NULL));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCSetCoordinates_C", NULL));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetGrid_C", NULL));
   PetscCall(PetscFree(pc->data));
@@ -358,6 +389,7 @@ static PetscErrorCode PCCreate_TwoLevel(PC pc)
   pc->ops->destroy        = PCDestroy_TwoLevel;
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCSetCoordinates_C", PCSetCoordinates_TwoLevel));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetGrid_C", PCTwoLevelSetGrid_TwoLevel));
+  PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetVolumes_C", PCTwoLevelSetVolumes_TwoLevel));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

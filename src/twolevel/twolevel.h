@@ -14,5 +14,9 @@ PetscErrorCode PCTwoLevelRegister(void);
    places of the rows come by PCSetCoordinates before each set-up. Does nothing to a PC of another type. Collective. */
 PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[DIM], const PetscReal upper[DIM],
                                  const PetscBool periodic[DIM]);
+/* PCTwoLevelSetVolumes - where points differ in size, after PCTwoLevelSetGrid: the largest spacing (m), and the volumes
+   of the n points over that of one of the spacing given there ([n], 1), with which the rows of the matrix are
+   multiplied. Does nothing to a PC of another type. Collective. */
+PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal spacing_most, PetscInt n, const PetscReal volume[]);
 
 #endif

@@ -233,4 +233,12 @@ for name, folder in (("own", os.path.dirname(early)), ("other", good)):
         refused(f"restart_{word}_{name}_folder", GOOD + f"{options} -output_overwrite -restart {early}",
                 [options.split()[0]], folder=folder)
     runs.check(checksums(folder) == before, f"refused_restart_keeps_{name}_folder", "files differ")
+GRADED = GOOD + "-spacing_coarse 2 -fine core -core_shape sphere -core_radius 2 -core_center 5,5,5 "
+for name, meant in (("-scheme weakly_compressible", "-scheme weakly_compressible"),
+                    ("-scheme density_invariant", "-scheme density_invariant"),
+                    ("-shifting_conserved", "-shifting_conserved"), ("-pressure_gradient conserved", "conserved"),
+                    ("-spectrum", "-spectrum")):
+    refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse yet"])
+refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
+refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
 runs.done()

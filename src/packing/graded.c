@@ -1,0 +1,253 @@
+/* The particles of a scene with graded spacing: its bodies, and the dummy particles of the walls, whose sizes are those
+   of the liquid beside them. */
+#include "packing_impl.h"
+
+/* Points of the faces, edges and corners of the box have columns of dummy particles behind them, one along each
+   direction in which they are on a wall. side[d]: 0: not on a face, 1: lower, 2: upper. */
+typedef struct {
+  PetscInt side[DIM], outward;
+} Corner;
+
+static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
+{
+  Sample *kept;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSegBufferGet(samples, 1, &kept));
+  *kept = *sample;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a body whose shape displaces its lattice: only the lattices could follow. */
+static PetscErrorCode CheckShape(Packing packing, PetscInt b, const Lattice *lattice)
+{
+  const Domain domain = packing->cloud->domain;
+  const Body   body   = SceneBody(packing->cloud->scene, b);
+  PetscBool    moved  = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
+    PetscReal x[DIM], y[DIM];
+
+    LatticePoint(lattice, point, x);
+    LatticePoint(lattice, point, y);
+    BodyDisplace(body, y);
+    for (PetscInt d = 0; d < DIM; d++) moved = (PetscBool)(moved || x[d] != y[d]);
+  }
+  PetscCheckUser(!moved, domain->comm,
+                 "the body %s is a wave or a thread, which cannot be used with -spacing_coarse yet: its lattice is "
+                 "displaced",
+                 BodyName(body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether lattices between two closed faces fit the coarse spacing. */
+static PetscErrorCode CheckPitch(Packing packing, const Region *region)
+{
+  const Domain domain = packing->cloud->domain;
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < DIM; d++)
+    PetscCheckUser(
+      !region->along[d] || region->coarse.pitch[d] <= (SIZE_MARGIN - POINT_TOLERANCE) * domain->spacing_coarse,
+      domain->comm,
+      "-spacing_coarse %g m does not fit the box, which is %g m wide in %c: a lattice there would have %g m",
+      (double)domain->spacing_coarse, (double)(domain->upper[d] - domain->lower[d]), "xyz"[d],
+      (double)region -> coarse.pitch[d]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The particles of body b; *id is the number of the next. */
+static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscSegBuffer samples,
+                              PetscInt *id)
+{
+  const Domain             domain = packing->cloud->domain;
+  const Body               body   = SceneBody(packing->cloud->scene, b);
+  const unsigned long long seed   = (unsigned long long)packing->seed;
+  const PetscReal          jitter = LatticeJitter(packing);
+  Region                   region = {.packing = packing, .dim = domain->dim, .body = b, .level = level};
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < domain->dim; d++) region.along[d] = PETSC_TRUE;
+  BodyBounds(body, region.lower, region.upper);
+  LatticeOfBody(domain, domain->spacing, body, &region.fine);
+  LatticeOfBody(domain, domain->spacing_coarse, body, &region.coarse);
+  PetscCall(CheckShape(packing, b, &region.fine));
+  PetscCall(CheckPitch(packing, &region));
+  PetscCall(RegionFill(&region));
+  for (PetscInt k = 0; k < region.n; k++) {
+    const RegionPoint *point  = &region.point[k];
+    const PetscReal    s      = DomainSize(domain, point->measure) * domain->spacing;
+    Sample             sample = {.body = b, .area = point->measure / domain->volume};
+
+    sample.id = sample.parent = (*id)++;
+    for (PetscInt d = 0; d < DIM; d++) {
+      sample.x[d] = point->x[d];
+      if (point->fixed && region.along[d])
+        sample.x[d] +=
+          jitter * s * (2 * RandomUnit(seed, (unsigned long long)sample.id * DIM + (unsigned long long)d) - 1);
+    }
+    DomainConfine(domain, sample.x);
+    PetscCall(AddSample(samples, &sample));
+  }
+  PetscCall(PetscFree(region.point));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The column behind a point of a corner, of which all have 'layers' a direction: a block of layers^outward. */
+static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const RegionPoint *point, PetscReal s,
+                                PetscInt layers, PetscSegBuffer samples, PetscInt *number)
+{
+  const Domain   domain = packing->cloud->domain;
+  PetscInt       first[DIM], last[DIM], step[DIM];
+  const PetscInt parent = *number; /* the first of the block */
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < DIM; d++) {
+    first[d] = step[d] = corner->side[d] ? 1 : 0;
+    last[d]            = corner->side[d] ? layers : 0;
+  }
+  do {
+    Sample sample = {.body = BODY_WALL, .id = (*number)++, .parent = parent};
+
+    sample.area = point->measure * PetscPowRealInt(s, (int)corner->outward) / domain->volume;
+    for (PetscInt d = 0; d < DIM; d++) {
+      sample.x[d]  = point->x[d] + (corner->side[d] == 0 ? 0 : corner->side[d] == 1 ? -1 : 1) * (step[d] - 0.5) * s;
+      sample.layer = PetscMax(sample.layer, step[d]);
+      if (d >= domain->dim) sample.x[d] = 0;
+    }
+    DomainWallVelocity(domain, sample.x, sample.v);
+    PetscCall(AddSample(samples, &sample));
+  } while (CellNext(first, last, step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The dummy particles behind the part of the box that a corner names: a face (outward 1), edge or corner. */
+static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegBuffer samples, PetscInt *number)
+{
+  const Cloud  cloud  = packing->cloud;
+  const Domain domain = cloud->domain;
+  Region       region = {.packing = packing, .dim = domain->dim - corner->outward, .body = -1};
+
+  PetscFunctionBegin;
+  LatticeOfBox(domain, domain->spacing, &region.fine);
+  LatticeOfBox(domain, domain->spacing_coarse, &region.coarse);
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal face = corner->side[d] == 1 ? domain->lower[d] : domain->upper[d];
+
+    region.along[d] = (PetscBool)(d < domain->dim && !corner->side[d]);
+    region.lower[d] = region.along[d] ? domain->lower[d] : d < domain->dim ? face : 0;
+    region.upper[d] = region.along[d] ? domain->upper[d] : region.lower[d];
+    if (region.along[d]) continue;
+    region.fine.n[d] = region.coarse.n[d] = 1;
+    region.fine.origin[d] = region.coarse.origin[d] = region.lower[d];
+  }
+  PetscCall(CheckPitch(packing, &region));
+  PetscCall(RegionFill(&region));
+  for (PetscInt k = 0; k < region.n; k++) {
+    const RegionPoint *point = &region.point[k];
+    const PetscReal    s =
+      region.dim ? PetscPowReal(point->measure, 1. / region.dim) : SceneSpacing(cloud->scene, point->x);
+
+    PetscCall(AddColumn(packing, corner, point, s, PackingWallLayers(cloud), samples, number));
+  }
+  PetscCall(PetscFree(region.point));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The dummy particles of all walls, numbered from 0 on. */
+static PetscErrorCode AddWalls(Packing packing, PetscSegBuffer samples)
+{
+  const Domain domain     = packing->cloud->domain;
+  PetscInt     first[DIM] = {0, 0, 0}, last[DIM] = {2, 2, domain->dim == DIM ? 2 : 0}, number = 0;
+  Corner       corner = {{0, 0, 0}, 0};
+
+  PetscFunctionBegin;
+  do {
+    PetscBool walls = PETSC_TRUE;
+
+    corner.outward = 0;
+    for (PetscInt d = 0; d < DIM; d++) {
+      if (!corner.side[d]) continue;
+      corner.outward++;
+      if (domain->face[d][corner.side[d] - 1] != FACE_WALL) walls = PETSC_FALSE;
+    }
+    if (walls && corner.outward) PetscCall(AddCorner(packing, &corner, samples, &number));
+  } while (CellNext(first, last, corner.side));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves the samples of a buffer into the packing: those of liquid (0) or walls (1). */
+static PetscErrorCode KeepSamples(Packing packing, PetscInt kind, PetscSegBuffer samples)
+{
+  size_t n;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSegBufferGetSize(samples, &n));
+  packing->graded_count[kind] = (PetscInt)n;
+  PetscCall(PetscSegBufferExtractAlloc(samples, &packing->graded[kind]));
+  PetscCall(PetscSegBufferDestroy(&samples));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GradedSetUp(Packing packing)
+{
+  PetscReal      level[SCENE_MAX_BODIES];
+  PetscSegBuffer samples;
+  PetscInt       id = 0;
+
+  PetscFunctionBegin;
+  PetscCall(LatticeFit(packing, level));
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
+  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++) PetscCall(AddBody(packing, b, level, samples, &id));
+  PetscCall(KeepSamples(packing, 0, samples));
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
+  PetscCall(AddWalls(packing, samples));
+  PetscCall(KeepSamples(packing, 1, samples));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context)
+{
+  const Packing packing = (Packing)source;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < packing->graded_count[0]; k++) PetscCall(visitor(context, &packing->graded[0][k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *context)
+{
+  const Packing packing = (Packing)source;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < packing->graded_count[1]; k++) PetscCall(visitor(context, &packing->graded[1][k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GradedWeighWalls(Packing packing, PetscInt weight[])
+{
+  PetscInt count;
+
+  PetscFunctionBegin;
+  PetscCall(SamplesWeigh(packing->cloud->domain, VisitWalls, packing, weight, &count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GradedCreateWalls(Packing packing, PetscInt first_id, PetscInt *count)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < packing->graded_count[1]; k++) {
+    packing->graded[1][k].id += first_id;
+    packing->graded[1][k].parent += first_id;
+  }
+  PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitWalls, packing, count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GradedDestroy(Packing packing)
+{
+  PetscFunctionBegin;
+  for (PetscInt kind = 0; kind < 2; kind++) PetscCall(PetscFree(packing->graded[kind]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

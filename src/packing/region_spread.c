@@ -1,0 +1,237 @@
+/* Spreads particles of different sizes evenly, as the shifting does while a run goes on: each moves against sum V_b (1
+   + 0.2 (W/W(s))^4) grad W. Beyond the faces of the region stand its mirror images, so that the first layer comes to
+   rest half a spacing from them. The kernel is one that makes no pairs. */
+#include "packing_impl.h"
+
+#define ROUNDS       150 /* of displacements */
+#define LIST_ROUNDS  5   /* that a list of neighbours is kept */
+#define LIST_MARGIN  1.1 /* of the support, for what moves meanwhile and for larger neighbours */
+#define LIST_SLACK   0.5 /* spacings, the same */
+#define KERNEL_WIDTH 1.3 /* smoothing length, spacings */
+#define SUPPORT      (2 * KERNEL_WIDTH)
+#define STRENGTH     0.3  /* of a displacement, over s^2 times the sum */
+#define FARTHEST     0.1  /* a displacement at most, spacings */
+#define CLUMP_WEIGHT 0.2  /* Monaghan (2000) */
+#define DEEP_ENOUGH  0.2  /* spacings that centres keep from the region's surface */
+#define PROBE        0.05 /* fine spacings, for normals, and inside a face to see whether the region reaches it */
+#define PARALLEL     0.9  /* cosine of an angle between a curved surface's normal and a face's: they are one */
+
+/* The kernel C2 of Wendland (1995) at q = r/h, -F of it, both without their norm, and that of F for h = KERNEL_WIDTH.
+ */
+#define WENDLAND(q)       (PetscSqr(PetscSqr(1 - 0.5 * (q))) * (2 * (q) + 1))
+#define WENDLAND_SLOPE(q) (5 * PetscSqr(1 - 0.5 * (q)) * (1 - 0.5 * (q)))
+#define NORM_2            (7 / (4 * PETSC_PI * PetscSqr(PetscSqr(KERNEL_WIDTH))))
+#define NORM_3            (21 / (16 * PETSC_PI * PetscSqr(PetscSqr(KERNEL_WIDTH)) * KERNEL_WIDTH))
+
+#define PLANES_MOST (DIM + 1)
+
+/* A mirror: a point on it and its normal. */
+typedef struct {
+  PetscReal at[DIM], normal[DIM];
+} Plane;
+
+typedef struct {
+  Region    *region;
+  Scene      scene;
+  Domain     domain;
+  PetscReal *x, *s; /* [n][3], [n] m */
+  PetscReal *force; /* [n][3] of the points that move, m */
+  CellGrid   grid;
+  PetscInt  *first, *list, capacity; /* neighbours of the points that move */
+} Spread;
+
+/* The points within reach of each that moves. */
+static PetscErrorCode FindNear(Spread *p)
+{
+  const Region  *region = p->region;
+  const PetscInt n      = region->n;
+  PetscInt       used   = 0;
+
+  PetscFunctionBegin;
+  PetscCall(CellGridBuild(&p->grid, p->domain->dim, n, p->x, SUPPORT * p->domain->spacing, 1));
+  for (PetscInt a = 0; a < n; a++) {
+    const PetscReal *x = p->x + DIM * a, reach = SUPPORT * LIST_MARGIN * p->s[a] + LIST_SLACK * p->s[a];
+    PetscInt         low[DIM], high[DIM], cell[DIM];
+
+    p->first[a] = used;
+    if (region->point[a].fixed) continue;
+    for (PetscInt d = 0; d < DIM; d++) {
+      low[d] = cell[d] = PetscMax(0, (PetscInt)((x[d] - reach - p->grid.lower[d]) / p->grid.size));
+      high[d] =
+        PetscMax(low[d], PetscMin(p->grid.n[d] - 1, (PetscInt)((x[d] + reach - p->grid.lower[d]) / p->grid.size)));
+    }
+    do {
+      const PetscInt c = CellIndex(p->grid.n, cell[0], cell[1], cell[2]);
+
+      for (PetscInt k = p->grid.start[c]; k < p->grid.start[c + 1]; k++) {
+        const PetscInt  b      = p->grid.order[k];
+        const PetscReal r[DIM] = {x[0] - p->x[DIM * b], x[1] - p->x[DIM * b + 1], x[2] - p->x[DIM * b + 2]};
+
+        if (Dot(r, r) >= reach * reach) continue;
+        if (used == p->capacity) {
+          p->capacity = 2 * p->capacity + 1024;
+          PetscCall(PetscRealloc(p->capacity * sizeof(PetscInt), &p->list));
+        }
+        p->list[used++] = b; /* the point itself too: it has images */
+      }
+    } while (CellNext(low, high, cell));
+  }
+  p->first[n] = used;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The normal of the body's surface at x, out of it. */
+static void SurfaceNormal(const Spread *p, Body body, const PetscReal x[DIM], PetscReal normal[DIM])
+{
+  const PetscReal step = PROBE * p->domain->spacing;
+  PetscReal       length;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
+
+    low[d] -= step;
+    high[d] += step;
+    normal[d] = p->region->along[d] ? BodyDistance(body, high) - BodyDistance(body, low) : 0;
+  }
+  length = Norm(normal);
+  for (PetscInt d = 0; d < DIM && length > 0; d++) normal[d] /= length;
+}
+
+/* The mirrors around x: faces of the box around the region that it reaches, and the surface of a body. */
+static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal reach, Plane plane[PLANES_MOST])
+{
+  const Region *region = p->region;
+  const Body    body   = region->body >= 0 ? SceneBody(p->scene, region->body) : NULL;
+  PetscInt      n      = 0;
+  PetscReal     deep, normal[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++)
+    for (PetscInt side = 0; side < 2; side++) {
+      const PetscReal face   = side ? region->upper[d] : region->lower[d];
+      PetscReal       y[DIM] = {x[0], x[1], x[2]};
+
+      if (!region->along[d] || PetscAbsReal(x[d] - face) > reach) continue;
+      if (n && plane[n - 1].normal[d] != 0) continue; /* the region is thin: the nearer face is enough */
+      y[d] = face + (side ? -1 : 1) * PROBE * p->domain->spacing;
+      if (body && !BodyContains(body, y)) continue;
+      plane[n]           = (Plane){{x[0], x[1], x[2]}, {0, 0, 0}};
+      plane[n].at[d]     = face;
+      plane[n].normal[d] = 1;
+      n++;
+    }
+  if (!body) return n;
+  deep = -BodyDistance(body, x);
+  if (deep > reach) return n;
+  SurfaceNormal(p, body, x, normal);
+  for (PetscInt k = 0; k < n; k++)
+    if (PetscAbsReal(Dot(normal, plane[k].normal)) > PARALLEL) return n;
+  for (PetscInt d = 0; d < DIM; d++) {
+    plane[n].at[d]     = x[d] + deep * normal[d];
+    plane[n].normal[d] = normal[d];
+  }
+  return n + 1;
+}
+
+/* Adds the displacement of a (x, s) by a neighbour of spacing s_b at y, its size as a volume in the sum. */
+static void AddPush(const Spread *p, const PetscReal x[DIM], PetscReal s, const PetscReal y[DIM], PetscReal s_b,
+                    PetscReal force[DIM])
+{
+  const PetscInt  dim  = p->region->dim;
+  const PetscReal mean = 0.5 * (s + s_b), r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]},
+                  r2 = Dot(r, r) / (mean * mean);
+  PetscReal q, f, clump;
+
+  if (r2 >= SUPPORT * SUPPORT || r2 == 0) return;
+  q     = PetscSqrtReal(r2) / KERNEL_WIDTH;
+  clump = WENDLAND(q) / WENDLAND(1 / KERNEL_WIDTH);
+  f     = STRENGTH * s * s * PetscPowRealInt(s_b / mean, (int)dim) * WENDLAND_SLOPE(q) / (mean * mean) *
+      (dim == 2 ? NORM_2 : NORM_3) * (1 + CLUMP_WEIGHT * PetscSqr(clump * clump));
+  for (PetscInt d = 0; d < DIM; d++)
+    if (p->region->along[d]) force[d] += f * r[d];
+}
+
+/* The displacement of point a. */
+static void FindForce(const Spread *p, PetscInt a, PetscReal force[DIM])
+{
+  const PetscReal *x = p->x + DIM * a;
+  Plane            plane[PLANES_MOST];
+  const PetscInt   planes = FindPlanes(p, x, SUPPORT * LIST_MARGIN * p->s[a], plane);
+
+  force[0] = force[1] = force[2] = 0;
+  for (PetscInt k = p->first[a]; k < p->first[a + 1]; k++) {
+    const PetscInt b = p->list[k];
+
+    for (PetscInt image = 0; image < 1 << planes; image++) {
+      PetscReal y[DIM] = {p->x[DIM * b], p->x[DIM * b + 1], p->x[DIM * b + 2]};
+
+      if (b == a && image == 0) continue;
+      for (PetscInt m = 0; m < planes; m++) {
+        const PetscReal d[DIM] = {y[0] - plane[m].at[0], y[1] - plane[m].at[1], y[2] - plane[m].at[2]},
+                        height = Dot(d, plane[m].normal);
+
+        if (image >> m & 1)
+          for (PetscInt e = 0; e < DIM; e++) y[e] -= 2 * height * plane[m].normal[e];
+      }
+      AddPush(p, x, p->s[a], y, p->s[b], force);
+    }
+  }
+}
+
+/* Whether a centre may be at x. */
+static PetscBool MayBe(const Spread *p, const PetscReal x[DIM], PetscReal s)
+{
+  const Region   *region = p->region;
+  const PetscReal least  = DEEP_ENOUGH * s;
+
+  for (PetscInt d = 0; d < DIM; d++)
+    if (region->along[d] && (x[d] < region->lower[d] + least || x[d] > region->upper[d] - least)) return PETSC_FALSE;
+  if (region->body < 0) return PETSC_TRUE;
+  for (PetscInt b = 0; b < region->body; b++)
+    if (BodyDistance(SceneBody(p->scene, b), x) < least) return PETSC_FALSE;
+  return (PetscBool)(BodyDistance(SceneBody(p->scene, region->body), x) < -least);
+}
+
+/* One round: all forces, then all displacements. */
+static void Move(Spread *p)
+{
+  const Region *region = p->region;
+
+  for (PetscInt a = 0; a < region->n; a++)
+    if (!region->point[a].fixed) FindForce(p, a, p->force + DIM * a);
+  for (PetscInt a = 0; a < region->n; a++) {
+    PetscReal *force = p->force + DIM * a, y[DIM], length;
+
+    if (region->point[a].fixed) continue;
+    length = Norm(force);
+    for (PetscInt d = 0; d < DIM; d++)
+      y[d] = p->x[DIM * a + d] + force[d] * PetscMin(1, FARTHEST * p->s[a] / PetscMax(length, PETSC_SMALL * p->s[a]));
+    if (!MayBe(p, y, p->s[a])) continue;
+    for (PetscInt d = 0; d < DIM; d++) p->x[DIM * a + d] = y[d];
+    p->s[a] = SceneSpacing(p->scene, y);
+  }
+}
+
+PetscErrorCode RegionSpread(Region *region)
+{
+  const Cloud    cloud = region->packing->cloud;
+  const PetscInt n     = region->n;
+  Spread         p     = {.region = region, .scene = cloud->scene, .domain = cloud->domain};
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc4(DIM * n, &p.x, n, &p.s, DIM * n, &p.force, n + 1, &p.first));
+  for (PetscInt a = 0; a < n; a++) {
+    const RegionPoint *point = &region->point[a];
+
+    PetscCall(PetscArraycpy(p.x + DIM * a, point->x, DIM));
+    p.s[a] = point->fixed ? PetscPowReal(point->measure, 1. / region->dim) : SceneSpacing(p.scene, point->x);
+  }
+  for (PetscInt round = 0; round < ROUNDS; round++) {
+    if (round % LIST_ROUNDS == 0) PetscCall(FindNear(&p));
+    Move(&p);
+  }
+  for (PetscInt a = 0; a < n; a++) PetscCall(PetscArraycpy(region->point[a].x, p.x + DIM * a, DIM));
+  PetscCall(PetscFree4(p.x, p.s, p.force, p.first));
+  PetscCall(PetscFree(p.list));
+  PetscCall(CellGridReset(&p.grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

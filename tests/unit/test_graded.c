@@ -1,0 +1,225 @@
+/* Particles of different sizes (-spacing_coarse): the pairs against all pairs, the sums against fields with known
+   answers, the symmetry of the pressure operator, the volumes of the packing, and what is refused. Lengths in fine
+   spacings. Runs on any number of ranks. */
+#include "setup.h"
+#include "refuse.h"
+
+#define FLAT                                                                                                           \
+  "-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower -24,0 -box_upper 24,20 -box_x symmetry -box_ymin wall "        \
+  "-bodies film -film_lower -24,0 -film_upper 24,16 -fine core -core_lower -4,10 -core_upper 4,20 -tension_type none "
+#define DEEP                                                                                                           \
+  "-spacing 1 -spacing_coarse 2.5 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 10,10,20 -box_x periodic "           \
+  "-box_y symmetry -box_zmin wall -bodies film -film_upper 10,10,15 -fine core -core_shape sphere -core_radius 2 "     \
+  "-core_center 5,5,15 -tension_type none "
+#define NEAR_LIMIT 1e-5 /* of the support: pairs so close to it may be on either side in single precision */
+
+/* The pairs of a row that should be there and are not, or are there and should not. */
+static PetscInt WrongPairs(Cloud cloud, PetscInt a)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], support = KernelSupport(cloud->kernel);
+  PetscInt         found = 0, wrong = 0;
+
+  for (PetscInt b = 0; b < cloud->n_total; b++) {
+    const PetscReal r[DIM] = {x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]},
+                    reach = support * 0.5 * (cloud->size[a] + cloud->size[b]), excess = Norm(r) / reach - 1;
+    PetscBool there = PETSC_FALSE;
+
+    if (excess > 1 || b == a) continue;
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) there = there || cloud->list[k] == b;
+    found += there;
+    wrong += PetscAbsReal(excess) > NEAR_LIMIT && there != (excess < 0);
+  }
+  return wrong + (found != cloud->first[a + 1] - cloud->first[a]);
+}
+
+/* Largest error of the corrected divergence of v = A x, over |A|, of particles away from walls and images. */
+static PetscErrorCode LinearDivergence(Setup *s, PetscReal *worst)
+{
+  const Cloud     cloud       = s->cloud;
+  const PetscReal A[DIM][DIM] = {{0.3, -1.2, 0.4}, {0.7, 0.5, -0.2}, {-0.6, 0.1, 0.9}};
+  const PetscInt  dim         = s->domain->dim;
+  PetscReal       trace       = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < dim; d++) trace += A[d][d];
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    for (PetscInt i = 0; i < DIM; i++) {
+      PetscReal sum = 0;
+
+      for (PetscInt j = 0; j < dim; j++) sum += A[i][j] * cloud->field[FIELD_POSITION][DIM * a + j];
+      cloud->field[FIELD_VELOCITY_STAR][DIM * a + i] = i < dim ? sum : 0;
+    }
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_STAR], PETSC_TRUE, 0, cloud->field[FIELD_DIVERGENCE],
+                                NULL, NULL));
+  *worst = 0;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (!OperatorsNearWall(cloud, cloud->field[FIELD_POSITION] + DIM * a) && cloud->field[FIELD_LAMBDA][a] > 0.5)
+      *worst = PetscMax(*worst, PetscAbsReal(cloud->field[FIELD_DIVERGENCE][a] - trace));
+  *worst = SetupMax(*worst);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x.A y - y.A x over |x||A y|, and the largest |A 1| of rows that the surface does not close, over the diagonal. */
+static PetscErrorCode Symmetry(Setup *s, PetscReal *asymmetry, PetscReal *constant)
+{
+  Mat                A;
+  Vec                b, x, y, Ax, Ay;
+  PetscRandom        random;
+  PetscScalar        one, other;
+  PetscReal          size[2];
+  const PetscScalar *value;
+
+  PetscFunctionBegin;
+  PetscCall(PressureCreate(s->cloud, &s->pressure));
+  PetscCall(PressureSetFromOptions(s->pressure));
+  PetscCall(PressureAssemble(s->pressure, 1e-3, &A, &b));
+  PetscCall(MatCreateVecs(A, &x, &Ax));
+  PetscCall(MatCreateVecs(A, &y, &Ay));
+  PetscCall(PetscRandomCreate(PETSC_COMM_WORLD, &random));
+  PetscCall(VecSetRandom(x, random));
+  PetscCall(VecSetRandom(y, random));
+  PetscCall(MatMult(A, x, Ax));
+  PetscCall(MatMult(A, y, Ay));
+  PetscCall(VecDot(Ax, y, &one));
+  PetscCall(VecDot(Ay, x, &other));
+  PetscCall(VecNorm(Ax, NORM_2, &size[0]));
+  PetscCall(VecNorm(y, NORM_2, &size[1]));
+  *asymmetry = PetscAbsScalar(one - other) / (size[0] * size[1]);
+  PetscCall(VecSet(x, 1));
+  PetscCall(MatMult(A, x, Ax));
+  PetscCall(MatGetDiagonal(A, y));
+  PetscCall(VecPointwiseDivide(Ay, Ax, y));
+  PetscCall(VecGetArrayRead(Ay, &value));
+  *constant = 0;
+  for (PetscInt a = 0; a < s->cloud->n_fluid; a++)
+    if (s->cloud->field[FIELD_LAMBDA][a] > 0.95 && !s->cloud->integer[INT_SURFACE][a])
+      *constant = PetscMax(*constant, PetscAbsScalar(value[a]));
+  *constant = SetupMax(*constant);
+  PetscCall(VecRestoreArrayRead(Ay, &value));
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
+  PetscCall(VecDestroy(&Ax));
+  PetscCall(VecDestroy(&Ay));
+  PetscCall(PetscRandomDestroy(&random));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What one scene must be like, whose bodies have this volume. */
+static PetscErrorCode TestScene(const char options[], PetscReal volume)
+{
+  Setup     s;
+  Cloud     cloud;
+  PetscReal sum = 0, squares = 0, inside = 0, sizes[2] = {PETSC_MAX_REAL, 0}, worst = 0, asymmetry = 0, constant = 0,
+            wrong = 0, near = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  cloud = s.cloud;
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal wanted = SceneSpacing(s.scene, cloud->field[FIELD_POSITION] + DIM * a), size = cloud->size[a];
+
+    wrong += WrongPairs(cloud, a);
+    if (a >= cloud->n_fluid) continue;
+    sum += cloud->volume[a];
+    sizes[0] = PetscMin(sizes[0], size);
+    sizes[1] = PetscMax(sizes[1], size);
+    near     = PetscMax(near, PetscAbsReal(size / wanted - 1));
+    if (cloud->field[FIELD_LAMBDA][a] < 0.95 || cloud->integer[INT_SURFACE][a]) continue;
+    inside++;
+    squares += PetscSqr(cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a] - 1);
+  }
+  CHECK_CLOSE(SetupSum(wrong), 0, 0, "pairs within the support of their mean smoothing length");
+  CHECK_CLOSE(SetupSum(sum), volume, 1e-9 * volume, "the particles share the volume of the body");
+  CHECK_CLOSE(-SetupMax(-sizes[0]), 1, 1e-9, "the finest have the spacing");
+  CHECK(SetupMax(sizes[1]) < DomainSizeMost(s.domain), "the largest are not larger than allowed");
+  CHECK(SetupMax(sizes[1]) > 1.5, "there are large ones");
+  CHECK(SetupMax(near) < 0.25, "sizes near what is wanted where they are");
+  CHECK(PetscSqrtReal(SetupSum(squares) / SetupSum(inside)) < 0.03, "density inside");
+  PetscCall(LinearDivergence(&s, &worst));
+  CHECK_CLOSE(worst, 0, 2e-5, "corrected divergence of a linear velocity");
+  PetscCall(Symmetry(&s, &asymmetry, &constant));
+  CHECK_CLOSE(asymmetry, 0, 1e-12, "the pressure operator is symmetric");
+  CHECK_CLOSE(constant, 0, 1e-12, "a constant pressure gives nothing inside");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Two particles of sizes 1 and 2 at a distance of 1.5: every factor of the pair from the kernel of their mean. */
+static PetscErrorCode TestPair(void)
+{
+  const PetscReal x[2 * DIM] = {0, 0, 0, 1.5, 0, 0}, r2 = 1, h = 1.3;
+  const char      options[] = "-spacing 1 -spacing_coarse 2 -box_lower -10,-10,-10 -box_upper 10,10,10 -bodies a "
+                              "-fine core -core_shape sphere -core_radius 1 ";
+  Setup           s;
+  ParticleArrays  arrays;
+  PetscReal       W, F, scale_w, scale_f, inverse_h2, ratio;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(options, &s));
+  PetscCall(ParticlesAppend(s.particles, 2));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, 2 * DIM));
+  for (PetscInt a = 0; a < 2; a++) {
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+    arrays.real[FIELD_VOLUME][a]                              = a ? 8 : 1;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(OperatorsMoments(s.cloud, NULL));
+  KernelEvaluate(s.kernel, 1, &r2, &W, &F); /* at r = h_ab/h: W and F of the pair are W/1.5^3, F/1.5^5 */
+  W /= 1.5 * 1.5 * 1.5;
+  F /= 1.5 * 1.5 * 1.5 * 1.5 * 1.5;
+  KernelScales(s.kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal other = a ? 1 : 8, eta = ETA_OVER_H * 1.5 * h;
+
+    CHECK_CLOSE(s.cloud->first[a + 1] - s.cloud->first[a], 1, 0, "the pair is in both rows");
+    CHECK_CLOSE(s.cloud->slope[a] * scale_f, other * F, 5e-7, "F of the pair times V_b");
+    CHECK_CLOSE(s.cloud->field[FIELD_DENSITY][a], 1000 * (KernelSelf(s.kernel) + other * W), 1e-3,
+                "density: V_a W(0) is the same for all sizes");
+    ratio = s.cloud->laplacian[a] * s.cloud->laplacian_unit * scale_f / (8 * -F * 2.25 / (2.25 + eta * eta));
+    CHECK_CLOSE(PetscAbsReal(ratio), 1, 1e-3, "the pair's part in a Laplacian times V_a V_b");
+  }
+  CHECK_CLOSE(s.cloud->laplacian[0], s.cloud->laplacian[1], 0, "which is the same for both");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void Refused(const char options[], const char word[])
+{
+  Setup          s;
+  PetscErrorCode code;
+
+  RefuseBegin();
+  code = SetupPack(options, &s);
+  RefuseEnd(code, word, word);
+}
+
+int main(int argc, char **argv)
+{
+  PetscMPIInt size;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(TestScene(FLAT, 48 * 16));
+  PetscCall(TestScene(DEEP, 10 * 10 * 15));
+  if (size == 1) PetscCall(TestPair());
+  Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 4 times -spacing");
+  Refused(FLAT "-spacing_coarse 5 ", "must be one to 4 times");
+  Refused("-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower 0,0 -box_upper 9,9 -bodies a ", "-fine");
+  Refused("-dimension 2 -spacing 1 -fine c -box_lower 0,0 -box_upper 9,9 -bodies a ", "-spacing_coarse (m) is missing");
+  Refused("-dimension axisymmetric -spacing 1 -spacing_coarse 2 -box_lower 0,0 -box_upper 9,9 -bodies a ",
+          "-dimension axisymmetric yet");
+  Refused(FLAT "-solids b -b_shape sphere -b_radius 3 -b_center 0,5 ", "-solids cannot be used with");
+  Refused(FLAT "-film_type emitter -film_velocity 1,0 ", "emitter cannot be used with");
+  Refused(FLAT "-film_tension 1 -tension_type curvature ", "surface tension cannot be used with");
+  Refused(FLAT "-packing_type poisson ", "poisson cannot be used with -spacing_coarse");
+  Refused(FLAT "-film_shape wave -film_wave_amplitude 1 -film_wave_length 48 ", "is a wave or a thread");
+  Refused(FLAT "-box_lower -1.4,0 -box_upper 1.4,20 -box_x wall -film_lower -1.4,0 -film_upper 1.4,16 ",
+          "does not fit the box");
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
