@@ -122,7 +122,8 @@ paper-figures:
 	$(PYTHON) $(CASE_DIR)/figures.py $(RUN)_paper_whole $(RUN)_printed $(RUN)_paper_242_whole $(RUN)_printed_242 \
 	  --labels "default scheme, whole box" "as printed, quarter" "default scheme, whole box" "as printed, quarter"
 	for run in paper_whole printed paper_242_whole printed_242; do test $$run = paper_whole || \
-	  $(PYTHON) $(CASE_DIR)/figures.py --only 1 $(RUN)_$$run; cp $(RUN)_$$run/figures/figure_1.png $(CASE_DIR)/$$run.png; done
+	  $(PYTHON) $(CASE_DIR)/figures.py --only 1 $(RUN)_$$run; $(PYTHON) -c "from PIL import Image; \
+	  Image.open('$(RUN)_$$run/figures/figure_1.png').convert('RGB').save('$(CASE_DIR)/$$run.jpg', quality=85)" || exit 1; done
 	cp $(RUN)_paper_whole/figures/figure_2.png $(CASE_DIR)/curves.png
 
 # The main case from five packings at 0.5 and 0.35 mm, both speeds: mean and spread, half an hour on two cores.

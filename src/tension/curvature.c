@@ -463,9 +463,10 @@ static inline PetscReal Sigma(Cloud cloud, PetscInt a)
 #define COLUMNS_TOTAL (VALUE_COLUMN + 1)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles near the surface; both are zero
-   elsewhere. slope: NULL, or sigma times SheetSlope of all owned particles in the band. */
+   elsewhere. slope: NULL, or sigma times SheetSlope times share of all owned particles in the band; share ([n_owned]):
+   SheetShare. */
 static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[],
-                                  PetscReal slope[])
+                                  PetscReal slope[], PetscReal share[])
 {
   Liquid         *liquid = &tension->liquid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
@@ -481,7 +482,10 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, x, &phi, g);
     length = Norm(g);
-    if (slope) slope[a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi, V * length);
+    if (slope) {
+      share[a] = SheetShare(tension, V * phi, V * length);
+      slope[a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi) * share[a];
+    }
     if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H < tension->threshold) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
@@ -491,8 +495,9 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
 }
 
 /* Finds sigma kappa ([n_owned], Pa) of the owned particles that have a normal, and keeps the fits and the weights of
-   their neighbours for TakeMean. The depth is in its column. */
-static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal capillary[])
+   their neighbours for TakeMean. The depth is in its column. share: how far a particle is one of a thin sheet. */
+static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal share[],
+                                    PetscReal capillary[])
 {
   Liquid    *liquid = &tension->liquid;
   PetscInt64 used   = 0; /* weights */
@@ -514,6 +519,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscRea
     SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + used, &m);
     PrepareFit(tension, &m, &tension->fit[p]);
     capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], x, normal + DIM * a);
+    capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
     used += around.n;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -589,8 +595,10 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The normals of the particles near the surface, ghosts too; adds the forces of thin sheets. */
-static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[])
+/* The normals of the particles near the surface, ghosts too; adds the forces of thin sheets, of which share ([n_owned])
+   tells. */
+static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[],
+                                           PetscReal share[])
 {
   const PetscReal support = KernelSupport(tension->kernel);
   PetscReal      *slope   = NULL;
@@ -602,13 +610,14 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
   if (tension->rings) LiquidLoad(&tension->liquid, WEIGHT_COLUMN, 1, cloud->weight);
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(depth, cloud->n_owned));
+  PetscCall(PetscArrayzero(share, cloud->n_owned));
   if (tension->sheets) {
     PetscCall(CloudGetWork(cloud, 1, &slope));
     PetscCall(PetscArrayzero(slope, cloud->n_owned));
   }
-  PetscCall(FindNormals(tension, cloud, normal, depth, slope));
+  PetscCall(FindNormals(tension, cloud, normal, depth, slope, share));
   if (tension->sheets) {
-    PetscCall(SheetPull(tension, cloud, slope));
+    PetscCall(SheetPull(tension, cloud, slope, share));
     PetscCall(CloudRestoreWork(cloud, &slope));
   }
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, normal));
@@ -618,14 +627,16 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
 
 static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 {
-  PetscReal *normal, *scalar; /* the depth, then sigma kappa */
+  PetscReal *normal, *share, *scalar; /* the depth, then sigma kappa */
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(CloudGetWork(cloud, 1, &scalar));
-  PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar));
+  PetscCall(CloudGetWork(cloud, 1, &share));
+  PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
   PetscCall(SortNormals(tension, cloud, normal, scalar));
-  PetscCall(FindCurvature(tension, cloud, normal, scalar));
+  PetscCall(FindCurvature(tension, cloud, normal, share, scalar));
+  PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
   PetscCall(TakeMean(tension, cloud, normal, scalar));
   PetscCall(CloudRestoreWork(cloud, &scalar));

@@ -8,9 +8,13 @@
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
    which is pairwise and central. A sheet of one particle pulls its edge back with 2 sigma per unit of length
-   (cases/retracting_sheet). Three limits:
+   (cases/retracting_sheet). Four limits:
    - Where curvature.c sees the sides, nothing may be added. There phi is that of the flat surface which |grad phi|
    tells of, and S' fades out with what phi lacks to that.
+   - Where S' is in full, curvature.c sees nothing in a sheet without displacements. With the smallest of them the
+   normals at its edge turn from one side to the other within a particle: a curvature of 1/H, whose pressure would pull
+   the edge a second time. It is left out by the fourth power of the share that S' has, so that sheets of two particles,
+   where both share the work, keep theirs.
    - Below THICKNESS_SPRAY, where particles are nearly alone, S' stays as it is there.
    - In threads there is no S'. phi does not tell a thread from a thinner sheet, whose pull is half as much again, and
    with that pull threads would not break (Rayleigh). There is no reference for this; forces from a function of the
@@ -51,15 +55,21 @@ static PetscReal Ramp(PetscReal none, PetscReal all, PetscReal x)
   return PetscMin(1, PetscMax(0, (x - none) / (all - none)));
 }
 
-PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient)
+PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient)
 {
-  const PetscReal place = PetscMin(gradient / tension->plane, 1) * WALL_TABLE, unit = tension->plane * tension->spacing,
-                  low  = PetscMax(phi, THICKNESS_SPRAY * unit);
-  const PetscInt  k    = PetscMin((PetscInt)place, WALL_TABLE - 1);
-  const PetscReal flat = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
-                  t    = Ramp(LACK_NONE, LACK_ALL, flat - phi);
+  const PetscReal place = PetscMin(gradient / tension->plane, 1) * WALL_TABLE;
+  const PetscInt  k     = PetscMin((PetscInt)place, WALL_TABLE - 1);
+  const PetscReal flat  = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
+                  t     = Ramp(LACK_NONE, LACK_ALL, flat - phi);
 
-  return -2 * volume * tension->plane / (low * low) * t * t * (3 - 2 * t);
+  return t * t * (3 - 2 * t);
+}
+
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi)
+{
+  const PetscReal low = PetscMax(phi, THICKNESS_SPRAY * tension->plane * tension->spacing);
+
+  return -2 * volume * tension->plane / (low * low);
 }
 
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi)
@@ -198,7 +208,7 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
     for (PetscInt e = 0; e < DIM; e++) out[DIM * b + e] += sum[e] / cloud->rest_density[b];
 }
 
-PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[])
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[])
 {
   Liquid    *liquid = &tension->liquid;
   PetscInt   cell = -1, n = 0;
@@ -208,7 +218,7 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[])
   PetscCall(CloudGetWork(cloud, 6, &plane));
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
-    PetscReal      M[6];
+    PetscReal      M[6], flatness;
 
     if (a >= cloud->n_owned || slope[a] == 0) continue;
     if (LiquidCell(liquid, p) != cell) {
@@ -216,7 +226,9 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[])
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM), 1, &n));
     }
     SecondMoments(tension, p, n, M);
-    slope[a] *= Flatness(tension->dim, M);
+    flatness = Flatness(tension->dim, M);
+    slope[a] *= flatness;
+    share[a] *= flatness;
     SheetPlane(tension->dim, M, plane + 6 * a);
   }
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));

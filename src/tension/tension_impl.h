@@ -177,16 +177,19 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
     s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
 }
 
-/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too), phi and |grad
-   phi| (1/m) has in a sheet. Not collective. */
-PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi, PetscReal gradient);
+/* SheetShare - how far a particle with phi and |grad phi| (1/m) is one of a sheet too thin for normals: 0 not, 1 all.
+   Not collective. */
+PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient);
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too) and phi has in a
+   sheet. Not collective. */
+PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi);
 /* SheetHoop - adds to FIELD_ACCELERATION of ring a the pull of its sheet towards the axis, a hoop; slope (Pa m2) is
-   sigma times SheetSlope, for V_0. Not collective. */
+   sigma times SheetSlope times SheetShare, for V_0. Not collective. */
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi);
 /* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION. The liquid must be sorted;
-   slope ([n_total], Pa m2; that of ghosts is overwritten, that of threads becomes zero) is sigma times SheetSlope of
-   the owned particles. Collective. */
-PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[]);
+   slope ([n_total], Pa m2; that of ghosts is overwritten) is sigma times SheetSlope times share, and share ([n_owned])
+   SheetShare, of the owned particles; both become zero in threads. Collective. */
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
 
 /* CahnHilliardStress - S ([n_owned][6], N/m2) of Eq. (7), zero beyond the band; leaves the liquid sorted. Collective.
  */

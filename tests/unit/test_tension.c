@@ -217,7 +217,7 @@ static PetscErrorCode TestSheet(void)
   PetscFunctionBegin;
   for (PetscInt jittered = 0; jittered < 2; jittered++) {
     const PetscInt n    = Fill(InShell, any, strip, origin, jittered ? JITTER : 0);
-    PetscReal      half = 0, sum[DIM] = {0, 0, 0};
+    PetscReal      half = 0, pressure = 0, sum[DIM] = {0, 0, 0};
     Setup          s;
 
     PetscCall(SetupFill(STRIP, n, points, 0, &s));
@@ -229,9 +229,11 @@ static PetscErrorCode TestSheet(void)
 
       for (PetscInt d = 0; d < DIM; d++) sum[d] += mass * force[d];
       if (s.cloud->field[FIELD_POSITION][DIM * a] > 0) half += mass * force[0];
+      pressure = PetscMax(pressure, PetscAbsReal(s.cloud->field[FIELD_CAPILLARY][a]));
     }
     PetscCall(SetupClose(&s));
     if (!jittered) CHECK_CLOSE(SetupSum(half) / 14, -2, 0.04, "sheet_pull"); /* sums for integrals: 2 % of W_c */
+    CHECK_CLOSE(pressure, 0, 0.01, "sheet_pulled_once"); /* of its edge, in tensions over a spacing */
     for (PetscInt d = 0; d < DIM; d++) CHECK_CLOSE(SetupSum(sum[d]) / 14, 0, 1e-10, "sheet_momentum");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
