@@ -4,8 +4,8 @@
     figures.py RUN_FOLDER [MORE_RUN_FOLDERS] [--labels TEXT ...] [--times MS ...] [--quarter] [--only 1|2]
 
 Reads series.csv, options.opts and snapshot_*.h5 of the run; writes RUN_FOLDER/figures/figure_1.png and figure_2.png.
-The other runs appear in figure 2 only, which has a column for each impact speed. Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a
-display, xvfb and xauth.
+The other runs appear in figure 2 only, which has a column for each impact speed. Needs Debian's python3-h5py,
+python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
 """
 import argparse
 import glob
@@ -137,7 +137,7 @@ def figure_1(folder, times, quarter, path):
 
 
 def draw_curves(panels, speed, runs):
-    """H, D and phi of runs {label: (colour, table)} of one speed (None: unknown) against time, beside its references."""
+    """H, D and phi of runs {label: (colour, table)} of one speed (m/s; None: unknown) beside its references."""
     curves = [(rundata.read_reference(speed), dict(color="black", lw=1.6, label="reference (axisymmetric VOF)"))]
     if speed is not None:
         curves.append((rundata.read_reference(speed, "_box"),
