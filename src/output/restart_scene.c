@@ -86,15 +86,16 @@ static PetscErrorCode AddShape(Lines *lines, Domain domain, Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where two corners of the box would be if they moved with a solid, at two times that no motion has a period of. */
+/* Where two corners of the box would be if they moved with a solid, at times of each scale, that no motion has a period
+ * of. */
 static PetscErrorCode AddMotion(Lines *lines, Domain domain, Body solid)
 {
-  const PetscReal times[2] = {0.3183098861, 0.7390851332}; /* s */
+  const PetscReal times[5] = {0.7390851332, 0.1618033989, 2.718281828e-2, 3.141592654e-3, 5.772156649e-4}; /* s */
   PetscReal       sum      = 0;
 
   PetscFunctionBegin;
   if (!BodyMoves(solid)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < 2; k++) {
+  for (PetscInt k = 0; k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(times); k++) {
     PetscReal x[2][DIM];
 
     for (PetscInt d = 0; d < DIM; d++) {

@@ -126,6 +126,17 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscReal PackingEmitted(Packing packing, PetscReal time)
+{
+  const Scene scene = packing->cloud->scene;
+  PetscReal   count = 0;
+
+  for (PetscInt b = 0; b < SceneCount(scene); b++)
+    if (BodyEmits(SceneBody(scene, b)))
+      count += (PetscReal)packing->emission[b].n * BodyEmissions(SceneBody(scene, b), time);
+  return count;
+}
+
 PetscErrorCode EmissionsDestroy(Packing packing)
 {
   PetscFunctionBegin;

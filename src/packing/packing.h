@@ -39,6 +39,9 @@ PetscErrorCode PackingSetVelocities(Packing packing);
    what was brought before. Ends with CloudResync when there is new liquid: *emitted particles over all ranks.
    Collective. */
 PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted);
+/* PackingEmitted - how many particles emitters have brought up to and at the time (s), after the first PackingEmit. Not
+   collective. */
+PetscReal      PackingEmitted(Packing packing, PetscReal time);
 PetscErrorCode PackingDestroy(Packing *packing);
 
 /* WallCreateParticles - dummy particles of all wall faces: layers on a lattice of the particle spacing outside the box,

@@ -29,7 +29,7 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscCall(PetscFree((*body)->velocity_data));
   PetscCall(PetscFree((*body)->viscosity_data));
   PetscCall(PetscFree((*body)->emitter));
-  PetscCall(PetscFree((*body)->motion));
+  PetscCall(MotionDestroy(*body));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,22 +1,68 @@
 /* Motion of solids: where a solid is at each time, as a function of the time alone, so that a run that is continued has
    it where it was. At the time 0 it is where its shape says:
 
-     x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)),
+     x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)) + table(t),
 
    X the place at the time 0, c the centre of the rotation, R(t) the rotation by the angle |rate| t about the direction
-   of the rate. */
+   of the rate. The table is a file of lines t, x, y (and z): a curve through its points, straight up to its first and
+   from its last one on, of which the solid leaves the first and reaches the last from rest and to rest. */
 #include "scene_impl.h"
+#include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-#define DEGREE (PETSC_PI / 180)
+#define DEGREE      (PETSC_PI / 180)
+#define LINE_LENGTH 4096
+#define SAMPLES     16 /* between two rows of a table, of its speed */
 
 struct _p_Motion {
-  PetscReal velocity[DIM];              /* m/s */
-  PetscReal amplitude[DIM], w, phase;   /* m, rad/s, rad */
-  PetscReal rate[DIM + 1], center[DIM]; /* rad/s; m; one number more, to notice too many */
-  PetscInt  rates;                      /* numbers given */
-  PetscReal shift[DIM], turn[DIM][DIM]; /* s and R at the time set last */
+  PetscReal  velocity[DIM];              /* m/s */
+  PetscReal  amplitude[DIM], w, phase;   /* m, rad/s, rad */
+  PetscReal  rate[DIM + 1], center[DIM]; /* rad/s; m; one number more, to notice too many */
+  PetscInt   rates;                      /* numbers given */
+  char       file[PETSC_MAX_PATH_LEN];   /* of the table; empty: none */
+  PetscReal  shift[DIM], turn[DIM][DIM]; /* s and R at the time set last */
+  PetscInt   rows;                       /* of the table */
+  PetscReal *table;                      /* [rows][1 + 3]: time (s), displacement (m) */
 };
+
+/* The displacement (m) of a row of the table, and its rate (m/s): that from the row before to the row after, 0 at the
+   ends. */
+static void Row(const struct _p_Motion *m, PetscInt k, PetscReal place[DIM], PetscReal rate[DIM])
+{
+  const PetscReal *row = m->table + (DIM + 1) * k;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    place[d] = row[1 + d];
+    rate[d]  = k == 0 || k == m->rows - 1 ? 0 : (row[DIM + 2 + d] - row[d - DIM]) / (row[DIM + 1] - row[-(DIM + 1)]);
+  }
+}
+
+/* Adds the table's displacement (m) and its rate (m/s) at the time: cubic between its rows. */
+static void AddTable(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
+{
+  PetscInt  k = 0, last = m->rows - 1;
+  PetscReal a[DIM], b[DIM], va[DIM], vb[DIM], length, u;
+
+  if (m->rows == 0) return;
+  while (k + 1 < last && m->table[(DIM + 1) * (k + 1)] <= time) k++;
+  Row(m, k, a, va);
+  Row(m, k + 1, b, vb);
+  length = m->table[(DIM + 1) * (k + 1)] - m->table[(DIM + 1) * k];
+  u      = (time - m->table[(DIM + 1) * k]) / length;
+  if (u < 0 || u > 1) { /* before the first or after the last row */
+    for (PetscInt d = 0; d < DIM; d++) shift[d] += u < 0 ? a[d] : b[d];
+    return;
+  }
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal way = b[d] - a[d], bend = length * (va[d] + vb[d]) - 2 * way,
+                    lift = 3 * way - length * (2 * va[d] + vb[d]);
+
+    shift[d] += a[d] + u * (length * va[d] + u * (lift + u * bend));
+    if (rate) rate[d] += va[d] + u * (2 * lift + 3 * u * bend) / length;
+  }
+}
 
 /* s (m) and, if wanted, its rate (m/s) at the time (s). */
 static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
@@ -26,6 +72,7 @@ static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM
       m->velocity[d] * time + m->amplitude[d] * (PetscSinReal(m->w * time + m->phase) - PetscSinReal(m->phase));
     if (rate) rate[d] = m->velocity[d] + m->amplitude[d] * m->w * PetscCosReal(m->w * time + m->phase);
   }
+  AddTable(m, time, shift, rate);
 }
 
 /* R at the time (s), after Rodrigues. */
@@ -79,6 +126,10 @@ PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
                                 "Point on that axis (m); it moves with the solid", "SceneSetFromOptions", m->center,
                                 NULL));
+  PetscCall(PetscOptionsString("-motion_file",
+                               "File of lines t,x,y or t,x,y,z: how far the solid is from its place (m) at rising "
+                               "times (s); a smooth curve between them",
+                               "SceneSetFromOptions", m->file, m->file, sizeof(m->file), NULL));
   m->w     = 2 * PETSC_PI * frequency;
   m->phase = DEGREE * phase;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -106,6 +157,95 @@ static PetscErrorCode CheckRate(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads the numbers of a line; returns their number, -1 if there is something else in it. */
+static int ReadLine(char line[], PetscReal number[DIM + 2])
+{
+  int   count = 0;
+  char *rest;
+
+  for (char *word = strtok_r(line, ", \t\r\n", &rest); word; word = strtok_r(NULL, ", \t\r\n", &rest)) {
+    char *end;
+
+    if (count == DIM + 2) return -1;
+    number[count] = (PetscReal)strtod(word, &end);
+    if (*end || PetscIsInfOrNanReal(number[count])) return -1;
+    count++;
+  }
+  return count;
+}
+
+/* Rank 0: reads the table; *bad: the line that is none of a table, -1: no such file. Lines of comments (#) and a first
+   line of names are passed over. */
+static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
+{
+  PetscSegBuffer rows;
+  FILE          *file = NULL;
+  struct stat    info;
+  char           line[LINE_LENGTH];
+  PetscReal      before = -PETSC_MAX_REAL;
+
+  PetscFunctionBegin;
+  *bad = -1;
+  if (stat(m->file, &info) || !S_ISREG(info.st_mode) || !(file = fopen(m->file, "r")))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  *bad = 0;
+  PetscCall(PetscSegBufferCreate((DIM + 1) * sizeof(PetscReal), 64, &rows));
+  for (int n = 1; !*bad && fgets(line, sizeof(line), file); n++) {
+    PetscReal number[DIM + 2] = {0}, *row;
+    int       count;
+
+    if (line[0] == '#') continue;
+    count = ReadLine(line, number);
+    if (count == 0 || (count < 0 && m->rows == 0)) continue;
+    if (count != dim + 1 || number[0] <= before) *bad = n;
+    before = number[0];
+    PetscCall(PetscSegBufferGet(rows, 1, &row));
+    for (PetscInt k = 0; k <= DIM; k++) row[k] = number[k];
+    m->rows++;
+  }
+  (void)fclose(file);
+  PetscCall(PetscSegBufferExtractAlloc(rows, &m->table));
+  PetscCall(PetscSegBufferDestroy(&rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the table on rank 0, for all. */
+static PetscErrorCode ShareTable(Body body)
+{
+  struct _p_Motion *m    = body->motion;
+  MPI_Comm          comm = body->domain->comm;
+  PetscMPIInt       rank;
+  int               bad = 0;
+
+  PetscFunctionBegin;
+  if (!m->file[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (!rank) PetscCall(ReadTable(m, body->domain->dim, &bad));
+  PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));
+  PetscCallMPI(MPI_Bcast(&m->rows, 1, MPIU_INT, 0, comm));
+  PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read, or is no regular file", body->prefix, m->file);
+  PetscCheckUser(bad == 0, comm,
+                 "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, and a later time than the line "
+                 "before",
+                 body->prefix, m->file, bad, (int)body->domain->dim + 1, body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
+  PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file);
+  if (rank) PetscCall(PetscMalloc1((DIM + 1) * m->rows, &m->table));
+  PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)((DIM + 1) * m->rows), MPIU_REAL, 0, comm));
+  for (PetscInt k = 0; k < m->rows; k++)
+    PetscCheckUser(!body->domain->rings || m->table[(DIM + 1) * k + 1] == 0, comm,
+                   "-%smotion_file %s: with -dimension axisymmetric x must be 0: a solid can move along the axis only",
+                   body->prefix, m->file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MotionDestroy(Body body)
+{
+  PetscFunctionBegin;
+  if (body->motion) PetscCall(PetscFree(body->motion->table));
+  PetscCall(PetscFree(body->motion));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MotionSetUp(Body body)
 {
   Domain            domain = body->domain;
@@ -113,12 +253,13 @@ PetscErrorCode MotionSetUp(Body body)
 
   PetscFunctionBegin;
   PetscCall(CheckRate(body));
+  PetscCall(ShareTable(body));
   PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
   PetscCheckUser(!domain->rings || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0), domain->comm,
                  "with -dimension axisymmetric the solid %s can move along the axis only, and not turn", body->name);
-  if (Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0)
-    PetscCall(PetscFree(body->motion));
+  if (Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0 && m->rows == 0)
+    PetscCall(MotionDestroy(body));
   else
     MotionSetTime(body, 0);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -145,12 +286,12 @@ PetscErrorCode MotionView(Body body, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "moves: velocity %g, %g, %g m/s, oscillation %g, %g, %g m at %g Hz, rotation %g, "
-                                   "%g, %g rad/s about %g, %g, %g m\n",
+                                   "%g, %g rad/s about %g, %g, %g m%s%s\n",
                                    (double)m->velocity[0], (double)m->velocity[1], (double)m->velocity[2],
                                    (double)m->amplitude[0], (double)m->amplitude[1], (double)m->amplitude[2],
                                    (double)(m->w / (2 * PETSC_PI)), (double)m->rate[0], (double)m->rate[1],
-                                   (double)m->rate[2], (double)m->center[0], (double)m->center[1],
-                                   (double)m->center[2]));
+                                   (double)m->rate[2], (double)m->center[0], (double)m->center[1], (double)m->center[2],
+                                   m->rows ? ", as in " : "", m->file));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,11 +301,11 @@ PetscBool BodyMoves(Body solid)
   return (PetscBool)(solid->motion != NULL);
 }
 
-/* Motions are structs of numbers alone, which start as zeros. */
+/* Motions start as zeros, and are compared up to their table, whose file has a name. */
 PetscBool BodyMovesAs(Body solid, Body other)
 {
   if (!solid->motion || !other->motion) return (PetscBool)(solid->motion == other->motion);
-  return (PetscBool)!memcmp(solid->motion, other->motion, sizeof(struct _p_Motion));
+  return (PetscBool)!memcmp(solid->motion, other->motion, offsetof(struct _p_Motion, rows));
 }
 
 void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
@@ -214,6 +355,22 @@ PetscReal SceneSolidTime(Scene scene)
   return scene->solid_time;
 }
 
+/* The largest speed of the table, at samples. */
+static PetscReal TableSpeed(const struct _p_Motion *m)
+{
+  PetscReal speed = 0;
+
+  for (PetscInt k = 0; k < SAMPLES * (m->rows - 1); k++) {
+    const PetscReal *row        = m->table + (DIM + 1) * (k / SAMPLES);
+    const PetscReal  time       = row[0] + (row[DIM + 1] - row[0]) * ((PetscReal)(k % SAMPLES) + 0.5) / SAMPLES;
+    PetscReal        shift[DIM] = {0, 0, 0}, rate[DIM] = {0, 0, 0};
+
+    AddTable(m, time, shift, rate);
+    speed = PetscMax(speed, Norm(rate));
+  }
+  return speed;
+}
+
 /* The velocity, the largest of the oscillation, and the rate times the distance of the farthest corner. */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
@@ -223,5 +380,5 @@ PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upp
   if (!m) return 0;
   for (PetscInt d = 0; d < body->domain->dim; d++)
     arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
-  return Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm);
+  return Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm) + TableSpeed(m);
 }

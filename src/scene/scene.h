@@ -17,7 +17,7 @@
    -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: obstacles, no-slip as far as the viscous form
    makes the walls of the box so. They may touch and overlap each other and the faces of the box. They are fixed or move
    as their options say (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
-   _rotation_center; what is asked about them is so at the time set last (SceneMoveSolids).
+   _rotation_center, _motion_file; what is asked about them is so at the time set last (SceneMoveSolids).
 
    -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: where the spacing is -spacing, with
    -spacing_coarse farther away (SceneSpacing).

@@ -114,6 +114,7 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
 PetscErrorCode MotionSetUp(Body body);
 PetscErrorCode MotionView(Body body, PetscViewer viewer);
+PetscErrorCode MotionDestroy(Body body);
 void           MotionSetTime(Body body, PetscReal time);
 /* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);

@@ -173,10 +173,20 @@ static PetscErrorCode Try(Sim sim, PetscReal *step_time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The mean number of particles of the run over that of now, walls included, if what emitters bring stays. */
+static PetscReal MeanParticles(Sim sim)
+{
+  const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
+  PetscInt        now;
+
+  if (!SceneEmits(sim->scene) || ParticlesGlobalSize(sim->particles, &now) || now == 0) return 1;
+  return 1 + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time)) / now;
+}
+
 static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
 {
-  const StepBounds bounds  = StepperBounds(sim->stepper);
-  const PetscReal smallest = PetscMin(PetscMin(bounds.speed, bounds.force), PetscMin(bounds.viscosity, bounds.tension));
+  const StepBounds bounds   = StepperBounds(sim->stepper);
+  const PetscReal  smallest = StepperSteadyStep(sim->stepper), growth = MeanParticles(sim);
   PetscReal steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / smallest : sim->steps_max;
   char      text[64];
 
@@ -187,11 +197,11 @@ static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
   PetscCall(PrintBound(sim, "force", bounds.force));
   PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
   PetscCall(PrintBound(sim, "surface tension", bounds.tension));
-  PetscCall(FormatDuration((double)(steps * step_time), text, sizeof(text)));
+  PetscCall(FormatDuration((double)(steps * step_time * growth), text, sizeof(text)));
   PetscCall(PetscPrintf(sim->comm,
                         "  time: about %s: %.0f steps of %.3g s (trial steps on this machine); liquid that gets faster "
                         "needs more\n",
-                        text, (double)steps, (double)step_time));
+                        text, (double)steps, (double)(step_time * growth)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

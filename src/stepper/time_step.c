@@ -177,6 +177,17 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscReal StepperSteadyStep(Stepper stepper)
+{
+  const TimeStepLimits *limits = &stepper->limits;
+  const StepBounds     *bounds = &stepper->bounds;
+  PetscReal             step   = PetscMin(PetscMin(bounds->speed, bounds->force), bounds->tension);
+
+  if (limits->fixed > 0) return limits->fixed;
+  step = limits->max > 0 ? PetscMin(step, limits->max) : step;
+  return PetscMax(BoundByViscosity(stepper, step), limits->min);
+}
+
 StepBounds StepperBounds(Stepper stepper)
 {
   return stepper->bounds;

@@ -180,4 +180,10 @@ if runs.check(done.returncode == 0, "install", done.stdout[-300:]):
                               stderr=subprocess.STDOUT, universal_newlines=True, check=False)
         runs.check(done.returncode == 0, f"installed_{os.path.basename(command[0])}", done.stdout[-300:])
     runs.check(os.path.exists(os.path.join(prefix, "there/figures/section.png")), "installed_picture", "missing")
+# what a dry run says of the steps of implicit viscosity is within 30 % of what they are
+stiff = "-options_file cases/column/case.opts -spacing 0.01 "
+dry = runs.start(stiff + f"-dry_run -output_dir {runs.scratch('stiff_dry')}")
+said = re.search(r"time: about .*: (\d+) steps", dry.stdout)
+taken = runs.series(runs.run(stiff, "stiff"))["step"][-1]
+runs.check(said and 0.7 < int(said.group(1)) / taken < 1.3, "steps_of_a_dry_run", f"{said}, taken {taken}")
 runs.done()

@@ -418,6 +418,68 @@ static PetscErrorCode TestViscosityModels(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define TABLE "output/test_scene_motion.csv"
+#define MOVING                                                                                                         \
+  SQUARE BALL "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 -s_motion_file " TABLE
+
+static PetscErrorCode WriteTable(const char text[])
+{
+  PetscMPIInt rank;
+  FILE       *file;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank) {
+    file = fopen(TABLE, "w");
+    PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "cannot write " TABLE);
+    fputs(text, file);
+    (void)fclose(file);
+  }
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A solid that moves as a table says: through its rows, in between as a parabola does where the rows are one, at rest
+   before and after; its velocity is that of its places. */
+static PetscErrorCode TestTable(void)
+{
+  const PetscReal times[] = {-1, 0, 0.5, 1, 1.5, 2, 3, 4, 9}, due[] = {0.1, 0.1, 0.1, 0, 0, 0.3, 0.8, 0.9, 0.9};
+  PetscReal       error = 0, slope = 0, fastest = 0;
+  Domain          domain;
+  Scene           scene;
+  Body            solid;
+
+  PetscFunctionBegin;
+  PetscCall(WriteTable("time,x,y\n# a comment\n0,0.1,0\n1,0,0.2\n2,0.3,0\n3, 0.8, 0\n4 0.9 0.1\n"));
+  PetscCall(Read(MOVING, &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(times); k++) {
+    PetscReal x[DIM] = {0.1, 0, 0}, low[DIM], high[DIM], v[DIM];
+
+    if (times[k] == 0.5 || times[k] == 1.5) continue;
+    BodyMove(solid, 0, times[k], x);
+    error = PetscMax(error, PetscAbsReal(x[0] - due[k]));
+    BodyMotion(solid, times[k] + 0.3, x, v);
+    fastest = PetscMax(fastest, Norm(v));
+    for (PetscInt d = 0; d < DIM; d++) low[d] = high[d] = x[d];
+    BodyMove(solid, times[k], times[k] + 0.3 - 1e-5, low);
+    BodyMove(solid, times[k], times[k] + 0.3 + 1e-5, high);
+    for (PetscInt d = 0; d < DIM; d++) slope = PetscMax(slope, PetscAbsReal((high[d] - low[d]) / 2e-5 - v[d]));
+  }
+  CHECK_CLOSE(error, 0, 1e-12, "table_of_places");
+  CHECK_CLOSE(slope, 0, 1e-8, "velocity_of_a_table");
+  CHECK(fastest > 0.3 && fastest <= 1.02 * SceneSolidSpeed(scene), "speed_of_a_table");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(WriteTable("0,0,0\n0.5,1,0\n0.5,2,0\n"));
+  PetscCall(Refused(MOVING, "line 3", "refuse_times_that_do_not_rise"));
+  PetscCall(WriteTable("0,0,0\n0.5,1\n"));
+  PetscCall(Refused(MOVING, "line 2", "refuse_a_short_line"));
+  PetscCall(WriteTable("0,0,0\n"));
+  PetscCall(Refused(MOVING, "two lines or more", "refuse_one_row"));
+  PetscCall(Refused(MOVING "x", "cannot be read", "refuse_missing_table"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A solid that moves in every way: its points stay the same distance apart, come back, and have the velocity of the
    differences of their places; the distance to it goes with it. */
 static PetscErrorCode TestMotion(void)
@@ -459,6 +521,7 @@ static PetscErrorCode TestMotion(void)
   for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(x[d] - corner[d]) * 1e5);
   CHECK_CLOSE(error, 0, 1e-7, "motion_back");
   PetscCall(Free(&domain, &scene));
+  PetscCall(TestTable());
   /* a quarter turn about z in the plane: x goes to y */
   PetscCall(Read(SQUARE BALL "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 -s_rotation_rate "
                              "3.14159265358979",
