@@ -482,11 +482,11 @@ static PetscErrorCode TestSubsteps(void)
     }
   }
   CHECK_CLOSE(SetupMax(drift), 0, 1e-15, "drift with the mean velocity");
-  PetscCall(StepGuard(stepper, from, &trial));
+  PetscCall(StepGuard(stepper, dt, from, &trial));
   CHECK(SetupMax(trial.largest[LARGEST_BROKEN]) == 0 && SetupMax(trial.largest[LARGEST_DISPLACEMENT]) > 1e-3,
         "all positions are numbers");
   if (cloud->n_fluid) cloud->field[FIELD_POSITION_NEW][1] = NAN;
-  PetscCall(StepGuard(stepper, from, &trial));
+  PetscCall(StepGuard(stepper, dt, from, &trial));
   CHECK(SetupMax(trial.largest[LARGEST_BROKEN]) == 1, "a position that is not a number");
   PetscCall(PetscFree(from));
   PetscCall(StepperDestroy(&stepper));
