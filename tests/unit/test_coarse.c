@@ -52,7 +52,7 @@ static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, PetscBool twice, 
     PetscCall(PetscArraycpy(x + DIM * n, x, DIM * n));
     n *= 2;
   }
-  PetscCall(CoarseGridCreate(comm, DIM, n, x, skip, 1.5, lower, upper, periodic, &grid));
+  PetscCall(CoarseGridCreate(comm, DIM, n, x, NULL, skip, 1.5, lower, upper, periodic, &grid));
   PetscCall(CoarseGridSizes(grid, &local, NULL));
   PetscCall(VecCreateMPI(comm, n, PETSC_DETERMINE, &fine));
   PetscCall(VecCreateMPI(comm, local, PETSC_DETERMINE, &coarse));
