@@ -72,6 +72,18 @@ static PetscReal FlatDepth(Tension tension, PetscReal phi)
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
+/* KernelScales of W^H at the size of the particle whose sums are made. */
+static void TensionScales(Tension tension, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2)
+{
+  const PetscReal square = PetscSqr(tension->size);
+
+  KernelScales(tension->kernel, scale_w, scale_f, inverse_h2);
+  if (!tension->graded) return;
+  *scale_w /= PetscPowRealInt(tension->size, (int)tension->dim);
+  *scale_f /= PetscPowRealInt(tension->size, (int)tension->dim) * square;
+  *inverse_h2 /= square;
+}
+
 /* The images that one wall adds to the collected particles: those from begin to end - 1. */
 typedef struct {
   PetscInt  begin, end, axis;
@@ -79,14 +91,14 @@ typedef struct {
 } WallImages;
 
 /* How far (m) from a wall the particles of a cell may have images among their neighbours. */
-static PetscReal ImageReach(const Liquid *liquid)
+static PetscReal ImageReach(Tension tension)
 {
-  return liquid->support + liquid->grid.size;
+  return tension->size_most * tension->liquid.support + tension->liquid.grid.size;
 }
 
 static PetscBool NearWall(Tension tension, Domain domain, const PetscReal x[DIM])
 {
-  const PetscReal reach = ImageReach(&tension->liquid);
+  const PetscReal reach = ImageReach(tension);
   PetscBool       near  = PETSC_FALSE;
 
   for (PetscInt d = 0; d < domain->dim && tension->walls; d++) {
@@ -128,9 +140,9 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, PetscR
   for (PetscInt k = 0; k < n; k++) {
     PetscReal *to = liquid->near + copies, *from = liquid->near + k;
 
-    if (PetscAbsReal(from[axis * stride] - wall) > ImageReach(liquid)) continue;
+    if (PetscAbsReal(from[axis * stride] - wall) > ImageReach(tension)) continue;
     for (PetscInt w = 0; w < width; w++) to[w * stride] = from[w * stride];
-    if (tension->rings) to[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
+    if (tension->rings || tension->graded) to[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
     to[axis * stride] = 2 * wall - from[axis * stride];
     if (width > DIM) {
       const PetscReal normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
@@ -159,7 +171,7 @@ static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], Petsc
       const PetscReal wall = side ? domain->upper[d] : domain->lower[d], inward = side ? -1 : 1;
       PetscInt        n;
 
-      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > ImageReach(&tension->liquid)) continue;
+      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > ImageReach(tension)) continue;
       n                               = AddImages(tension, wall, d, inward, width, around->n);
       around->image[around->images++] = (WallImages){around->n, n, d, inward};
       around->n                       = n;
@@ -181,15 +193,15 @@ static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, 
   around->cell   = cell;
   around->images = 0;
   if (mirrored) columns = COLUMNS(0, width);
-  if (tension->rings) columns |= COLUMNS(WEIGHT_COLUMN, 1);
+  if (tension->rings || tension->graded) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   PetscCall(LiquidCollect(liquid, cell, columns, mirrored ? 1 << (2 * domain->dim) : 1, &around->real));
   around->n = around->real;
   if (mirrored) Mirror(tension, domain, x, width, around);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies W and F (may be NULL) of the m candidates from 'begin' on by their weights: those of rings. */
-static void WeighRings(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
+/* Multiplies W and F (may be NULL) of the m candidates from 'begin' on by their weights. */
+static void WeighVolumes(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
 {
   const PetscReal *weight = tension->liquid.near + WEIGHT_COLUMN * tension->liquid.stride + begin;
 
@@ -217,13 +229,13 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
   PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
   float           s[CHUNK], W[CHUNK], F[CHUNK];
 
-  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  TensionScales(tension, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, F);
-    if (tension->rings) WeighRings(tension, begin, m, W, F);
+    if (tension->rings || tension->graded) WeighVolumes(tension, begin, m, W, F);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
     for (PetscInt k = 0; k < m; k++) {
       sum += W[k];
@@ -290,16 +302,14 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
 
-  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  TensionScales(tension, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
 
     Distances(tension, begin, l, x, inverse_h2, s);
     KernelSingle(tension->kernel, l, s, W, NULL);
-    if (tension->rings) {
-      WeighRings(tension, begin, l, W, NULL);
-      WeighMiddles(tension, begin, l, x, W);
-    }
+    if (tension->rings || tension->graded) WeighVolumes(tension, begin, l, W, NULL);
+    if (tension->rings) WeighMiddles(tension, begin, l, x, W);
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
               reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
@@ -389,7 +399,7 @@ static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal x[DIM],
                            const PetscReal n[DIM])
 {
-  const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / tension->spacing;
+  const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / (tension->size * tension->spacing);
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
 
   if (!fit->enough) return 0;
@@ -420,7 +430,7 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
     kappa = CarryToSurface(tension, k1, 0, depth);
   } else
     kappa = CarryToSurface(tension, k1, k2, depth);
-  depth += 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane;
+  depth += 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane * PetscSqr(tension->size);
   kappa = CarryToSurface(tension, k1, k2, depth);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
@@ -479,6 +489,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
 
     LiquidPosition(liquid, p, x);
     if (a >= cloud->n_owned || !BandNear(&tension->band_cells, x)) continue;
+    tension->size = CloudSize(cloud, a);
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, x, &phi, g);
     length = Norm(g);
@@ -487,9 +498,9 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
       slope[a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi) * share[a];
     }
     if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
-    if (V * length * H < tension->threshold) continue;
+    if (V * length * H * tension->size < tension->threshold) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
-    depth[a] = FlatDepth(tension, V * phi);
+    depth[a] = tension->size * FlatDepth(tension, V * phi);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -516,6 +527,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscRea
       tension->weight_capacity = 2 * (used + around.n);
       PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(float), &tension->weight));
     }
+    tension->size = CloudSize(cloud, a);
     SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + used, &m);
     PrepareFit(tension, &m, &tension->fit[p]);
     capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], x, normal + DIM * a);
@@ -584,7 +596,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
     keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0);
   PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), keep));
   PetscCall(PetscFree(keep));
-  if (tension->rings) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
+  if (cloud->weight) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
   LiquidLoad(liquid, DIM, DIM, normal);
   LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
   if (liquid->count > tension->fit_capacity) {
@@ -605,9 +617,10 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
 
   PetscFunctionBegin;
   /* |grad phi| H is below the default threshold 0.9 H deep; surface particles are half a spacing deep */
-  PetscCall(BandMark(&tension->band_cells, cloud, KernelSmoothingLength(tension->kernel), support));
+  PetscCall(BandMark(&tension->band_cells, cloud, tension->size_most * KernelSmoothingLength(tension->kernel),
+                     tension->size_most * support));
   PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
-  if (tension->rings) LiquidLoad(&tension->liquid, WEIGHT_COLUMN, 1, cloud->weight);
+  if (cloud->weight) LiquidLoad(&tension->liquid, WEIGHT_COLUMN, 1, cloud->weight);
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(depth, cloud->n_owned));
   PetscCall(PetscArrayzero(share, cloud->n_owned));

@@ -1,6 +1,19 @@
 /* The liquid sorted into cells, and the part of it around a cell in columns, over which the compiler can vectorise. */
 #include "tension_impl.h"
 
+/* The largest size in each cell, from which LiquidCollect knows how far to reach. */
+static PetscErrorCode FindLargest(Liquid *liquid, Cloud cloud)
+{
+  PetscFunctionBegin;
+  if (!cloud->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(liquid->largest));
+  PetscCall(PetscCalloc1(liquid->grid.count, &liquid->largest));
+  for (PetscInt c = 0; c < liquid->grid.count; c++)
+    for (PetscInt p = liquid->grid.start[c]; p < liquid->grid.start[c + 1]; p++)
+      liquid->largest[c] = PetscMax(liquid->largest[c], cloud->size[LiquidParticle(liquid, p)]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
 {
   const PetscInt *layer = cloud->integer[INT_LAYER],
@@ -27,6 +40,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const 
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
   PetscCall(PetscFree(x));
+  PetscCall(FindLargest(liquid, cloud));
   liquid->reach = (PetscInt)(support / liquid->grid.size) + 1;
   for (PetscInt dy = 0; dy <= liquid->reach; dy++)
     for (PetscInt dz = 0; dz <= liquid->reach; dz++)
@@ -64,14 +78,16 @@ static PetscInt CopyLine(Liquid *liquid, PetscInt n, PetscInt y, PetscInt z, Pet
 /* One pass over the cells around c: counts the particles and copies the columns whose bits are set. */
 static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
 {
-  const CellGrid *grid  = &liquid->grid;
-  const PetscInt  reach = liquid->reach;
-  PetscInt        n     = 0, cell[DIM];
+  const CellGrid *grid    = &liquid->grid;
+  const PetscReal support = liquid->support * (liquid->largest ? liquid->largest[c] : 1);
+  const PetscInt  reach   = liquid->largest ? (PetscInt)(support / grid->size) + 1 : liquid->reach;
+  PetscInt        n       = 0, cell[DIM];
 
   CellCoordinates(grid->n, c, cell);
   for (PetscInt z = PetscMax(0, cell[2] - reach); z <= PetscMin(grid->n[2] - 1, cell[2] + reach); z++)
     for (PetscInt y = PetscMax(0, cell[1] - reach); y <= PetscMin(grid->n[1] - 1, cell[1] + reach); y++) {
-      const PetscInt along = liquid->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])];
+      const PetscInt dy = PetscAbsInt(y - cell[1]), dz = PetscAbsInt(z - cell[2]),
+                     along = liquid->largest ? CellsAlong(grid->size, support, dy, dz) : liquid->along[dy][dz];
 
       if (along >= 0) n += CopyLine(liquid, n, y, z, cell[0] - along, cell[0] + along, columns);
     }
@@ -98,5 +114,6 @@ PetscErrorCode LiquidReset(Liquid *liquid)
   PetscCall(PetscFree(liquid->sorted));
   PetscCall(PetscFree(liquid->near));
   PetscCall(PetscFree(liquid->index));
+  PetscCall(PetscFree(liquid->largest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -41,13 +41,15 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->dim         = domain->dim;
   t->rings       = domain->rings;
   t->graded      = domain->graded;
+  t->size        = 1;
+  t->size_most   = DomainSizeMost(domain);
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
   t->ratio       = 1.75;
   t->calibration = 3.959;
   t->band        = 1;
   t->sharpening  = 2;
-  t->sheets      = PETSC_TRUE;
+  t->sheets      = (PetscBool)!domain->graded;
   t->threshold   = 0.2;
   t->same_side   = 0.2;
   t->thinnest    = 0.3;
@@ -110,9 +112,12 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   tension->cosine = PetscCosReal(tension->angle);
   tension->sine   = PetscSinReal(tension->angle);
   if (!tension->apply) tension->active = PETSC_FALSE;
-  PetscCheckUser(!tension->active || !tension->graded, tension->comm,
-                 "surface tension cannot be used with -spacing_coarse yet: its sums know particles of one size only; "
-                 "-tension_type none goes without");
+  PetscCheckUser(!same || !tension->graded, tension->comm,
+                 "-tension_type " TENSION_CAHN_HILLIARD
+                 " cannot be used with -spacing_coarse: its sums know particles of "
+                 "one size only; " TENSION_CURVATURE " can");
+  PetscCheckUser(!tension->sheets || !tension->graded, tension->comm,
+                 "-tension_sheets cannot be used with -spacing_coarse yet");
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active && tension->setup) PetscCall(tension->setup(tension));

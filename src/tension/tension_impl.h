@@ -11,7 +11,7 @@
 /* --- phase_cells.c: the liquid around a particle --- */
 
 #define LIQUID_WIDTH  9 /* columns: x, y, z, then whatever a pass sums over */
-#define WEIGHT_COLUMN 8 /* of rings: the ring area over V_0 */
+#define WEIGHT_COLUMN 8 /* the cloud's weights, where it has any: of rings the area over V_0 */
 /* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
    that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells. */
 #define LIQUID_CELL        1.6
@@ -24,6 +24,7 @@ typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m */
   PetscInt   capacity, count, stride;
+  PetscReal *largest; /* [cells] of graded particles: the largest size in the cell; NULL: all have one size */
   PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within the support: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
@@ -128,7 +129,8 @@ struct _p_Tension {
   MPI_Comm  comm;
   PetscBool active; /* the scene has tension and the model is not none */
   PetscInt  dim;
-  PetscBool rings, graded;
+  PetscBool rings, graded; /* of graded particles each has the H of its size, and its neighbours weigh their volumes */
+  PetscReal size, size_most; /* of the particle whose sums are made, 1; largest of all */
   char      type[64];
   /* Of the model: its options, those of the advanced group, its tables, and what TensionApply does. May be NULL. */
   PetscErrorCode (*setfromoptions)(Tension, OptionItems);

@@ -46,9 +46,10 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
  -time_step 8e-5 -resampling_interval 3 """
 # Particles of different sizes: a drop into a film, both finer where they meet, near periodic and mirror faces.
-GRADED = """-spacing 1e-3 -spacing_coarse 2e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box_x periodic
- -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 12e-3,12e-3,0
- -film_viscosity 3.5e-3 -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3
+GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper 36e-3,12e-3,12e-3 -box_x periodic
+ -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 36e-3,12e-3,0
+ -film_viscosity 3.5e-3 -film_tension 0.067 -drop_tension 0.067
+ -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2 -time_step 4e-5 """
 TOLERANCE = 1e-10  # spacings
 COMMON = "-ksp_rtol 1e-12 -steps_max 20 "

@@ -35,11 +35,12 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -time_step 8e-5 -resampling_interval 3 -snapshot_double -checkpoint_interval 1.1e-3
  -series_interval 1e-4 """
 # Particles of different sizes, finer where a drop meets a film.
-GRADED = """-spacing 1e-3 -spacing_coarse 2e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box_x periodic
+GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box_x periodic
  -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 12e-3,12e-3,0
+ -film_tension 0.067 -drop_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3 -snapshot_double
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2
- -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4 """
+ -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
