@@ -90,7 +90,7 @@ for model, numbers in MODELS.items():
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
-ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston")]
+ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank")]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
@@ -189,7 +189,7 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("sloshing"), Entry("jet")]
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
-           "sloshing", "jet"}
+           "sloshing", "jet", "stirred_tank"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
