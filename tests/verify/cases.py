@@ -190,6 +190,7 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank"}
+DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston"}  # solids do not move with the printed scheme
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)

@@ -140,7 +140,7 @@ runs.check(not lost, "known_misses_have_entries", f"misses.csv has records of {l
 for case in sorted({e.case for e in cases.ENTRIES}):
     both = {e.printed for e in cases.ENTRIES if e.case == case}
     # the printed scheme knows no contact angle
-    alone = case == "contact_angle" or case in cases.GALLERY
+    alone = case == "contact_angle" or case in cases.GALLERY | cases.DEFAULT_ONLY
     runs.check(both == {True, False} or alone, f"both_schemes_{case}", both)
     runs.check(callable(runner.load(case)), f"check_{case}", "no check(folder)")
 listed = {e.case for e in cases.ENTRIES}
