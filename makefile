@@ -116,6 +116,7 @@ paper paper-printed: packages
 # cases/drop_impact/runs/, the pictures of the whole box and of the printed scheme beside the README.
 CASE_DIR = cases/drop_impact
 paper-figures:
+	@tests/packages.sh pictures
 	@for run in $(wildcard $(RUN)_paper* $(RUN)_printed*); do kept=$(CASE_DIR)/runs/$${run##*impact_}; mkdir -p $$kept && \
 	  awk 'NR == 1 || NR % 5 == 2' $$run/series.csv >$$kept/series.csv && grep -v '^t = ' $$run/log.txt >$$kept/log.txt && \
 	  cp $$run/options.opts $$kept || exit 1; done
