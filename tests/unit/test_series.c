@@ -183,6 +183,7 @@ static PetscErrorCode TestBudget(void)
   PetscCall(RunCreate(OPTIONS, &run));
   PetscCall(Fill(&run, Low, 0));
   sim.domain   = run.domain;
+  sim.scene    = run.scene;
   sim.gauges   = run.gauges;
   PETSC_STDOUT = tmpfile();
   PetscCall(BudgetReport(&sim));
