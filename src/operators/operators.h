@@ -111,8 +111,8 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test);
 void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity);
 /* OperatorsApparentViscosity - FIELD_VISCOSITY (Pa s) of the fluid, ghosts too, from the shear rates of FIELD_VELOCITY
    at the positions of the last search: the velocity gradient is exact for velocities that are linear up to the faces of
-   walls. viscosity: whether liquid slips there. For scenes whose viscosity varies (SceneViscosityVaries): all others
-   have no such field. Collective. */
+   walls. viscosity: whether liquid slips there. Does nothing where no viscosity varies (SceneViscosityVaries): such
+   scenes have no such field. Collective. */
 PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
    have their own velocity and the viscosity of their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and

@@ -123,6 +123,7 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
   Places     places;
 
   PetscFunctionBegin;
+  if (!SceneViscosityVaries(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CloudGetWork(cloud, 1, &depth));

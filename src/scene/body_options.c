@@ -149,10 +149,20 @@ static PetscErrorCode ReadOptionsOf(const BodyChoice *choice, Body body, OptionI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetUp(const BodyChoice *choice, Body body)
+/* The same, and its set-up. */
+static PetscErrorCode Take(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
 {
   PetscFunctionBegin;
+  PetscCall(ReadOptionsOf(choice, body, PetscOptionsObject, data));
   if (choice->setup) PetscCall(choice->setup(body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadShape(body, PetscOptionsObject, shapes));
+  PetscCall(Take(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,20 +174,15 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
-  PetscCall(SetUp(&body->shape->choice, body));
+  PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(ReadMaterial(body, PetscOptionsObject));
   PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
-  PetscCall(ReadOptionsOf(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
-  PetscCall(SetUp(&body->viscosity->choice, body));
+  PetscCall(Take(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
-  PetscCall(ReadOptionsOf(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
-  PetscCall(SetUp(&body->velocity->choice, body));
+  PetscCall(Take(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
   PetscCall(
     ReadType(body, PetscOptionsObject, choices->types, &type)); /* last: an emitter looks at shape and velocity */
-  PetscCall(ReadOptionsOf(type, body, PetscOptionsObject, &body->emitter));
-  PetscCall(SetUp(type, body));
+  PetscCall(Take(type, body, PetscOptionsObject, &body->emitter));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -189,9 +194,7 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
-  PetscCall(SetUp(&body->shape->choice, body));
+  PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscCall(MotionSetUp(body));
   PetscOptionsEnd();
@@ -205,9 +208,7 @@ PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Region %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadOptionsOf(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
-  PetscCall(SetUp(&body->shape->choice, body));
+  PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -46,7 +46,14 @@ static void AddTable(const struct _p_Motion *m, PetscReal time, PetscReal shift[
   PetscReal a[DIM], b[DIM], va[DIM], vb[DIM], length, u;
 
   if (m->rows == 0) return;
-  while (k + 1 < last && m->table[(DIM + 1) * (k + 1)] <= time) k++;
+  while (last - k > 1) {
+    const PetscInt middle = (k + last) / 2;
+
+    if (m->table[(DIM + 1) * middle] <= time)
+      k = middle;
+    else
+      last = middle;
+  }
   Row(m, k, a, va);
   Row(m, k + 1, b, vb);
   length = m->table[(DIM + 1) * (k + 1)] - m->table[(DIM + 1) * k];

@@ -129,7 +129,7 @@ static PetscErrorCode HerschelBulkleySetFromOptions(Body body, OptionItems Petsc
 
   PetscFunctionBegin;
   law->exponent = 1;
-  PetscCall(OptionReal("-yield_stress", "Shear stress below which the liquid only creeps (Pa), required", "(0, inf)",
+  PetscCall(OptionReal("-yield_stress", "Yield stress (Pa): sheared by less the liquid only creeps; required", "(0, inf)",
                        &law->yield_stress));
   PetscCall(ReadExponent(body, PetscOptionsObject));
   PetscCall(ReadMax(body, PetscOptionsObject));

@@ -101,7 +101,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
-  if (SceneViscosityVaries(cloud->scene)) PetscCall(OperatorsApparentViscosity(cloud, &stepper->viscosity));
+  PetscCall(OperatorsApparentViscosity(cloud, &stepper->viscosity));
   if (!fused) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (ViscosityIsExplicit(stepper)) {
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));

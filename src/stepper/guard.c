@@ -25,12 +25,11 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
 static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[])
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal deep = distance - SceneSolidDistance(cloud->scene, x + DIM * a, NULL);
-    PetscReal       n[DIM], u[DIM], inwards;
     PetscInt        solid = 0;
+    const PetscReal deep  = distance - SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
+    PetscReal       n[DIM], u[DIM], inwards;
 
     if (deep <= 0) continue;
-    (void)SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
     BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), x + DIM * a, u);
     SceneSolidNormal(cloud->scene, x + DIM * a, n);
     inwards = PetscMin(0, Dot(v + DIM * a, n) - Dot(u, n));

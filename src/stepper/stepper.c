@@ -272,22 +272,14 @@ const Viscosity *StepperViscosity(Stepper stepper)
   return &stepper->viscosity;
 }
 
-/* The viscosity of the particles where it varies, into the cloud, after a search; ghosts too. */
-static PetscErrorCode FindViscosity(Stepper stepper)
-{
-  PetscFunctionBegin;
-  if (SceneViscosityVaries(stepper->cloud->scene))
-    PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The same into the swarm, as if it were of the step before: the first step goes by it. */
+/* The viscosity of the particles where it varies, after a search, into the swarm as if it were of the step before: the
+   first step goes by it. */
 static PetscErrorCode StoreViscosity(Stepper stepper)
 {
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(FindViscosity(stepper));
+  PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
   PetscCall(ParticlesOpen(stepper->cloud->particles, &arrays));
   if (arrays.real[FIELD_VISCOSITY])
     PetscCall(PetscArraycpy(arrays.real[FIELD_VISCOSITY], stepper->cloud->field[FIELD_VISCOSITY], arrays.n));
@@ -418,7 +410,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, &state, PETSC_MAX_REAL, &dt));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
-  PetscCall(FindViscosity(stepper));
+  PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_STAR], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
   PetscCall(StepDivergence(stepper, 0));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
