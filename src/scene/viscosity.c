@@ -129,8 +129,8 @@ static PetscErrorCode HerschelBulkleySetFromOptions(Body body, OptionItems Petsc
 
   PetscFunctionBegin;
   law->exponent = 1;
-  PetscCall(OptionReal("-yield_stress", "Yield stress (Pa): sheared by less the liquid only creeps; required", "(0, inf)",
-                       &law->yield_stress));
+  PetscCall(OptionReal("-yield_stress", "Yield stress (Pa): sheared by less the liquid only creeps; required",
+                       "(0, inf)", &law->yield_stress));
   PetscCall(ReadExponent(body, PetscOptionsObject));
   PetscCall(ReadMax(body, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
