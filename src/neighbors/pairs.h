@@ -8,8 +8,8 @@
                          KernelGradient (single precision). This is the form to begin with.
    PairRowLoadFactors    the factors f of grad W that the last search found, at the positions of that search only:
                          grad_a W_ab = scale_f f r_ab with scale_f of KernelScales. Nothing is evaluated, and the row is
-                         padded to a multiple of eight for the vector types of base/vec8.h. This is the form for loops
-                         that a profile of the step shows.
+                         padded to a multiple of SIMD_WIDTH for the vector types of base/simd.h. This is the form for
+   loops that a profile of the step shows.
 
    How to write a pair loop, here sum_b V_b W_ab:
 
@@ -28,7 +28,7 @@
 #ifndef ISPH_PAIRS_H
 #define ISPH_PAIRS_H
 
-#include "../base/vec8.h"
+#include "../base/simd.h"
 #include "cloud.h"
 
 #define ROW_CAPACITY 2120 /* not a multiple of 512, so that the arrays of a row do not share cache sets */
@@ -42,7 +42,7 @@ typedef struct {
   /* Room for KernelEvaluate's or KernelGradient's values: W (m^-dim) and F = W'/r (m^-dim-2). */
   PetscReal W[ROW_CAPACITY], F[ROW_CAPACITY];
   /* PairRowLoadFactors: F over scale_f, zero for the pairs of the padding. */
-  PetscReal f[ROW_CAPACITY + VEC8];
+  PetscReal f[ROW_CAPACITY + SIMD_WIDTH];
 } PairRow;
 
 /* CloudListRoom - the pairs that CloudSearch makes room for when 'used' are stored, 'rows' rows are to come and none
@@ -86,8 +86,8 @@ void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row, PetscBool slope);
   } while (0)
 
 /* PairRowLoadFactors - n, index and f of particle a's row as the last search found them. index may be read up to the
-   next multiple of eight: the arrays have room behind the last row, what stands there are indices of particles, and the
-   factors of these pairs are zero. Not collective. */
+   next multiple of SIMD_WIDTH: the arrays have room behind the last row, what stands there are indices of particles,
+   and the factors of these pairs are zero. Not collective. */
 static inline void PairRowLoadFactors(Cloud cloud, PetscInt a, PairRow *row)
 {
   const PetscInt64 first     = cloud->first[a];
@@ -98,12 +98,12 @@ static inline void PairRowLoadFactors(Cloud cloud, PetscInt a, PairRow *row)
   row->index = cloud->list + first;
   PairsPrefetch(row->index, n);
   PairsPrefetch(from, n);
-  for (PetscInt k = 0; k < n; k += VEC8) {
-    const Vec8 f = Vec8LoadSingle(from + k);
+  for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
+    const Simd f = SimdLoadSingle(from + k);
 
     (void)memcpy(row->f + k, &f, sizeof(f));
   }
-  for (PetscInt k = n; k < n + VEC8; k++) row->f[k] = 0;
+  for (PetscInt k = n; k < n + SIMD_WIDTH; k++) row->f[k] = 0;
 }
 
 #endif

@@ -70,26 +70,26 @@ static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscI
                                          PetscReal G[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
-  const Vec8x3     p = Vec8x3Set(x + DIM * a), v = Vec8x3Set(velocity + DIM * a);
-  const Vec8       zero = Vec8Set(0);
-  Vec8x3           gx = {zero, zero, zero}, gy = gx, gz = gx;
-  Vec8             most    = zero;
+  const Simd3      p = Simd3Set(x + DIM * a), v = Simd3Set(velocity + DIM * a);
+  const Simd       zero = SimdSet(0);
+  Simd3            gx = {zero, zero, zero}, gy = gx, gz = gx;
+  Simd             most    = zero;
   PetscReal        largest = 0;
 
-  for (PetscInt k = 0; k < row->n; k += VEC8) {
-    const Vec8Offsets at = Vec8Locate(row->index + k);
-    const Vec8x3 d = Vec8x3Difference(p, Vec8x3Collect(x, &at)), w = Vec8x3Difference(Vec8x3Collect(velocity, &at), v);
-    const Vec8   f = Vec8Load(row->f + k), w2 = Vec8First(Vec8x3Dot(w, w), row->n - k);
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(row->index + k);
+    const Simd3       d = Simd3Difference(p, Simd3Collect(x, &at)), w = Simd3Difference(Simd3Collect(velocity, &at), v);
+    const Simd        f = SimdLoad(row->f + k), w2 = SimdFirst(Simd3Dot(w, w), row->n - k);
 
-    Vec8x3Add(&gx, f * w.x, d);
-    Vec8x3Add(&gy, f * w.y, d);
-    Vec8x3Add(&gz, f * w.z, d);
-    most = Vec8Max(most, w2);
+    Simd3Add(&gx, f * w.x, d);
+    Simd3Add(&gy, f * w.y, d);
+    Simd3Add(&gz, f * w.z, d);
+    most = SimdMax(most, w2);
   }
-  Vec4Store(Vec8x3Sum(gx, zero), G);
-  Vec4Store(Vec8x3Sum(gy, zero), G + DIM);
-  Vec4Store(Vec8x3Sum(gz, zero), G + 2 * DIM);
-  for (PetscInt k = 0; k < VEC8; k++) largest = PetscMax(largest, most[k]);
+  Vec4Store(Simd3Sum(gx, zero), G);
+  Vec4Store(Simd3Sum(gy, zero), G + DIM);
+  Vec4Store(Simd3Sum(gz, zero), G + 2 * DIM);
+  for (PetscInt k = 0; k < SIMD_WIDTH; k++) largest = PetscMax(largest, most[k]);
   return largest;
 }
 

@@ -97,11 +97,11 @@ typedef struct {
   PetscReal viscosity;        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
 } Scales;
 
-/* (s_ab/s_b)^dim of eight neighbours of a graded particle, s_ab the mean of both sizes: takes V_b W_ab to s_ab^dim
+/* (s_ab/s_b)^dim of SIMD_WIDTH neighbours of a graded particle, s_ab the mean of both sizes: takes V_b W_ab to s_ab^dim
    W_ab, which is the same at a distance of s_ab for pairs of all sizes. */
-static inline Vec8 Crowd(Cloud cloud, PetscInt a, const PetscInt list[])
+static inline Simd Crowd(Cloud cloud, PetscInt a, const PetscInt list[])
 {
-  const Vec8 other = Vec8Gather(cloud->size, list), ratio = 0.5 * (Vec8Set(cloud->size[a]) + other) / other;
+  const Simd other = SimdGather(cloud->size, list), ratio = 0.5 * (SimdSet(cloud->size[a]) + other) / other;
 
   return cloud->domain->dim == 2 ? ratio * ratio : ratio * ratio * ratio;
 }
@@ -115,17 +115,17 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
                   scale = V * scales->scale_f;
   const PetscInt *list = cloud->list + cloud->first[a], n = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
   const float    *slope = cloud->slope + cloud->first[a];
-  const Vec8x3    p = Vec8x3Set(x + DIM * a), own = Vec8x3Set(v + DIM * a);
-  const Vec8      zero = Vec8Set(0), ratio = Vec8Set(scales->ratio), weight = Vec8Set(CLUMP_WEIGHT);
-  Vec8x3          normal = {zero, zero, zero}, clump = normal, diagonal = normal, off = normal, friction = normal;
-  Vec8            sum = zero;
+  const Simd3     p = Simd3Set(x + DIM * a), own = Simd3Set(v + DIM * a);
+  const Simd      zero = SimdSet(0), ratio = SimdSet(scales->ratio), weight = SimdSet(CLUMP_WEIGHT);
+  Simd3           normal = {zero, zero, zero}, clump = normal, diagonal = normal, off = normal, friction = normal;
+  Simd            sum = zero;
   Vec4            total;
   PetscReal      *M = cloud->field[FIELD_CORRECTION] + 6 * a;
 
-  for (PetscInt k = 0; k < n; k += VEC8) {
-    const Vec8Offsets at = Vec8Locate(list + k);
-    const Vec8x3      d  = Vec8x3Difference(p, Vec8x3Collect(x, &at));
-    const Vec8        f = Vec8LoadSingle(slope + k), W = Vec8LoadSingle(w + k),
+  for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(list + k);
+    const Simd3       d  = Simd3Difference(p, Simd3Collect(x, &at));
+    const Simd        f = SimdLoadSingle(slope + k), W = SimdLoadSingle(w + k),
                r = graded ? W * ratio * Crowd(cloud, a, list + k) : W * ratio, r2 = r * r, fx = f * d.x, fy = f * d.y,
                fz = f * d.z;
 
@@ -133,7 +133,7 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
     normal.x += fx;
     normal.y += fy;
     normal.z += fz;
-    Vec8x3Add(&clump, weight * r2 * r2 * f, d);
+    Simd3Add(&clump, weight * r2 * r2 * f, d);
     diagonal.x += fx * d.x;
     diagonal.y += fy * d.y;
     diagonal.z += fz * d.z;
@@ -141,18 +141,18 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
     off.y += fx * d.z;
     off.z += fy * d.z;
     if (viscous) /* Eq. (1) of Kuri et al. */
-      Vec8x3Add(&friction,
-                Vec8LoadSingle(slope_over_r2 + k) * Vec8x3Dot(Vec8x3Difference(own, Vec8x3Collect(v, &at)), d), d);
+      Simd3Add(&friction, SimdLoadSingle(slope_over_r2 + k) * Simd3Dot(Simd3Difference(own, Simd3Collect(v, &at)), d),
+               d);
   }
-  total = Vec8x3Sum(normal, sum);
+  total = Simd3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
     cloud->rest_density[a] * V *
     ((graded ? scales->self : CloudWeigh(cloud, a, scales->self)) + scales->scale_w * total[3]);
-  Vec4Store(scale * (total + Vec8x3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
-  Vec4Store(-scale * Vec8x3Sum(diagonal, zero), M);
-  Vec4Store(-scale * Vec8x3Sum(off, zero), M + DIM);
-  if (viscous) Vec4Store(scales->viscosity * Vec8x3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
+  Vec4Store(scale * (total + Simd3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
+  Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
+  Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);
+  if (viscous) Vec4Store(scales->viscosity * Simd3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
 }
 
 static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)

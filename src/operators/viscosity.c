@@ -118,32 +118,32 @@ static void MultiplyViscosity(Cloud cloud, PetscBool one, PetscInt a, const Pets
 static void ViscosityCleary(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal v[], PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
-  const Vec8x3     p = Vec8x3Set(x + DIM * a), own = Vec8x3Set(v + DIM * a);
-  const Vec8       zero = Vec8Set(0);
-  Vec8x3           sum  = {zero, zero, zero};
+  const Simd3      p = Simd3Set(x + DIM * a), own = Simd3Set(v + DIM * a);
+  const Simd       zero = SimdSet(0);
+  Simd3            sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += VEC8) {
-    const Vec8Offsets at = Vec8Locate(row->index + k);
-    const Vec8x3      d = Vec8x3Difference(p, Vec8x3Collect(x, &at)), u = Vec8x3Difference(own, Vec8x3Collect(v, &at));
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(row->index + k);
+    const Simd3       d = Simd3Difference(p, Simd3Collect(x, &at)), u = Simd3Difference(own, Simd3Collect(v, &at));
 
-    Vec8x3Add(&sum, Vec8Load(row->f + k) * Vec8x3Dot(u, d), d);
+    Simd3Add(&sum, SimdLoad(row->f + k) * Simd3Dot(u, d), d);
   }
-  Vec4Store(Vec8x3Sum(sum, zero), out);
+  Vec4Store(Simd3Sum(sum, zero), out);
 }
 
 /* The sum of Morris et al. 1997 for particle a. grad W.r/r2 is finite at r = 0, so eta is not needed. */
 static void ViscosityMorris(PetscInt a, const PairRow *row, const PetscReal v[], PetscReal out[DIM])
 {
-  const Vec8x3 own  = Vec8x3Set(v + DIM * a);
-  const Vec8   zero = Vec8Set(0);
-  Vec8x3       sum  = {zero, zero, zero};
+  const Simd3 own  = Simd3Set(v + DIM * a);
+  const Simd  zero = SimdSet(0);
+  Simd3       sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += VEC8) {
-    const Vec8Offsets at = Vec8Locate(row->index + k);
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(row->index + k);
 
-    Vec8x3Add(&sum, Vec8Load(row->f + k), Vec8x3Difference(own, Vec8x3Collect(v, &at)));
+    Simd3Add(&sum, SimdLoad(row->f + k), Simd3Difference(own, Simd3Collect(v, &at)));
   }
-  Vec4Store(Vec8x3Sum(sum, zero), out);
+  Vec4Store(Simd3Sum(sum, zero), out);
 }
 
 /* The same for rings, r and z: each pair has the length of its middle (DomainPairLength). Along the axis the sum is

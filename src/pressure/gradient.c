@@ -5,20 +5,20 @@
      conserved   corrected; the neighbours take up what its difference to symmetric adds to the momentum */
 #include "pressure_impl.h"
 
-/* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of eight, as the row's factors are. */
+/* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of SIMD_WIDTH, as the row's factors are. */
 static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
-  const Vec8x3     p    = Vec8x3Set(x + DIM * a);
-  const Vec8       zero = Vec8Set(0);
-  Vec8x3           sum  = {zero, zero, zero};
+  const Simd3      p    = Simd3Set(x + DIM * a);
+  const Simd       zero = SimdSet(0);
+  Simd3            sum  = {zero, zero, zero};
 
-  for (PetscInt k = 0; k < row->n; k += VEC8) {
-    const Vec8Offsets at = Vec8Locate(row->index + k);
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(row->index + k);
 
-    Vec8x3Add(&sum, Vec8Load(c + k), Vec8x3Difference(Vec8x3Collect(x, &at), p));
+    Simd3Add(&sum, SimdLoad(c + k), Simd3Difference(Simd3Collect(x, &at), p));
   }
-  Vec4Store(Vec8x3Sum(sum, zero), out);
+  Vec4Store(Simd3Sum(sum, zero), out);
 }
 
 /* Eq. (9) for one row; scale: see RowScale. */
@@ -30,7 +30,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
   const PetscReal  own    = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
   const PetscReal *slope  = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
   const PetscInt   padded = PaddedLength(row->n);
-  PetscReal        c[ROW_CAPACITY + VEC8];
+  PetscReal        c[ROW_CAPACITY + SIMD_WIDTH];
 
   SIMD_LOOP()
   for (PetscInt k = 0; k < padded; k++) {
@@ -76,18 +76,18 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, PetscReal scale, PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
-  const Vec8x3     place = Vec8x3Set(x + DIM * a);
-  const Vec8       zero = Vec8Set(0), own = Vec8Set(p[a]);
-  Vec8x3           sum = {zero, zero, zero};
+  const Simd3      place = Simd3Set(x + DIM * a);
+  const Simd       zero = SimdSet(0), own = SimdSet(p[a]);
+  Simd3            sum = {zero, zero, zero};
   Vec4             g;
 
-  for (PetscInt k = 0; k < row->n; k += VEC8) {
-    const Vec8Offsets at = Vec8Locate(row->index + k);
-    const Vec8x3      d  = Vec8x3Difference(Vec8x3Collect(x, &at), place);
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(row->index + k);
+    const Simd3       d  = Simd3Difference(Simd3Collect(x, &at), place);
 
-    Vec8x3Add(&sum, (Vec8Gather(p, row->index + k) - own) * Vec8Load(row->f + k), d);
+    Simd3Add(&sum, (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k), d);
   }
-  g = scale * Vec8x3Sum(sum, zero);
+  g = scale * Simd3Sum(sum, zero);
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
 }
 

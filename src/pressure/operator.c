@@ -65,7 +65,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
   pressure->own_weights  = (PetscBool)(cloud->domain->rings || !OneDensity(pressure));
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
-    pressure->weight_capacity = count + count / 16 + VEC8; /* PairSum reads multiples of eight */
+    pressure->weight_capacity = count + count / 16 + SIMD_WIDTH; /* PairSum reads multiples of SIMD_WIDTH */
     PetscCall(PetscFree(pressure->pair_weight));
     PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->pair_weight));
   }
@@ -171,30 +171,34 @@ static inline PetscReal Surplus(Pressure pressure, PetscInt r)
 }
 
 /* sum_b weight (p_a - p_b) over n pairs. Their weights are in 'coded', the cloud's factors, or if that is NULL in
-   'plain'. It may read up to the next multiple of eight, which is the next row or the padding behind the last. This
-   loop takes half of the solver's time. */
-#if defined(__AVX512F__)
-static inline Vec8 Weights(const uint16_t *coded, const float *plain, PetscInt k)
+   'plain'. It may read up to the next multiple of SIMD_WIDTH, which is the next row or the padding behind the last.
+   This loop takes half of the solver's time. */
+#if defined(__AVX2__)
+static inline Simd Weights(const uint16_t *coded, const float *plain, PetscInt k)
 {
-  return coded ? (Vec8)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(coded + k))))
-               : Vec8LoadSingle(plain + k);
+  if (!coded) return SimdLoadSingle(plain + k);
+  #if SIMD_WIDTH == 8
+  return (Simd)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(coded + k))));
+  #else
+  return (Simd)_mm256_cvtepi32_pd(_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(coded + k))));
+  #endif
 }
 
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
-  const Vec8 all = Vec8Set(own), zero = Vec8Set(0);
-  Vec8       even = zero, odd = zero;
+  const Simd all = SimdSet(own), zero = SimdSet(0);
+  Simd       even = zero, odd = zero;
   PetscInt   k = 0;
 
-  for (; k + 2 * VEC8 <= n; k += 2 * VEC8) {
-    even += Weights(coded, plain, k) * (all - Vec8Gather(p, index + k));
-    odd += Weights(coded, plain, k + VEC8) * (all - Vec8Gather(p, index + k + VEC8));
+  for (; k + 2 * SIMD_WIDTH <= n; k += 2 * SIMD_WIDTH) {
+    even += Weights(coded, plain, k) * (all - SimdGather(p, index + k));
+    odd += Weights(coded, plain, k + SIMD_WIDTH) * (all - SimdGather(p, index + k + SIMD_WIDTH));
   }
-  for (; k < n; k += VEC8) even += Vec8First(Weights(coded, plain, k), n - k) * (all - Vec8Gather(p, index + k));
-  return Vec8Sums(even + odd, zero, zero, zero)[0];
+  for (; k < n; k += SIMD_WIDTH) even += SimdFirst(Weights(coded, plain, k), n - k) * (all - SimdGather(p, index + k));
+  return SimdSums(even + odd, zero, zero, zero)[0];
 }
-#else /* without registers for eight numbers the compiler's own loop is faster */
+#else /* in smaller registers the compiler's own loop is faster */
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
