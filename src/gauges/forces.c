@@ -1,5 +1,4 @@
 /* Forces of the liquid on the walls of the box and on solids: columns of the series. */
-#include "../neighbors/pairs.h"
 #include "gauges_impl.h"
 
 #define TIE 1e-6 /* spacings within which depths are equal */
@@ -102,46 +101,24 @@ static PetscErrorCode AddDrag(Gauges gauges, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Force [receivers][dim] of the liquid's pressure and viscosity, N (N/m in two dimensions): -sum V_a V_b (p_a + p_b)
-   grad W over pairs of fluid a and dummy b, as Adami, Hu and Adams (2012) have it for the fluid. Of rings, the part
-   away from the axis is summed all around. */
+/* Force [receivers][dim] of the liquid's pressure and viscosity, N (N/m in two dimensions). */
 static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 {
   Cloud            cloud = gauges->cloud;
   const PetscInt   dim = cloud->domain->dim, count = ReceiverCount(gauges);
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE],
-                  V2 = PetscSqr(cloud->domain->volume);
-  PairRow *row;
+  const PetscReal *x = cloud->field[FIELD_POSITION];
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&row));
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscCall(PetscArrayzero(force, count * dim));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
-    PetscReal sum[DIM] = {0, 0, 0};
-    PetscInt  to;
+    const PetscInt to = Receiver(gauges, cloud->integer[INT_BODY][b], x + DIM * b);
+    PetscReal      sum[DIM];
 
-    PairRowLoadGeometry(cloud, x, b, row);
-    if (cloud->size)
-      PairRowEvaluate(cloud, b, row, PETSC_TRUE);
-    else
-      KernelGradient(cloud->kernel, row->n, row->r2, row->F);
-    for (PetscInt k = 0; k < row->n; k++) {
-      const PetscInt  a = row->index[k];
-      const PetscReal c = cloud->integer[INT_LAYER][a]
-                            ? 0
-                            : CloudWeigh(cloud, a, CloudWeigh(cloud, b, V2)) *
-                                DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
-
-      sum[0] -= c * row->dx[k];
-      sum[1] -= c * row->dy[k];
-      sum[2] -= c * row->dz[k];
-    }
-    to = Receiver(gauges, cloud->integer[INT_BODY][b], x + DIM * b);
+    OperatorsWallPressure(cloud, b, sum);
     for (PetscInt d = 0; d < dim; d++) force[dim * to + d] += sum[d];
   }
-  PetscCall(PetscFree(row));
   if (gauges->viscosity) PetscCall(AddDrag(gauges, force));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)(count * dim), MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -357,7 +357,25 @@ PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
+/* Adds the kinetic and potential energy (J) of the particles that are not kept, of all ranks. */
+static PetscErrorCode AddEnergyLost(Cloud cloud, const PetscBool keep[], PetscReal *energy)
+{
+  PetscReal sum = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *v = cloud->field[FIELD_VELOCITY] + DIM * a;
+
+    if (!keep[a])
+      sum += cloud->volume[a] * cloud->rest_density[a] *
+             (0.5 * Dot(v, v) + SceneForcePotential(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  *energy += sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy)
 {
   ParticleArrays arrays;
   PetscBool     *keep;
@@ -377,6 +395,7 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost)
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(&local, &global, 1, MPIU_INT, MPI_SUM, cloud->comm));
   if (global) {
+    if (energy) PetscCall(AddEnergyLost(cloud, keep, energy));
     PetscCall(ParticlesRemove(cloud->particles, keep));
     PetscCall(CloudResync(cloud));
   }

@@ -130,8 +130,8 @@ PetscErrorCode CloudUpdateInt(Cloud cloud, IntFieldId field);
 PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[]);
 /* CloudCommit - the step is accepted: stored fields go back to the swarm. Positions beyond periodic faces are wrapped
    with the next migration. Particles that left through an open face are removed; their number on all ranks is added to
-   *lost. Collective. */
-PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost);
+   *lost, their kinetic and potential energy (J) to *energy (NULL: not wanted). Collective. */
+PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy);
 
 /* CloudCheckUnknowns - refuses (UserError) 'width' unknowns for each fluid particle of n on this rank if PETSc cannot
    number those of all ranks; what: needs them, for the sentence. Collective. */

@@ -153,3 +153,28 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE],
+                  V2 = PetscSqr(cloud->domain->volume);
+  PairRow row;
+
+  for (PetscInt d = 0; d < DIM; d++) force[d] = 0;
+  PairRowLoadGeometry(cloud, x, b, &row);
+  if (cloud->size)
+    PairRowEvaluate(cloud, b, &row, PETSC_TRUE);
+  else
+    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
+  for (PetscInt k = 0; k < row.n; k++) {
+    const PetscInt  a = row.index[k];
+    const PetscReal c = cloud->integer[INT_LAYER][a]
+                          ? 0
+                          : CloudWeigh(cloud, a, CloudWeigh(cloud, b, V2)) *
+                              DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row.F[k];
+
+    force[0] -= c * row.dx[k];
+    force[1] -= c * row.dy[k];
+    force[2] -= c * row.dz[k];
+  }
+}

@@ -121,6 +121,11 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
 /* OperatorsWallDrag - the viscous force of the fluid of this rank on each dummy particle of walls, drag[]
    ([n_total][3], N), ghosts too: what the pairs with it take from the fluid, at rest density. Not collective. */
 PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, PetscReal drag[]);
+/* OperatorsWallPressure - the force (N; N/m in two dimensions) of the fluid's pressure on the dummy particle b of this
+   rank: -sum V_a V_b (p_a + p_b) grad W over the fluid a, as Adami, Hu and Adams (2012) have it for the fluid, and the
+   force whose work is what the velocity of b adds to sum V p div v. Of rings, the part away from the axis is summed all
+   around. Not collective. */
+void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM]);
 /* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times the wall factor - 1,
    which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not
    collective. */

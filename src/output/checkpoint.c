@@ -25,7 +25,13 @@
   X(SPACING, "spacing")                                                                                                \
   X(LEVEL, "level")                                                                                                    \
   X(WALL_TIME, "wall_time")                                                                                            \
-  X(RESAMPLING_LOSS, "resampling_loss")
+  X(RESAMPLING_LOSS, "resampling_loss")                                                                                \
+  X(SOLID_WORK, "solid_work")                                                                                          \
+  X(SHAKING_WORK, "shaking_work")                                                                                      \
+  X(INFLOW_ENERGY, "inflow_energy")                                                                                    \
+  X(OUTFLOW_ENERGY, "outflow_energy")                                                                                  \
+  X(KINETIC_MOST, "kinetic_most")                                                                                      \
+  X(TENSION_SWING, "tension_swing")
 #define HEAD_INTS(X)                                                                                                   \
   X(DIMENSION, "dimension")                                                                                            \
   X(BODIES, "bodies")                                                                                                  \
@@ -67,6 +73,12 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
   head->real[HEAD_TENSION_WORK]       = state->tension_work;
   head->real[HEAD_DIVERGENCE]         = state->divergence;
   head->real[HEAD_RESAMPLING_LOSS]    = state->resampling_loss;
+  head->real[HEAD_SOLID_WORK]         = state->solid_work;
+  head->real[HEAD_SHAKING_WORK]       = state->shaking_work;
+  head->real[HEAD_INFLOW_ENERGY]      = state->inflow_energy;
+  head->real[HEAD_OUTFLOW_ENERGY]     = state->outflow_energy;
+  head->real[HEAD_KINETIC_MOST]       = state->kinetic_most;
+  head->real[HEAD_TENSION_SWING]      = state->tension_swing;
   head->real[HEAD_SPACING]            = domain->spacing;
   head->real[HEAD_LEVEL]              = GaugesLevel(output->gauges);
   head->real[HEAD_WALL_TIME]          = OutputWallTime(output);
@@ -182,13 +194,14 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 /* What rank 0 finds wrong with a file. */
 typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION } FileVerdict;
 
-/* Whether all numbers of the head are there. Those of joining and splitting are zero in a file of before. */
+/* Whether all numbers of the head are there. Those of joining, splitting and energy from outside are zero in a file
+   of before. */
 static PetscBool HeadRead(H5File *h5, Head *head)
 {
   PetscBool whole = PETSC_TRUE;
 
   for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++)
-    whole = (PetscBool)(H5FileGetReal(h5, real_names[k], &head->real[k]) || k == HEAD_RESAMPLING_LOSS);
+    whole = (PetscBool)(H5FileGetReal(h5, real_names[k], &head->real[k]) || k >= HEAD_RESAMPLING_LOSS);
   for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++)
     whole = (PetscBool)(H5FileGetInt(h5, int_names[k], &head->integer[k]) || k == HEAD_JOINED || k == HEAD_SPLIT);
   return whole;
@@ -360,6 +373,12 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->rejected           = (PetscInt)head->integer[HEAD_REJECTED];
   state->lost               = (PetscInt)head->integer[HEAD_LOST];
   state->resampling_loss    = head->real[HEAD_RESAMPLING_LOSS];
+  state->solid_work         = head->real[HEAD_SOLID_WORK];
+  state->shaking_work       = head->real[HEAD_SHAKING_WORK];
+  state->inflow_energy      = head->real[HEAD_INFLOW_ENERGY];
+  state->outflow_energy     = head->real[HEAD_OUTFLOW_ENERGY];
+  state->kinetic_most       = head->real[HEAD_KINETIC_MOST];
+  state->tension_swing      = head->real[HEAD_TENSION_SWING];
   state->joined             = (PetscInt)head->integer[HEAD_JOINED];
   state->split              = (PetscInt)head->integer[HEAD_SPLIT];
   output->wall_before       = head->real[HEAD_WALL_TIME];

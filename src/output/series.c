@@ -34,6 +34,7 @@ typedef struct {
   X("surface_energy", "J", PETSC_FALSE, v->totals.multiplicity * v->state->surface_energy)                             \
   X("viscous_work", "J", PETSC_FALSE, v->totals.multiplicity * v->state->viscous_work)                                 \
   X("tension_work", "J", PETSC_FALSE, v->totals.multiplicity * v->state->tension_work)                                 \
+  X("outside_work", "J", PETSC_FALSE, v->totals.multiplicity *StepperOutsideWork(v->state))                            \
   X("particles", "", PETSC_FALSE, v->totals.particles)                                                                 \
   X("lost", "", PETSC_FALSE, v->state->lost)                                                                           \
   X("rejected", "", PETSC_FALSE, v->state->rejected)                                                                   \

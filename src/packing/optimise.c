@@ -216,7 +216,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
               *done, TaoConvergedReasons[*reason], (double)o->deviation,
               (double)(o->closest / cloud->domain->spacing)));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) DomainConfine(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a);
-  PetscCall(CloudCommit(cloud, &lost));
+  PetscCall(CloudCommit(cloud, &lost, NULL));
   PetscCall(CloudResync(cloud));
   PetscCall(TaoDestroy(&tao));
   PetscCall(VecDestroy(&y));

@@ -267,7 +267,7 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscCall(SetVelocities(packing));
   PetscCall(CloudResync(cloud));
   PetscCall(PackingMeasure(packing, report));
-  PetscCall(CloudCommit(cloud, &lost));
+  PetscCall(CloudCommit(cloud, &lost, NULL));
   PetscCheck(lost == 0, cloud->comm, PETSC_ERR_PLIB, "%" PetscInt_FMT " particles of the packing are outside the box",
              lost);
   PetscCall(CloudResync(cloud));

@@ -94,13 +94,15 @@ def energy(series, run):
         return "<p>The series is too short to tell.</p>"
     parts = [("gravity and other body forces gave", -change("potential_energy")),
              ("surface tension gave", change("tension_work")), ("viscosity gave", change("viscous_work"))]
+    if change("outside_work"):
+        parts.append(("solids that move, shaking, emitters and open faces gave", change("outside_work")))
     rest = change("kinetic_energy") - sum(value for _, value in parts)
     largest = max(v for v in kinetic if math.isfinite(v))
     words = "; ".join(f"{name} {scaled(value, unit)}" for name, value in parts)
     share = f" ({100 * abs(rest) / largest:.2g} % of the largest kinetic energy)" if largest > 0 else ""
     return (f"<p>The liquid's kinetic energy went from {scaled(kinetic[0], unit)} to {scaled(kinetic[-1], unit)}, at "
             f"most {scaled(largest, unit)}. From the start to the end {words}. What is left, {scaled(rest, unit)}"
-            f"{share}, is the error of the scheme, what shocks took and what left the box.</p>")
+            f"{share}, is the error of the scheme and what shocks took; the end of the log says what is normal.</p>")
 
 
 def cost(series, log):

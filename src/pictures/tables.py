@@ -10,7 +10,7 @@ PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
 # Units, in three dimensions, of the columns of series.csv that go by their names alone; the others' end with theirs.
 UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
          "kinetic_energy": "J", "potential_energy": "J", "surface_energy": "J", "viscous_work": "J",
-         "tension_work": "J", "jet_height": "m", "highest": "m", "volume": "m3", "wall_time": "s"}
+         "tension_work": "J", "outside_work": "J", "jet_height": "m", "highest": "m", "volume": "m3", "wall_time": "s"}
 
 
 class RunError(Exception):

@@ -254,6 +254,11 @@ void SceneSetTime(Scene scene, PetscReal time)
     scene->shake[d] = scene->amplitude[d] * PetscSinReal(scene->angular_frequency * time);
 }
 
+void SceneShaking(Scene scene, PetscReal shake[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) shake[d] = scene->shake[d];
+}
+
 PetscBool SceneEmits(Scene scene)
 {
   for (PetscInt b = 0; b < scene->count; b++)

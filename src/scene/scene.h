@@ -138,6 +138,8 @@ void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM]
 PetscBool SceneEmits(Scene scene);
 /* SceneSetTime - the time (s) at which gravity is asked for from here on: it may swing. */
 void SceneSetTime(Scene scene, PetscReal time);
+/* SceneShaking - the part of gravity that swings, at that time (m/s2). */
+void SceneShaking(Scene scene, PetscReal shake[DIM]);
 /* SceneAcceleration - gravity and central force g (m/s2) at x (m). SceneForcePotential - its potential energy a unit
    mass (J/kg), without the part that swings. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);

@@ -177,7 +177,7 @@ PetscErrorCode SimSetUp(Sim sim)
   if (!restarting) {
     PetscInt lost = 0;
 
-    PetscCall(CloudCommit(sim->cloud, &lost)); /* the partition now knows where the free surface is */
+    PetscCall(CloudCommit(sim->cloud, &lost, NULL)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
     PetscCall(BudgetStart(sim));
@@ -223,6 +223,23 @@ static PetscErrorCode Checkpoint(Sim sim)
   PetscCall(StepperReset(sim->stepper));
   PetscCall(OutputCheckpoint(sim->output, &sim->state));
   PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Liquid of emitters for the time of the state; what it brings is counted, with what keeps it going inside them. */
+static PetscErrorCode Emit(Sim sim)
+{
+  GaugeTotals before, after;
+  PetscInt    emitted;
+
+  PetscFunctionBegin;
+  if (!SceneEmits(sim->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GaugesTotals(sim->gauges, &before));
+  PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
+  PetscCall(GaugesTotals(sim->gauges, &after));
+  sim->state.inflow_energy +=
+    (after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy) /
+    after.multiplicity;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -275,7 +292,6 @@ PetscErrorCode SimRun(Sim sim)
   PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
   while (!last) {
     PetscBool failed;
-    PetscInt  emitted;
     char      why[FAREWELL_LENGTH];
 
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, DivergenceWanted(sim, steps), &sim->state, &failed, why,
@@ -286,7 +302,7 @@ PetscErrorCode SimRun(Sim sim)
                      "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s",
                      (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
-    PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
+    PetscCall(Emit(sim));
     PetscCall(InterruptCheck(sim->comm, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));

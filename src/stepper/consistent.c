@@ -39,6 +39,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
     PetscCall(StepDivergence(stepper, scheme->divergence_offset * dt));
   PetscCall(scheme->project(stepper, dt, &trial->pressure));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (SceneSolidsMove(cloud->scene)) SolidsWork(cloud, dt, trial);
   PetscCall(StepKick(stepper, dt));
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));

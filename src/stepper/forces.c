@@ -33,6 +33,17 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
   }
 }
 
+void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY];
+  PetscReal        shake[DIM];
+
+  SceneShaking(cloud->scene, shake);
+  if (Norm(shake) == 0) return;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    trial->sum[SUM_SHAKING_WORK] += time * cloud->volume[a] * cloud->rest_density[a] * Dot(v + DIM * a, shake);
+}
+
 PetscBool StepViscosityFused(Stepper stepper)
 {
   return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity.form == VISCOSITY_CLEARY &&
@@ -107,6 +118,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
   }
+  ShakingWork(cloud, 0.5 * dt, trial); /* the other half with the velocity at the end of the step, in StepGuard */
   if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];

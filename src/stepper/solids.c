@@ -73,3 +73,14 @@ PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[]
   if (first < size) PetscCallMPI(MPI_Bcast(why, (PetscMPIInt)length, MPI_CHAR, first, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial)
+{
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
+    PetscReal force[DIM];
+
+    if (!MovingSolid(cloud->scene, cloud->integer[INT_BODY][b])) continue;
+    OperatorsWallPressure(cloud, b, force);
+    trial->sum[SUM_SOLID_WORK] -= dt * Dot(force, cloud->field[FIELD_VELOCITY] + DIM * b);
+  }
+}

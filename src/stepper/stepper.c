@@ -296,12 +296,16 @@ static void Record(const StepTrial *trial, StepState *state)
   state->divergence     = PetscSqrtReal(sum[SUM_DIVERGENCE2] / inside);
   state->density_mean   = sum[SUM_INSIDE] > 0 ? sum[SUM_DENSITY] / inside : 1;
   state->surface_energy = sum[SUM_SURFACE_ENERGY];
+  state->kinetic_most   = PetscMax(state->kinetic_most, sum[SUM_KINETIC]);
 }
 
 /* The state after an accepted step of size dt. */
 static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, StepState *state)
 {
-  const PetscReal *sum = trial->sum;
+  const PetscReal *sum     = trial->sum;
+  PetscReal        tension = sum[SUM_TENSION_WORK];
+
+  if (sum[SUM_AREA] > 0) tension -= sum[SUM_INFLOW] * sum[SUM_CAPILLARY_AREA] / sum[SUM_AREA];
 
   state->time               = PetscAbsReal(end - state->time - dt) <= 1e-9 * dt ? end : state->time + dt;
   state->time_step          = dt;
@@ -310,8 +314,10 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   Record(trial, state);
   state->divergence = !trial->diagnose ? NAN : dt * state->divergence;
   state->viscous_work += sum[SUM_VISCOUS_WORK];
-  state->tension_work += sum[SUM_TENSION_WORK];
-  if (sum[SUM_AREA] > 0) state->tension_work -= sum[SUM_INFLOW] * sum[SUM_CAPILLARY_AREA] / sum[SUM_AREA];
+  state->solid_work += sum[SUM_SOLID_WORK];
+  state->shaking_work += sum[SUM_SHAKING_WORK];
+  state->tension_work += tension;
+  state->tension_swing += PetscAbsReal(tension);
 }
 
 /* Joins and splits particles after an accepted step, if it is time; not in a step that has lost some, after which the
@@ -367,7 +373,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscCall(PetscStrlcat(why, stepper->ops.advice, length));
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CloudCommit(cloud, &state->lost));
+  PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
   PetscCall(JoinAndSplit(stepper, (PetscBool)(state->lost > lost), state));

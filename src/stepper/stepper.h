@@ -21,6 +21,12 @@ typedef struct {
   PetscReal surface_energy;     /* sigma times the area of the free surface, J (J/m in two dimensions) */
   PetscReal viscous_work;       /* done by viscosity on the fluid so far, J: what it dissipates counts negative */
   PetscReal tension_work;       /* done by surface tension on the fluid so far, J */
+  PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J; friction: viscous */
+  PetscReal shaking_work;       /* done by the part of gravity that swings so far, J */
+  PetscReal inflow_energy;      /* kinetic + potential of what emitters brought so far, J */
+  PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
+  PetscReal tension_swing;      /* the sizes of the works of surface tension, added up step by step, J */
+  PetscReal kinetic_most;       /* the largest kinetic energy so far, J */
   PetscReal resampling_loss;    /* kinetic energy lost by joining and splitting particles so far, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
   PetscReal start_density;      /* density_mean then */
@@ -29,6 +35,13 @@ typedef struct {
   PetscInt  joined, split;      /* particles that are gone by joining, that came by splitting so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
 } StepState;
+
+/* StepperOutsideWork - what the fluid got from outside so far, J: from solids that move, shaking, emitters, less what
+   left through open faces. Not collective. */
+static inline PetscReal StepperOutsideWork(const StepState *state)
+{
+  return state->solid_work + state->shaking_work + state->inflow_energy - state->outflow_energy;
+}
 
 #define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, with the mended tension */
 #define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */

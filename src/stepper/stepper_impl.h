@@ -15,6 +15,8 @@ typedef enum {
   SUM_SURFACE_ENERGY, /* sigma times the area of the free surface, J */
   SUM_VISCOUS_WORK,   /* J */
   SUM_TENSION_WORK,   /* J */
+  SUM_SOLID_WORK,     /* J */
+  SUM_SHAKING_WORK,   /* J */
   SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
   SUM_AREA,           /* of that surface, m2 */
   SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
@@ -176,6 +178,16 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
 /* SolidsCheck - 'why' says in a sentence of at most 'length' bytes that a solid would leave the box, or go into another
    one, between the two times (s); empty if not. Collective. */
 PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[], size_t length);
+
+/* SolidsWork - adds to the trial what the pressure of solids that move does on the fluid in a step of dt (s), after
+   StepProject. Not collective. */
+void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial);
+
+/* --- forces.c --- */
+
+/* ShakingWork - adds to the trial what the part of gravity that swings does with FIELD_VELOCITY in a time (s). Not
+   collective. */
+void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
 /* --- trial.c --- */
 

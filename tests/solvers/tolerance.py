@@ -58,4 +58,22 @@ drop, _ = run("-options_file cases/oscillating_drop/circle.opts -spacing 0.125e-
 gained = drop["kinetic_energy"][-1] - drop["viscous_work"][-1]
 runs.check_within(drop["tension_work"][-1] / gained, 0.7, 1.3, "work of surface tension over a swinging drop's gain")
 runs.check_within(drop["surface_energy"][0] / (0.067 * 2 * np.pi * 2e-3), 0.95, 1.02, "surface energy of a circle")
+
+# what comes from outside is counted: solids that move, shaking, emitters, what leaves through open faces
+POUR = ("-dimension 2 -spacing 0.04 -box_lower 0,0 -box_upper 1,1 -bodies jet -jet_type emitter -jet_lower 0.4,0.8 "
+        "-jet_upper 0.6,0.96 -jet_velocity 0,-2 -gravity 0,-9.81 -time_end 0.6")
+TANK = "-snapshot_interval 100 -options_file cases"
+GIVEN = {"the pressure of solids that move": (f"{TANK}/piston/case.opts -box_upper 1.4,0.3 -water_upper 1.4,0.2 "
+                                              "-gauge_heights 1 -time_end 1", 0.25),
+         "shaking": (f"{TANK}/sloshing/case.opts -time_end 2", 0.5),
+         "emitters": (POUR, 0)}
+for name, (options, still) in GIVEN.items():  # until then a tank comes to rest, or is set going at a stroke
+    table, text = run(f"{options} -series_interval 0.01", f"given {name.split()[-1]}")
+    gain, given = (column[table["time"] >= still] for column in (
+        table["kinetic_energy"] + table["potential_energy"] - table["viscous_work"], table["outside_work"]))
+    runs.check_below(np.ptp(gain - given) / np.ptp(given), 0.1, f"energy from outside: {name}")
+    runs.check(re.search(f"{name} [-.0-9]+", text) is not None, f"the budget names {name}",
+               re.findall("viscosity gave.*", text))
+runs.check(re.search("left through open faces -[.0-9]+", text) is not None, "the budget names what left",
+           re.findall("viscosity gave.*", text))
 runs.done()

@@ -82,7 +82,7 @@ static PetscErrorCode TestBetween(void)
     PetscCall(CloudBegin(s.cloud));
     Approach(s.cloud, 0.5); /* the last thing that a step does */
     for (PetscInt a = 0; a < s.cloud->n_owned; a++) s.cloud->integer[INT_SURFACE][a] = 2 - k;
-    PetscCall(CloudCommit(s.cloud, &lost));
+    PetscCall(CloudCommit(s.cloud, &lost, NULL));
   }
   PetscCall(ParticlesOpen(s.particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) flags += arrays.integer[INT_SURFACE][a] == 1;

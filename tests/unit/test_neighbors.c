@@ -353,7 +353,7 @@ static PetscErrorCode TestBox(const char label[], PetscInt dim, const char faces
     far += wrong[1];
     signs += parity;
     total += pairs;
-    PetscCall(CloudCommit(s.cloud, &lost));
+    PetscCall(CloudCommit(s.cloud, &lost, NULL));
   }
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_lists_moving", label));
   CHECK_CLOSE(bad, 0, 0, name);

@@ -30,6 +30,10 @@ static const StepState state = {.time           = 0.125,
                                 .surface_energy = 0.021,
                                 .viscous_work   = -0.022,
                                 .tension_work   = 0.023,
+                                .solid_work     = 0.1,
+                                .shaking_work   = 0.02,
+                                .inflow_energy  = 0.003,
+                                .outflow_energy = 0.0004,
                                 .start_energy   = 0.5,
                                 .start_density  = 0.98,
                                 .rejected       = 5,
@@ -80,6 +84,7 @@ static PetscErrorCode TestSeries(void)
                  {"surface_energy_J/m", COPIES * 0.021},
                  {"viscous_work_J/m", COPIES * -0.022},
                  {"tension_work_J/m", COPIES * 0.023},
+                 {"outside_work_J/m", COPIES * 0.1226},
                  {"particles", NUMBER},
                  {"lost", 7},
                  {"rejected", 5},
@@ -199,7 +204,12 @@ static PetscErrorCode TestBudget(void)
   CHECK_CLOSE(After(text, "together "), gain, 1e-3, "budget: gain");
   CHECK_CLOSE(After(text, "viscosity gave "), COPIES * -0.022, 1e-5, "budget: work of viscosity");
   CHECK_CLOSE(After(text, "tension "), COPIES * 0.023, 1e-5, "budget: work of tension");
-  CHECK_CLOSE(After(text, "residual "), gain - COPIES * (0.023 - 0.022), 6e-3 * PetscAbsReal(gain), "budget: residual");
+  CHECK_CLOSE(After(text, "solids that move "), COPIES * 0.1, 1e-5, "budget: work of solids");
+  CHECK_CLOSE(After(text, "shaking "), COPIES * 0.02, 1e-5, "budget: work of shaking");
+  CHECK_CLOSE(After(text, "emitters "), COPIES * 0.003, 1e-5, "budget: energy of emitters");
+  CHECK_CLOSE(After(text, "through open faces -"), COPIES * 0.0004, 1e-5, "budget: energy of what left");
+  CHECK_CLOSE(After(text, "residual "), gain - COPIES * (0.023 - 0.022 + 0.1226), 6e-3 * PetscAbsReal(gain),
+              "budget: residual");
   CHECK_CLOSE(After(text, "volume changed by "), 100 * (0.98 / 0.99 - 1), 0.05, "budget: volume");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
