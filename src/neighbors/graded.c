@@ -1,22 +1,34 @@
 /* The neighbour search of particles of different sizes. A pair belongs together if it is within the support of its mean
    smoothing length. Particles are sorted by size into levels, each with cells of its own as wide as the support of its
-   largest particle, so that a search looks at about as many candidates as one of particles of one size. */
+   largest particle. A particle looks at a level only where it has particles, and as far as those near it are large, so
+   that a search looks at about as many candidates as one of particles of one size. */
 #include "search.h"
 
-#define LEVELS       5    /* of sizes, by factors of 2 */
+#define LEVELS       3    /* of sizes, by factors of 2 */
 #define LEVEL_MARGIN 1.05 /* the fine and the coarse spacing themselves, and a little more, end a level */
-#define SPLIT        4    /* cells along x in the width of a cell */
 
-/* The particles of one level in the order of its grid; arrays have room for LANES more. */
+/* Cells of a grid, SPLIT along x in one, and some more layers of them all around: the largest sizes of the particles
+   that may be in pairs with one in the cell; 0: there are none. */
 typedef struct {
-  PetscInt   n, longest; /* longest: particles of a cell at most */
-  PetscReal  largest;    /* size, 1 */
-  PetscInt  *point;      /* [n] local indices */
-  PetscReal *x;          /* [n][3] m */
-  CellGrid   grid;       /* of x */
-  int32_t   *place[DIM]; /* [n] integer positions, in the grid's order from here on */
-  float     *size;       /* [n] */
-  PetscInt  *index;      /* [n] local indices */
+  PetscInt  n[DIM], count;
+  PetscReal lower[DIM], inverse; /* m; 1/m */
+  /* [count] for a particle of the grid's level, those of this level and coarser ones; for a particle of a coarser
+     level, those of the grid's level */
+  float *coarse[LEVELS], *fine[LEVELS];
+} Blocks;
+
+/* The particles of a level, ghosts too. */
+typedef struct {
+  PetscInt   n;
+  PetscReal  largest; /* size, 1 */
+  PetscInt  *point;   /* [n] local indices */
+  PetscReal *x;       /* [n][3] m */
+  CellGrid   grid;    /* of x */
+  Lines      lines[LINES_MOST_REACH];
+  Blocks     blocks;
+  int32_t   *place; /* [3][n] integer positions, in the grid's order from here on */
+  float     *size;  /* [n] */
+  PetscInt  *index; /* [n] local indices */
 } Level;
 
 typedef struct {
@@ -24,7 +36,8 @@ typedef struct {
   PetscReal support;     /* of the kernel, m */
   float     limit, unit; /* support2/h2; of the Laplacian factors */
   Level     level[LEVELS];
-  float s[ROW_CAPACITY + LANES], inverse[ROW_CAPACITY + LANES]; /* of one row: r2 over h_ab^2; 1/size of the pairs */
+  Run      *run;                                             /* of one row */
+  float s[ROW_CAPACITY + LANES], size[ROW_CAPACITY + LANES]; /* of one row: r2/h2, then over h_ab2; of the neighbours */
 } GradedSearch;
 
 static inline PetscInt LevelOf(PetscReal size)
@@ -64,30 +77,110 @@ static PetscErrorCode FillLevels(Cloud cloud, Level level[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells of a level, and what a row reads of its particles, in the grid's order. */
-static PetscErrorCode SortLevel(Cloud cloud, const Units *units, PetscReal support, Level *level)
+/* The block of a point (m); -1: none. */
+static inline PetscInt BlockOf(const Blocks *blocks, PetscInt dim, const PetscReal x[DIM])
 {
-  const PetscInt n = level->n;
+  PetscInt cell[DIM] = {0, 0, 0};
+
+  for (PetscInt d = 0; d < dim; d++) {
+    const PetscReal place = (x[d] - blocks->lower[d]) * blocks->inverse;
+
+    if (!(place >= 0 && place < (PetscReal)blocks->n[d])) return -1;
+    cell[d] = (PetscInt)place;
+  }
+  return CellIndex(blocks->n, cell[0], cell[1], cell[2]);
+}
+
+/* Each block takes the largest value of itself and those 'reach' away along each axis. */
+static PetscErrorCode Spread(const Blocks *blocks, PetscInt dim, PetscInt reach, float value[])
+{
+  float *from;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(blocks->count, &from));
+  for (PetscInt r = 0; r < reach; r++)
+    for (PetscInt d = 0, stride = 1; d < dim; stride *= blocks->n[d++]) {
+      PetscCall(PetscArraycpy(from, value, blocks->count));
+      for (PetscInt c = 0; c < blocks->count; c++) {
+        const PetscInt k = c / stride % blocks->n[d];
+
+        if (k > 0) value[c] = PetscMax(value[c], from[c - stride]);
+        if (k < blocks->n[d] - 1) value[c] = PetscMax(value[c], from[c + stride]);
+      }
+    }
+  PetscCall(PetscFree(from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many cells of level 'own' the pairs with particles of a coarser level reach. */
+static PetscInt LevelReach(PetscReal support, const Level *own, const Level *coarse)
+{
+  return (PetscInt)PetscCeilReal(0.5 * support * (own->largest + coarse->largest) / own->grid.size);
+}
+
+/* The largest sizes of the particles of a level, seen from up to 'reach' blocks away. */
+static PetscErrorCode FindLargest(const Blocks *blocks, PetscInt dim, const Level *level, PetscInt reach,
+                                  float **largest)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(blocks->count, largest));
+  for (PetscInt k = 0; k < level->n; k++) {
+    const PetscInt block = BlockOf(blocks, dim, level->x + DIM * level->grid.order[k]);
+
+    if (block >= 0) (*largest)[block] = PetscMax((*largest)[block], level->size[k]);
+  }
+  PetscCall(Spread(blocks, dim, reach, *largest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The blocks over the grid of level 'own'. */
+static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], PetscInt own)
+{
+  const CellGrid *grid   = &level[own].grid;
+  Blocks         *blocks = &level[own].blocks;
+  PetscInt        reach[LEVELS], layers = 1;
+
+  PetscFunctionBegin;
+  for (PetscInt l = own; l < LEVELS; l++) {
+    reach[l] = l > own ? LevelReach(support, &level[own], &level[l]) : 1;
+    layers   = PetscMax(layers, reach[l]);
+  }
+  blocks->inverse = 1 / grid->size;
+  blocks->count   = 1;
+  for (PetscInt d = 0; d < DIM; d++) {
+    blocks->lower[d] = grid->lower[d] - layers * grid->size;
+    blocks->n[d]     = d >= dim ? 1 : (d > 0 ? grid->n[d] : (grid->n[0] - 1) / SPLIT + 1) + 2 * layers;
+    blocks->count *= blocks->n[d];
+  }
+  for (PetscInt l = own; l < LEVELS; l++) {
+    if (!level[l].n) continue;
+    PetscCall(FindLargest(blocks, dim, &level[l], reach[l], &blocks->coarse[l]));
+    if (l > own) PetscCall(FindLargest(blocks, dim, &level[own], reach[l], &blocks->fine[l]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The cells of a level, and what a row reads of its particles, in the grid's order. Returns the candidates that a
+   particle can have at most. */
+static PetscErrorCode SortLevel(Cloud cloud, const Units *units, PetscReal support, Level *level, PetscInt *most)
+{
+  const PetscInt n       = level->n;
+  PetscInt       longest = 0;
 
   PetscFunctionBegin;
   PetscCall(CellGridBuild(&level->grid, cloud->domain->dim, n, level->x, support * level->largest, SPLIT));
-  PetscCall(PetscCalloc5(n + LANES, &level->place[0], n + LANES, &level->place[1], n + LANES, &level->place[2],
-                         n + LANES, &level->size, n + LANES, &level->index));
+  PetscCall(PetscMalloc3(DIM * n + LANES, &level->place, n + LANES, &level->size, n + LANES, &level->index));
+  PetscCall(PlacesSort(units, &level->grid, n, level->x, level->place));
   for (PetscInt k = 0; k < n; k++) {
-    const PetscInt   at = level->grid.order[k];
-    const PetscReal *p  = level->x + DIM * at;
-
-    level->index[k] = level->point[at];
-    level->size[k]  = (float)cloud->size[level->point[at]];
-    for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal place = Place(units, d, p[d]);
-
-      PetscCheck(PetscAbsReal(place) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-                 "a particle at (%g, %g, %g) m is further from the box than that is long", (double)p[0], (double)p[1],
-                 (double)p[2]);
-      level->place[d][k] = (int32_t)place;
-    }
+    level->index[k] = level->point[level->grid.order[k]];
+    level->size[k]  = (float)cloud->size[level->index[k]];
   }
+  PetscCall(PetscArrayzero(level->index + n, LANES)); /* read, and not used */
+  PetscCall(PetscArrayzero(level->size + n, LANES));
+  for (PetscInt r = 0; r < LINES_MOST_REACH; r++) LinesSet(&level->grid, r + 1, &level->lines[r]);
+  for (PetscInt c = 0; c < level->grid.count; c++)
+    longest = PetscMax(longest, level->grid.start[c + 1] - level->grid.start[c]);
+  *most = LinesCandidates(LINES_MOST_REACH, longest);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -95,6 +188,7 @@ static PetscErrorCode SearchCreate(Cloud cloud, GradedSearch *search)
 {
   const float zero[LANES] = {0};
   float       slope[LANES];
+  PetscInt    most = 0;
 
   PetscFunctionBegin;
   search->units   = SearchUnits(cloud);
@@ -104,8 +198,16 @@ static PetscErrorCode SearchCreate(Cloud cloud, GradedSearch *search)
   /* V_a V_b F grows with the size to the power of the dimension less two */
   search->unit = (float)PetscPowRealInt(cloud->size_most, (int)cloud->domain->dim - 2) * slope[0] / -(float)UINT16_MAX;
   PetscCall(FillLevels(cloud, search->level));
+  for (PetscInt l = 0; l < LEVELS; l++) {
+    PetscInt candidates = 0;
+
+    if (!search->level[l].n) continue;
+    PetscCall(SortLevel(cloud, &search->units, search->support, &search->level[l], &candidates));
+    most = PetscMax(most, candidates);
+  }
   for (PetscInt l = 0; l < LEVELS; l++)
-    if (search->level[l].n) PetscCall(SortLevel(cloud, &search->units, search->support, &search->level[l]));
+    if (search->level[l].n) PetscCall(SetBlocks(cloud->domain->dim, search->support, search->level, l));
+  PetscCall(PetscMalloc1(most / LANES + 3, &search->run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,14 +220,19 @@ static PetscErrorCode SearchDestroy(GradedSearch *search)
     PetscCall(PetscFree2(level->point, level->x));
     if (!level->n) continue;
     PetscCall(CellGridReset(&level->grid));
-    PetscCall(PetscFree5(level->place[0], level->place[1], level->place[2], level->size, level->index));
+    PetscCall(PetscFree3(level->place, level->size, level->index));
+    for (PetscInt k = 0; k < LEVELS; k++) {
+      PetscCall(PetscFree(level->blocks.coarse[k]));
+      PetscCall(PetscFree(level->blocks.fine[k]));
+    }
   }
+  PetscCall(PetscFree(search->run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to list, s and inverse those candidates begin <= k < end of a level that are near a particle at the integer
-   position p: pairs with s = r2/h_ab^2 below the limit, without the particle itself; returns how many there are. LANES
-   candidates are read, and as many may be written. */
+/* Stores in list, s and near those candidates of a run that are near particle a at the integer position p: pairs with s
+   = r2/h2 below the limit times the square of the mean size, without the particle itself; near is their size. Returns
+   how many there are. LANES candidates are read, and as many may be written. */
 #if defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
   #include <immintrin.h>
 
@@ -137,33 +244,35 @@ static inline __m512 Square(int32_t p, const int32_t *x, float unit)
   return _mm512_mul_ps(d, d);
 }
 
-static inline PetscInt KeepLanes(const Level *level, const float unit[DIM], float own, float limit, PetscInt a,
-                                 const int32_t p[DIM], PetscInt begin, PetscInt count, PetscInt *restrict list,
-                                 float *restrict s, float *restrict inverse)
+static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const float *size, const PetscInt *index,
+                                const float unit[DIM], float own, float limit, PetscInt a, const int32_t p[DIM],
+                                PetscInt *restrict list, float *restrict s, float *restrict near)
 {
-  const __m512 sum      = _mm512_add_ps(_mm512_set1_ps(own), _mm512_loadu_ps(level->size + begin)),
-               inv      = _mm512_div_ps(_mm512_set1_ps(2), sum),
-               r2       = _mm512_add_ps(_mm512_add_ps(Square(p[0], level->place[0] + begin, unit[0]),
-                                                      Square(p[1], level->place[1] + begin, unit[1])),
-                                        Square(p[2], level->place[2] + begin, unit[2])),
-               s2       = _mm512_mul_ps(r2, _mm512_mul_ps(inv, inv));
-  const __m512i   b     = _mm512_loadu_si512(level->index + begin);
-  const __mmask16 real  = (__mmask16)((1u << count) - 1);
-  const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(real, b, _mm512_set1_epi32(a));
-  const __mmask16 keep  = _mm512_mask_cmp_ps_mask(other, s2, _mm512_set1_ps(limit), _CMP_LT_OQ);
+  const PetscInt  begin = RUN_BEGIN(run);
+  const int32_t  *x     = place + begin;
+  const __m512    other = _mm512_loadu_ps(size + begin), both = _mm512_add_ps(_mm512_set1_ps(own), other);
+  const __m512    s2    = _mm512_add_ps(_mm512_add_ps(Square(p[0], x, unit[0]), Square(p[1], x + n, unit[1])),
+                                        Square(p[2], x + 2 * n, unit[2]));
+  const __m512i   b     = _mm512_loadu_si512(index + begin);
+  const __mmask16 real  = (__mmask16)((1u << RUN_COUNT(run)) - 1);
+  const __mmask16 alien = _mm512_mask_cmpneq_epi32_mask(real, b, _mm512_set1_epi32(a));
+  const __mmask16 keep =
+    _mm512_mask_cmp_ps_mask(alien, s2, _mm512_mul_ps(_mm512_mul_ps(both, both), _mm512_set1_ps(0.25f * limit)),
+                            _CMP_LT_OQ);
 
   _mm512_storeu_si512(list, _mm512_maskz_compress_epi32(keep, b));
   _mm512_storeu_ps(s, _mm512_maskz_compress_ps(keep, s2));
-  _mm512_storeu_ps(inverse, _mm512_maskz_compress_ps(keep, inv));
+  _mm512_storeu_ps(near, _mm512_maskz_compress_ps(keep, other));
   return __builtin_popcount(keep);
 }
 #else
-static inline PetscInt KeepLanes(const Level *level, const float unit[DIM], float own, float limit, PetscInt a,
-                                 const int32_t p[DIM], PetscInt begin, PetscInt count, PetscInt *restrict list,
-                                 float *restrict s, float *restrict inverse)
+static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const float *size, const PetscInt *index,
+                                const float unit[DIM], float own, float limit, PetscInt a, const int32_t p[DIM],
+                                PetscInt *restrict list, float *restrict s, float *restrict near)
 {
-  const int32_t *x = level->place[0] + begin, *y = level->place[1] + begin, *z = level->place[2] + begin;
-  float          s2[LANES], inv[LANES];
+  const PetscInt begin = RUN_BEGIN(run);
+  const int32_t *x = place + begin, *y = x + n, *z = y + n;
+  float          s2[LANES], both[LANES];
   PetscInt       found = 0;
 
   SIMD_LOOP()
@@ -171,103 +280,114 @@ static inline PetscInt KeepLanes(const Level *level, const float unit[DIM], floa
     const float dx = unit[0] * (float)Apart(p[0], x[k]), dy = unit[1] * (float)Apart(p[1], y[k]),
                 dz = unit[2] * (float)Apart(p[2], z[k]);
 
-    inv[k] = 2 / (own + level->size[begin + k]);
-    s2[k]  = (dx * dx + dy * dy + dz * dz) * (inv[k] * inv[k]);
+    both[k] = own + size[begin + k];
+    s2[k]   = dx * dx + dy * dy + dz * dz;
   }
-  for (PetscInt k = 0; k < count; k++) { /* branchless: the next one overwrites what is not kept */
-    const PetscInt b = level->index[begin + k];
+  for (PetscInt k = 0; k < RUN_COUNT(run); k++) { /* branchless: the next one overwrites what is not kept */
+    const PetscInt b = index[begin + k];
 
-    list[found]    = b;
-    s[found]       = s2[k];
-    inverse[found] = inv[k];
-    found += (s2[k] < limit) & (b != a);
+    list[found] = b;
+    s[found]    = s2[k];
+    near[found] = size[begin + k];
+    found += (s2[k] < both[k] * both[k] * (0.25f * limit)) & (b != a);
   }
   return found;
 }
 #endif
 
-/* Appends to a row the neighbours of particle a among the candidates begin <= k < end of a level; ROW_CAPACITY if there
-   is no room for them. */
-static inline PetscInt KeepNear(Cloud cloud, GradedSearch *search, const Level *level, PetscInt a, const int32_t p[DIM],
-                                PetscInt begin, PetscInt end, PetscInt list[], PetscInt found)
+/* Appends to the 'found' neighbours of particle a those of a level among the candidates of the runs; see KeepNear. */
+static inline PetscInt KeepRuns(const Level *level, const Run *restrict run, PetscInt runs, const float unit[DIM],
+                                float own, float limit, PetscInt a, const int32_t p[DIM], PetscInt *restrict list,
+                                float *restrict s, float *restrict near, PetscInt found)
 {
-  const float own = (float)cloud->size[a];
+  const PetscInt n = level->n, *index = level->index;
+  const int32_t *place = level->place;
+  const float   *size  = level->size;
 
-  for (; begin < end && found <= ROW_CAPACITY - LANES; begin += LANES)
-    found += KeepLanes(level, search->units.unit, own, search->limit, a, p, begin, PetscMin(LANES, end - begin),
-                       list + found, search->s + found, search->inverse + found);
-  return begin < end ? ROW_CAPACITY : found;
-}
-
-/* How far a coordinate (m) is from the cell number c of a direction. */
-static inline PetscReal CellDistance(const CellGrid *grid, PetscInt d, PetscInt c, PetscReal x)
-{
-  const PetscReal low = grid->lower[d] + c * grid->size - x;
-
-  return PetscMax(0, PetscMax(low, -low - grid->size));
-}
-
-/* The cells of direction d within a distance (m) of x: first and last. */
-static inline void CellRange(const CellGrid *grid, PetscInt d, PetscReal x, PetscReal distance, PetscReal per_size,
-                             PetscInt *first, PetscInt *last)
-{
-  const PetscReal scale = per_size / grid->size, low = (x - distance - grid->lower[d]) * scale,
-                  high = (x + distance - grid->lower[d]) * scale;
-
-  *first = (PetscInt)PetscMax(0, PetscFloorReal(low));
-  *last  = (PetscInt)PetscMin(grid->n[d] - 1, PetscFloorReal(high));
-}
-
-/* Appends to a row the neighbours of particle a of one level. */
-static PetscInt FindInLevel(Cloud cloud, GradedSearch *search, const Level *level, PetscInt a, const int32_t p[DIM],
-                            PetscInt list[], PetscInt found)
-{
-  const CellGrid  *grid   = &level->grid;
-  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
-  const PetscReal  radius = (1 + POINT_TOLERANCE) * search->support * 0.5 * (cloud->size[a] + level->largest);
-  PetscInt         first[DIM], last[DIM];
-
-  for (PetscInt d = 1; d < DIM; d++) CellRange(grid, d, x[d], radius, 1, &first[d], &last[d]);
-  for (PetscInt z = first[2]; z <= last[2]; z++)
-    for (PetscInt y = first[1]; y <= last[1]; y++) {
-      const PetscReal dy = CellDistance(grid, 1, y, x[1]), dz = grid->n[2] > 1 ? CellDistance(grid, 2, z, x[2]) : 0,
-                      left2 = radius * radius - dy * dy - dz * dz;
-      PetscInt from, to;
-
-      if (left2 < 0) continue;
-      CellRange(grid, 0, x[0], PetscSqrtReal(left2), SPLIT, &from, &to);
-      if (from > to) continue;
-      found = KeepNear(cloud, search, level, a, p, grid->start[CellIndex(grid->n, from, y, z)],
-                       grid->start[CellIndex(grid->n, to, y, z) + 1], list, found);
-    }
+  for (PetscInt r = 0; r < runs && found <= ROW_CAPACITY - LANES; r++)
+    found += KeepNear(run[r], n, place, size, index, unit, own, limit, a, p, list + found, s + found, near + found);
   return found;
 }
 
-/* The factors of n padded pairs of particle a, with the weights of the neighbours: see Cloud and RowVisitor. With q = h
-   over h_ab, the pair's W is q^dim times that of h at r q, F q^(dim + 2) times. w: NULL if not wanted. Returns the sum
-   of the Laplacian factors. */
-static PetscInt GradedFactors(Cloud cloud, const GradedSearch *search, PetscInt a, PetscInt n, const PetscInt list[],
-                              float *restrict w, float *restrict slope_over_r2, float *restrict slope,
-                              uint16_t *restrict laplacian)
+/* The candidates of level l for particle a, of level 'own': those near enough for a pair with the largest of them. The
+   block is that of the finer one of both levels. */
+static inline PetscInt FindLevelRuns(Cloud cloud, const GradedSearch *search, PetscInt a, PetscInt own, PetscInt l,
+                                     PetscInt block)
 {
-  const float      eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / search->unit, own = (float)cloud->weight[a];
-  const PetscBool  flat   = (PetscBool)(cloud->domain->dim == 2);
-  const PetscReal *weight = cloud->weight;
-  const PetscInt   padded = (n + LANES - 1) / LANES * LANES;
-  PetscInt         sum    = 0;
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
+  const Level     *level  = &search->level[l];
+  const CellGrid  *grid   = &level->grid;
+  const Blocks    *blocks = &search->level[PetscMin(l, own)].blocks;
+  const float      near   = block < 0 ? 0 : l < own ? blocks->fine[own][block] : blocks->coarse[l][block];
+  const PetscReal  radius = (1 + POINT_TOLERANCE) * 0.5 * search->support * (cloud->size[a] + (PetscReal)near);
 
-  KernelSingle(cloud->kernel, n, search->s, w, slope);
-  SIMD_LOOP(reduction(+ : sum))
-  for (PetscInt k = 0; k < padded; k++) {
-    const float   q = search->inverse[k], q2 = q * q, q_dim = flat ? q2 : q2 * q, other = (float)weight[list[k]];
-    const float   steep = slope[k] * q_dim * q2, over = steep / (search->s[k] + eta2);
-    const int32_t code = (int32_t)(0.5f - inverse * over * search->s[k] * (own * other));
+  if (near <= 0) return 0;
+  if (radius <= grid->size) return FindRuns(grid, &level->lines[0], 1, PETSC_TRUE, x, radius, search->run);
+  if (radius <= 2 * grid->size) return FindRuns(grid, &level->lines[1], 2, PETSC_TRUE, x, radius, search->run);
+  return FindRuns(grid, &level->lines[2], LINES_MOST_REACH, PETSC_TRUE, x, radius, search->run);
+}
 
-    if (w) w[k] *= q_dim * other;
-    slope[k]         = steep * other;
-    slope_over_r2[k] = over * q2 * other;
-    laplacian[k]     = (uint16_t)code;
-    sum += code;
+/* Finds the neighbours of particle a; more than ROW_CAPACITY - LANES: there is no room for more. Writes to list,
+   search->s and search->size. */
+static PetscInt FindNeighbors(Cloud cloud, GradedSearch *search, PetscInt a, PetscInt list[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, size = cloud->size[a];
+  const PetscInt   own       = LevelOf(size);
+  const Units     *units     = &search->units;
+  const int32_t    p[DIM]    = {(int32_t)Place(units, 0, x[0]), (int32_t)Place(units, 1, x[1]),
+                                (int32_t)Place(units, 2, x[2])};
+  const float      unit[DIM] = {units->unit[0], units->unit[1], units->unit[2]}, limit = search->limit;
+  PetscInt         found = 0, block = -1; /* of the finer one of both levels */
+
+  for (PetscInt l = 0; l < LEVELS; l++) {
+    const Level *level = &search->level[l];
+    PetscInt     runs;
+
+    if (!level->n) continue;
+    if (l <= own) block = BlockOf(&level->blocks, cloud->domain->dim, x);
+    runs = FindLevelRuns(cloud, search, a, own, l, block);
+
+    found = KeepRuns(level, search->run, runs, unit, (float)size, limit, a, p, list, search->s, search->size, found);
+  }
+  return found;
+}
+
+/* The factors of n padded pairs of particle a, with the weights of the neighbours, size^dim: see Cloud and RowVisitor.
+   With q = h over h_ab, the pair's W is q^dim times that of h at r q, F q^(dim + 2) times. w: NULL if not wanted.
+   Returns the sum of the Laplacian factors. */
+static inline PetscInt GradedFactors(Cloud cloud, GradedSearch *search, PetscInt a, PetscInt n, PetscBool flat,
+                                     float *restrict w, float *restrict slope_over_r2, float *restrict slope,
+                                     uint16_t *restrict laplacian)
+{
+  const float eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / search->unit, own = (float)cloud->size[a],
+              own_weight = flat ? own * own : own * own * own;
+  const PetscInt padded  = (n + LANES - 1) / LANES * LANES;
+  float *restrict s = search->s, *restrict size = search->size;
+  float    ratio[ROW_CAPACITY + LANES];
+  PetscInt sum = 0;
+
+  for (PetscInt begin = 0; begin < padded; begin += LANES) {
+    SIMD_LOOP()
+    for (PetscInt k = begin; k < begin + LANES; k++) {
+      ratio[k] = 2 / (own + size[k]);
+      s[k] *= ratio[k] * ratio[k];
+    }
+  }
+  KernelSingle(cloud->kernel, n, s, w, slope);
+  for (PetscInt begin = 0; begin < padded; begin += LANES) {
+    SIMD_LOOP(reduction(+ : sum))
+    for (PetscInt k = begin; k < begin + LANES; k++) {
+      const float q = ratio[k], q2 = q * q, q_dim = flat ? q2 : q2 * q;
+      const float weight = flat ? size[k] * size[k] : size[k] * size[k] * size[k], steep = slope[k] * q_dim * q2,
+                  over   = steep / (s[k] + eta2);
+      const int32_t code = (int32_t)(0.5f - inverse * over * s[k] * (own_weight * weight));
+
+      if (w) w[k] *= q_dim * weight;
+      slope[k]         = steep * weight;
+      slope_over_r2[k] = over * q2 * weight;
+      laplacian[k]     = (uint16_t)code;
+      sum += code;
+    }
   }
   return sum;
 }
@@ -278,33 +398,13 @@ static void FindWeights(Cloud cloud)
   for (PetscInt a = 0; a < cloud->n_total; a++) cloud->weight[a] = cloud->volume[a] / cloud->domain->volume;
 }
 
-/* The row of particle a behind 'used' pairs; returns its length. */
-static PetscErrorCode FindRow(Cloud cloud, GradedSearch *search, PetscInt a, PetscInt64 used, PetscInt *length)
-{
-  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
-  const int32_t    p[DIM] = {(int32_t)Place(&search->units, 0, x[0]), (int32_t)Place(&search->units, 1, x[1]),
-                             (int32_t)Place(&search->units, 2, x[2])};
-  PetscInt        *list = cloud->list + used, found = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt l = 0; l < LEVELS; l++)
-    if (search->level[l].n) found = FindInLevel(cloud, search, &search->level[l], a, p, list, found);
-  PetscCheck(found <= ROW_CAPACITY - LANES, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-             "particle %" PetscInt_FMT " at (%g, %g, %g) m has more than %" PetscInt_FMT
-             " neighbours: particles have clumped; a smaller -time_cfl or -time_step helps",
-             cloud->integer[INT_ID][a], (double)x[0], (double)x[1], (double)x[2], found);
-  PadRow(a, found, list, search->s);
-  for (PetscInt k = found; k < found + LANES; k++) search->inverse[k] = 1;
-  *length = found;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context)
 {
-  const PetscInt most = ROW_CAPACITY + LANES;
-  PetscInt64     used = 0; /* pairs */
-  float          w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES];
-  GradedSearch  *search;
+  const PetscBool flat = (PetscBool)(cloud->domain->dim == 2);
+  const PetscInt  most = ROW_CAPACITY + LANES;
+  PetscInt64      used = 0; /* pairs */
+  float           w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES];
+  GradedSearch   *search;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&search));
@@ -317,15 +417,15 @@ PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context)
 
     if (used + most > cloud->list_capacity)
       PetscCall(ReserveList(cloud, CloudListRoom(used, cloud->n_owned - a, most)));
-    PetscCall(FindRow(cloud, search, a, used, &found));
-    cloud->laplacian_sum[a] = GradedFactors(cloud, search, a, found, cloud->list + used, visit ? w : NULL,
-                                            slope_over_r2, cloud->slope + used, cloud->laplacian + used);
-    if (a >= cloud->n_fluid)
-      cloud->laplacian_sum[a] =
-        DropWallPairs(cloud->integer[INT_LAYER], found, cloud->list + used, cloud->laplacian + used);
-    used += found;
-    cloud->first[a + 1] = used;
-    if (visit) visit(cloud, a, w, slope_over_r2, context);
+    found = FindNeighbors(cloud, search, a, cloud->list + used);
+    PetscCall(RowCheck(cloud, a, found > ROW_CAPACITY - LANES ? ROW_CAPACITY + 1 : found));
+    PadRow(a, found, cloud->list + used, search->s);
+    for (PetscInt k = found; k < found + LANES; k++) search->size[k] = 1;
+    cloud->laplacian_sum[a] = flat ? GradedFactors(cloud, search, a, found, PETSC_TRUE, visit ? w : NULL, slope_over_r2,
+                                                   cloud->slope + used, cloud->laplacian + used)
+                                   : GradedFactors(cloud, search, a, found, PETSC_FALSE, visit ? w : NULL,
+                                                   slope_over_r2, cloud->slope + used, cloud->laplacian + used);
+    used                    = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
   }
   PetscCall(SearchDestroy(search));
   PetscCall(PetscFree(search));

@@ -1,4 +1,5 @@
-/* What the searches of particles of one size and of graded ones share: units of places, room for the list. */
+/* What the searches of particles of one size and of graded ones share: units of places, lines of cells, room for the
+   list. */
 #include "search.h"
 
 #define ROW_GUESS 72 /* neighbours a particle: the first guess of the size of the list */
@@ -21,6 +22,47 @@ Units SearchUnits(Cloud cloud)
     units.unit[d]    = (float)(1 / (units.inverse[d] * KernelSmoothingLength(cloud->kernel)));
   }
   return units;
+}
+
+PetscErrorCode PlacesSort(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[], int32_t sorted[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal *p = x + DIM * grid->order[k];
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal place = Place(units, d, p[d]);
+
+      PetscCheck(PetscAbsReal(place) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+                 "a particle at (%g, %g, %g) m is further from the box than that is long", (double)p[0], (double)p[1],
+                 (double)p[2]);
+      sorted[d * n + k] = (int32_t)place;
+    }
+  }
+  PetscCall(PetscArrayzero(sorted + DIM * n, LANES)); /* read, and not used */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void LinesSet(const CellGrid *grid, PetscInt reach, Lines *lines)
+{
+  const PetscInt width = 2 * reach + 1;
+
+  for (PetscInt l = 0; l < LINES_MOST; l++) {
+    const PetscInt y = l % width - reach, z = l / width - reach;
+
+    lines->y[l]       = y;
+    lines->z[l]       = l < LINES(reach) ? z : -reach - 1 - grid->n[2]; /* outside */
+    lines->cells[l]   = CellIndex(grid->n, 0, y, z);
+    lines->from_y[l]  = (float)(y > 0 ? y : y < 0 ? -y - 1 : 0);
+    lines->times_y[l] = (float)(y > 0 ? -1 : y < 0 ? 1 : 0);
+    lines->from_z[l]  = (float)(z > 0 ? z : z < 0 ? -z - 1 : 0);
+    lines->times_z[l] = (float)(z > 0 ? -1 : z < 0 ? 1 : 0);
+  }
+}
+
+PetscInt LinesCandidates(PetscInt reach, PetscInt longest)
+{
+  return LINES(reach) * ((2 * reach * SPLIT + 1) * longest + LANES);
 }
 
 PetscInt64 CloudListRoom(PetscInt64 used, PetscInt rows, PetscInt most)

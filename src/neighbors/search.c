@@ -1,106 +1,7 @@
 /* The neighbour search: the list of the pairs within the kernel's support, and the factors of the pairs. */
 #include "search.h"
 
-#define LINES_AROUND 9     /* of cells along x, around and including that of a particle */
-#define SPLIT        4     /* cells along x in the kernel's support */
-#define SLACK        1e-3f /* of a cell along x: what single precision may miss of a chord */
-
-/* The integer positions of the points in the grid's order: [3][n]. */
-static PetscErrorCode SortPlaces(Cloud cloud, const Units *units, int32_t sorted[])
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION];
-  const PetscInt   n = cloud->n_total;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal *p = x + DIM * cloud->grid.order[k];
-
-    for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal place = Place(units, d, p[d]);
-
-      PetscCheck(PetscAbsReal(place) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-                 "a particle at (%g, %g, %g) m is further from the box than that is long", (double)p[0], (double)p[1],
-                 (double)p[2]);
-      sorted[d * n + k] = (int32_t)place;
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A run of up to LANES candidates in one integer: where it starts in the grid's order in the lower half, its count in
-   the upper half, to halve the memory traffic. A larger count stands for more runs behind this one. */
-typedef int64_t Run;
-
-#define RUN(begin, count) ((begin) + (int64_t)(count) * (UINT32_MAX + 1LL))
-#define RUN_BEGIN(run)    ((PetscInt)((run)&UINT32_MAX))
-#define RUN_COUNT(run)    (PetscMin((PetscInt)((run) >> 32), LANES))
-
-/* The lines of cells along x around a cell, in LANES columns of which LINES_AROUND are used: their offsets in y and z,
-   the offset of their cells' numbers, and, for a point at 0 to 1 of its own cell, how far it is from the line along
-   each axis: from + times point, in cells. */
-typedef struct {
-  PetscInt y[LANES], z[LANES], cells[LANES];
-  float    from_y[LANES], times_y[LANES], from_z[LANES], times_z[LANES];
-} Lines;
-
-static void SetLines(const CellGrid *grid, Lines *lines)
-{
-  for (PetscInt l = 0; l < LANES; l++) {
-    const PetscInt y = l % 3 - 1, z = l / 3 - 1;
-
-    lines->y[l]       = y;
-    lines->z[l]       = l < LINES_AROUND ? z : -2 - grid->n[2]; /* outside */
-    lines->cells[l]   = CellIndex(grid->n, 0, y, z);
-    lines->from_y[l]  = y > 0;
-    lines->times_y[l] = (float)-y;
-    lines->from_z[l]  = z > 0;
-    lines->times_z[l] = (float)-z;
-  }
-}
-
-/* Finds the candidates for neighbours of a point at x (m): of each line of cells around it, the cells that the sphere
-   of the kernel's support reaches. Returns the number of runs. There are no data-dependent branches, but for long runs.
- */
-static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, const PetscReal x[DIM], PetscReal radius,
-                                Run run[])
-{
-  const PetscInt *start = grid->start, nx = grid->n[0], ny = grid->n[1], nz = grid->n[2];
-  const PetscReal inverse = 1 / grid->size, ry = inverse * (x[1] - grid->lower[1]),
-                  rz = inverse * (x[2] - grid->lower[2]);
-  const PetscInt cy = PetscMin((PetscInt)ry, ny - 1), cz = PetscMin((PetscInt)rz, nz - 1);
-  const float    reach2 = (float)PetscSqr(radius * inverse), px = (float)(SPLIT * inverse * (x[0] - grid->lower[0])),
-              py = (float)(ry - (PetscReal)cy), pz = (float)(rz - (PetscReal)cz);
-  const PetscInt line = (cz * ny + cy) * nx;
-  PetscInt       from[LANES], to[LANES], runs = 0;
-
-  SIMD_LOOP()
-  for (PetscInt l = 0; l < LANES; l++) {
-    const float    dy = lines->from_y[l] + lines->times_y[l] * py, dz = lines->from_z[l] + lines->times_z[l] * pz;
-    const float    left2 = reach2 - dy * dy - dz * dz, half = SPLIT * sqrtf(left2 > 0 ? left2 : 0) + SLACK;
-    const PetscInt iy = cy + lines->y[l], iz = cz + lines->z[l];
-    const PetscInt there = (iy >= 0) & (iy < ny) & (iz >= 0) & (iz < nz) & (left2 > -SLACK);
-    const float    low = px - half, high = px + half;
-    const PetscInt x0 = (PetscInt)(low > 0 ? low : 0), last = (PetscInt)high, x1 = last < nx ? last : nx - 1;
-
-    from[l] = there ? line + lines->cells[l] + x0 : 0;
-    to[l]   = there ? line + lines->cells[l] + x1 + 1 : 0;
-  }
-  for (PetscInt l = 0; l < LINES_AROUND; l++) {
-    const PetscInt begin = start[from[l]];
-    Run            next  = RUN(begin, start[to[l]] - begin);
-
-    while (next >= RUN(0, 3 * LANES)) { /* this is rare */
-      run[runs++] = next;
-      next += RUN(LANES, -LANES);
-    }
-    for (PetscInt k = 0; k < 3; k++) {
-      run[runs] = next;
-      runs += next >= RUN(0, 1);
-      next += RUN(LANES, -LANES);
-    }
-  }
-  return runs;
-}
+#define AROUND 1 /* lines of cells around that of a particle, each way */
 
 /* Stores in list and s those candidates of a run whose squared distance s = r2/h2 is below 'limit', without point a
    itself; returns how many there are. order holds the local indices, x, y and z the integer positions of all points in
@@ -297,15 +198,14 @@ static PetscErrorCode SearchCreate(Cloud cloud, Search *search)
   search->units  = SearchUnits(cloud);
   search->radius = KernelSupport(cloud->kernel);
   search->limit  = (float)PetscSqr(search->radius / KernelSmoothingLength(cloud->kernel));
-  SetLines(grid, &search->lines);
+  LinesSet(grid, AROUND, &search->lines);
   for (PetscInt c = 0; c < grid->count; c++) longest = PetscMax(longest, grid->start[c + 1] - grid->start[c]);
-  search->most = LINES_AROUND * ((2 * SPLIT + 1) * longest + LANES);
+  search->most = LinesCandidates(AROUND, longest);
   KernelSingle(cloud->kernel, 1, zero, NULL, slope);
   search->unit = slope[0] / -(float)UINT16_MAX;
   PetscCall(PetscMalloc3(DIM * cloud->n_total + LANES, &search->place, search->most, &search->s,
                          search->most / LANES + 3, &search->run));
-  PetscCall(SortPlaces(cloud, &search->units, search->place));
-  PetscCall(PetscArrayzero(search->place + DIM * cloud->n_total, LANES)); /* read, and not used */
+  PetscCall(PlacesSort(&search->units, grid, cloud->n_total, cloud->field[FIELD_POSITION], search->place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,7 +222,7 @@ static inline PetscInt FindNeighbors(Cloud cloud, const Search *search, PetscInt
   const float      limit = search->limit, unit[DIM] = {units->unit[0], units->unit[1], units->unit[2]};
   const int32_t    p[DIM] = {(int32_t)Place(units, 0, x[0]), (int32_t)Place(units, 1, x[1]),
                              (int32_t)Place(units, 2, x[2])};
-  const PetscInt   runs   = FindRuns(&cloud->grid, &search->lines, x, search->radius, search->run);
+  const PetscInt   runs   = FindRuns(&cloud->grid, &search->lines, AROUND, PETSC_FALSE, x, search->radius, search->run);
   PetscInt         found  = 0;
 
   for (PetscInt r = 0; r < runs; r++)
@@ -355,21 +255,13 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
     if (used + search.most > cloud->list_capacity)
       PetscCall(ReserveList(cloud, CloudListRoom(used, cloud->n_owned - a, search.most)));
     found = FindNeighbors(cloud, &search, a, cloud->list + used);
-    PetscCheck(found <= ROW_CAPACITY, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-               "particle %" PetscInt_FMT " at (%g, %g, %g) m has %" PetscInt_FMT
-               " neighbours: particles have clumped; a smaller -time_cfl or -time_step helps",
-               cloud->integer[INT_ID][a], (double)x[3 * a], (double)x[3 * a + 1], (double)x[3 * a + 2], found);
+    PetscCall(RowCheck(cloud, a, found));
     PadRow(a, found, cloud->list + used, search.s);
     cloud->laplacian_sum[a] = PairFactors(cloud->kernel, search.unit, found, search.s, visit ? w : NULL, slope_over_r2,
                                           cloud->slope + used, cloud->laplacian + used);
     if (cloud->weight)
       WeightRow(cloud->weight, found, cloud->list + used, visit ? w : NULL, slope_over_r2, cloud->slope + used);
-    if (a >= cloud->n_fluid)
-      cloud->laplacian_sum[a] =
-        DropWallPairs(cloud->integer[INT_LAYER], found, cloud->list + used, cloud->laplacian + used);
-    used += found;
-    cloud->first[a + 1] = used;
-    if (visit) visit(cloud, a, w, slope_over_r2, context);
+    used = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
   }
   PetscCall(PetscFree3(search.place, search.s, search.run));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
