@@ -61,7 +61,7 @@ static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 
 const BodyChoice *ShapeBox(void)
 {
-  static const ShapeOps ops = {{sizeof(Box), BoxSetFromOptions, BoxSetUp}, BoxDistance, BoxBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Box), BoxSetFromOptions, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL};
 
   return &ops.choice;
 }

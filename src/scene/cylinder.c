@@ -74,10 +74,8 @@ static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]
 
 const BodyChoice *ShapeCylinder(void)
 {
-  static const ShapeOps ops = {{sizeof(Cylinder), CylinderSetFromOptions, CylinderSetUp},
-                               CylinderDistance,
-                               CylinderBounds,
-                               NULL};
+  static const ShapeOps ops = {
+    {sizeof(Cylinder), CylinderSetFromOptions, CylinderSetUp}, CylinderDistance, CylinderBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -109,10 +109,8 @@ static void EllipsoidBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 
 const BodyChoice *ShapeEllipsoid(void)
 {
-  static const ShapeOps ops = {{sizeof(Ellipsoid), EllipsoidSetFromOptions, EllipsoidSetUp},
-                               EllipsoidDistance,
-                               EllipsoidBounds,
-                               NULL};
+  static const ShapeOps ops = {
+    {sizeof(Ellipsoid), EllipsoidSetFromOptions, EllipsoidSetUp}, EllipsoidDistance, EllipsoidBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -42,10 +42,8 @@ static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 
 const BodyChoice *ShapeHalfSpace(void)
 {
-  static const ShapeOps ops = {{sizeof(HalfSpace), HalfSpaceSetFromOptions, NULL},
-                               HalfSpaceDistance,
-                               HalfSpaceBounds,
-                               NULL};
+  static const ShapeOps ops = {
+    {sizeof(HalfSpace), HalfSpaceSetFromOptions, NULL}, HalfSpaceDistance, HalfSpaceBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -32,6 +32,7 @@ typedef struct {
   PetscReal (*distance)(Body body, const PetscReal x[DIM]);
   void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* corners of a box that holds it, m */
   void (*displace)(Body body, PetscReal x[DIM]);                         /* see BodyDisplace; NULL: not at all */
+  PetscReal (*wave)(Body body); /* length of the waves on its surface, m, 0 if it has none; NULL: none */
 } ShapeOps;
 
 /* An initial velocity field, added to the uniform part -<b>_velocity. */

@@ -116,12 +116,18 @@ static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
+/* A wave of the mode n goes n times round a great circle. */
+static PetscReal SphereWave(Body body)
+{
+  const Sphere *sphere = (const Sphere *)body->shape_data;
+
+  return sphere->amplitude != 0 ? 2 * PETSC_PI * sphere->radius / (PetscReal)sphere->mode : 0;
+}
+
 const BodyChoice *ShapeSphere(void)
 {
-  static const ShapeOps ops = {{sizeof(Sphere), SphereSetFromOptions, SphereSetUp},
-                               SphereDistance,
-                               SphereBounds,
-                               SphereDisplace};
+  static const ShapeOps ops = {
+    {sizeof(Sphere), SphereSetFromOptions, SphereSetUp}, SphereDistance, SphereBounds, SphereDisplace, SphereWave};
 
   return &ops.choice;
 }

@@ -166,7 +166,7 @@ static void StlBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 
 const BodyChoice *ShapeStl(void)
 {
-  static const ShapeOps ops = {{sizeof(Stl), StlSetFromOptions, StlSetUp}, StlDistance, StlBounds, NULL};
+  static const ShapeOps ops = {{sizeof(Stl), StlSetFromOptions, StlSetUp}, StlDistance, StlBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -123,12 +123,15 @@ static void ThreadBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
+static PetscReal ThreadWave(Body body)
+{
+  return ((const Thread *)body->shape_data)->wave_length;
+}
+
 const BodyChoice *ShapeThread(void)
 {
-  static const ShapeOps ops = {{sizeof(Thread), ThreadSetFromOptions, ThreadSetUp},
-                               ThreadDistance,
-                               ThreadBounds,
-                               ThreadDisplace};
+  static const ShapeOps ops = {
+    {sizeof(Thread), ThreadSetFromOptions, ThreadSetUp}, ThreadDistance, ThreadBounds, ThreadDisplace, ThreadWave};
 
   return &ops.choice;
 }

@@ -4,6 +4,7 @@
 
 #define SAMPLES      5   /* points a direction at which velocity and body force of a body are read */
 #define FEW_ACROSS   6   /* spacings: a body thinner than this is hardly resolved */
+#define SHORT_WAVE   12  /* spacings: a shorter wave is hardly resolved: six to each half */
 #define BOND_WITHOUT 1e4 /* beyond this Bond number tension cannot matter: a drop of water of a quarter of a metre */
 #define WEBER_SPRAY  1e7 /* beyond this Weber number nothing is whole: lengths in mm look like that */
 
@@ -36,10 +37,16 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
 /* Prints what looks like a mistake, and what to check. */
 static PetscErrorCode Warn(Body body, PetscReal across, PetscReal bond, PetscReal weber, PetscViewer viewer)
 {
+  const PetscReal wave = body->shape->wave ? body->shape->wave(body) / body->domain->spacing : 0;
+
   PetscFunctionBegin;
   if (across < FEW_ACROSS)
     PetscCall(PetscViewerASCIIPrintf(viewer, "warning: %s is only %.2g spacings across; %d and more show its flow\n",
                                      body->name, (double)across, FEW_ACROSS));
+  if (wave > 0 && wave < SHORT_WAVE)
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "warning: the waves of %s are only %.2g spacings long; %d and more hold them\n",
+                                     body->name, (double)wave, SHORT_WAVE));
   if (bond > BOND_WITHOUT || weber > WEBER_SPRAY)
     PetscCall(PetscViewerASCIIPrintf(
       viewer,

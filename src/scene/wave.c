@@ -212,9 +212,17 @@ static void WaveDisplace(Body body, PetscReal x[DIM])
   }
 }
 
+static PetscReal WaveLength(Body body)
+{
+  const Wave *wave = (const Wave *)body->shape_data;
+
+  return 2 * PETSC_PI / wave->k;
+}
+
 const BodyChoice *ShapeWave(void)
 {
-  static const ShapeOps ops = {{sizeof(Wave), WaveSetFromOptions, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace};
+  static const ShapeOps ops = {
+    {sizeof(Wave), WaveSetFromOptions, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace, WaveLength};
 
   return &ops.choice;
 }

@@ -1,6 +1,8 @@
 /* The class: the registered models, the options and tables they share. */
 #include "tension_impl.h"
 
+#define ANGLE_LEAST 20. /* degrees: contact angles nearer to 0 or 180 were not tried */
+
 static PetscFunctionList TensionList = NULL;
 
 static PetscErrorCode TensionFinalizePackage(void)
@@ -143,12 +145,21 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
 
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer)
 {
+  const PetscReal angle = tension->angle * 180 / PETSC_PI;
+
   PetscFunctionBegin;
   if (tension->active)
     PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m\n", tension->type,
                                      (double)KernelSmoothingLength(tension->kernel)));
   else
     PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: none\n"));
+  if (tension->active && PetscMin(angle, 180 - angle) < ANGLE_LEAST)
+    PetscCall(
+      PetscViewerASCIIPrintf(viewer,
+                             "warning: -wall_contact_angle %g is in degrees, and was tried from %g to %g only; %g "
+                             "radians are %.4g degrees\n",
+                             (double)angle, ANGLE_LEAST, 180 - ANGLE_LEAST, (double)angle,
+                             (double)(angle * 180 / PETSC_PI)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
