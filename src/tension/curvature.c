@@ -72,18 +72,6 @@ static PetscReal FlatDepth(Tension tension, PetscReal phi)
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
-/* KernelScales of W^H at the size of the particle whose sums are made. */
-static void TensionScales(Tension tension, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2)
-{
-  const PetscReal square = PetscSqr(tension->size);
-
-  KernelScales(tension->kernel, scale_w, scale_f, inverse_h2);
-  if (!tension->graded) return;
-  *scale_w /= PetscPowRealInt(tension->size, (int)tension->dim);
-  *scale_f /= PetscPowRealInt(tension->size, (int)tension->dim) * square;
-  *inverse_h2 /= square;
-}
-
 /* The images that one wall adds to the collected particles: those from begin to end - 1. */
 typedef struct {
   PetscInt  begin, end, axis;
@@ -200,17 +188,6 @@ static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies W and F (may be NULL) of the m candidates from 'begin' on by their weights. */
-static void WeighVolumes(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
-{
-  const PetscReal *weight = tension->liquid.near + WEIGHT_COLUMN * tension->liquid.stride + begin;
-
-  for (PetscInt k = 0; k < m; k++) {
-    W[k] *= (float)weight[k];
-    if (F) F[k] *= (float)weight[k];
-  }
-}
-
 /* Multiplies W by the distances from the axis of the middles to a particle at x (m). */
 static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[])
 {
@@ -229,7 +206,7 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
   PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
   float           s[CHUNK], W[CHUNK], F[CHUNK];
 
-  TensionScales(tension, &scale_w, &scale_f, &inverse_h2);
+  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
@@ -302,7 +279,7 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
 
-  TensionScales(tension, &scale_w, &scale_f, &inverse_h2);
+  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
     const PetscInt l = PetscMin(CHUNK, m - begin);
 
@@ -495,7 +472,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
     length = Norm(g);
     if (slope) {
       share[a] = SheetShare(tension, V * phi, V * length);
-      slope[a] = Sigma(cloud, a) * SheetSlope(tension, V, V * phi) * share[a];
+      slope[a] = Sigma(cloud, a) * SheetSlope(tension, tension->graded ? cloud->volume[a] : V, V * phi) * share[a];
     }
     if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H * tension->size < tension->threshold) continue;

@@ -20,6 +20,9 @@
    with that pull threads would not break (Rayleigh). There is no reference for this; forces from a function of the
    density are those of many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
 
+   Particles of different sizes: phi_b has the H of particle b and the volumes of its neighbours, and S_b its volume.
+   The pair's force is V_a times b's part, so b feels V_a/V_b of the acceleration.
+
    Rings: S of particle b is that of its whole ring, so a neighbour a feels b's part times the length of b's ring over
    that of its own, and phi_b falls as ring a grows: sigma S'_a phi_a/(V rho r) towards the axis, the pull of a hoop. A
    ring that is alone has none of it, for in flight it is a row of droplets; with the part of phi that is due to others,
@@ -57,7 +60,7 @@ static PetscReal Ramp(PetscReal none, PetscReal all, PetscReal x)
 
 PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient)
 {
-  const PetscReal place = PetscMin(gradient / tension->plane, 1) * WALL_TABLE;
+  const PetscReal place = PetscMin(tension->size * gradient / tension->plane, 1) * WALL_TABLE;
   const PetscInt  k     = PetscMin((PetscInt)place, WALL_TABLE - 1);
   const PetscReal flat  = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
                   t     = Ramp(LACK_NONE, LACK_ALL, flat - phi);
@@ -69,7 +72,7 @@ PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi)
 {
   const PetscReal low = PetscMax(phi, THICKNESS_SPRAY * tension->plane * tension->spacing);
 
-  return -2 * volume * tension->plane / (low * low);
+  return -2 * volume * tension->plane / (tension->size * low * low);
 }
 
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi)
@@ -92,12 +95,13 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
   float     s[CHUNK], W[CHUNK];
 
   LiquidPosition(liquid, p, x);
-  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, NULL);
+    if (tension->graded) WeighVolumes(tension, begin, m, W, NULL);
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < m; k++) {
       const PetscReal dx = cx[begin + k] - x[0], dy = cy[begin + k] - x[1], dz = cz[begin + k] - x[2];
@@ -175,8 +179,8 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
   float s[CHUNK], F[CHUNK], core[CHUNK];
 
   LiquidPosition(liquid, p, x);
-  KernelScales(tension->core, &scale_w, &core_f, &core_h2);
-  KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  TensionScales(tension, tension->core, &scale_w, &core_f, &core_h2);
+  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
@@ -199,7 +203,7 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
         continue;
       }
       for (PetscInt e = 0; e < DIM; e++) {
-        sum[e] += pull[e];
+        sum[e] += tension->graded ? cloud->weight[a] / cloud->weight[b] * pull[e] : pull[e];
         if (a < cloud->n_owned) out[DIM * a + e] -= pull[e] / cloud->rest_density[a];
       }
     }
@@ -210,9 +214,10 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
 
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[])
 {
-  Liquid    *liquid = &tension->liquid;
-  PetscInt   cell = -1, n = 0;
-  PetscReal *plane;
+  Liquid        *liquid  = &tension->liquid;
+  const PetscInt columns = COLUMNS(0, DIM) | (tension->graded ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
+  PetscInt       cell = -1, n = 0;
+  PetscReal     *plane;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, 6, &plane));
@@ -223,8 +228,9 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscR
     if (a >= cloud->n_owned || slope[a] == 0) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
-      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM), 1, &n));
+      PetscCall(LiquidCollect(liquid, cell, columns, 1, &n));
     }
+    tension->size = CloudSize(cloud, a);
     SecondMoments(tension, p, n, M);
     flatness = Flatness(tension->dim, M);
     slope[a] *= flatness;
@@ -244,6 +250,7 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscR
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
     }
+    tension->size = CloudSize(cloud, a);
     Pull(tension, cloud, p, n, slope[a], plane + 6 * a);
   }
   PetscCall(CloudRestoreWork(cloud, &plane));

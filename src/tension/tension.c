@@ -51,7 +51,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->calibration = 3.959;
   t->band        = 1;
   t->sharpening  = 2;
-  t->sheets      = (PetscBool)!domain->graded;
+  t->sheets      = PETSC_TRUE;
   t->threshold   = 0.2;
   t->same_side   = 0.2;
   t->thinnest    = 0.3;
@@ -118,8 +118,6 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                  "-tension_type " TENSION_CAHN_HILLIARD
                  " cannot be used with -spacing_coarse: its sums know particles of "
                  "one size only; " TENSION_CURVATURE " can");
-  PetscCheckUser(!tension->sheets || !tension->graded, tension->comm,
-                 "-tension_sheets cannot be used with -spacing_coarse yet");
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active && tension->setup) PetscCall(tension->setup(tension));

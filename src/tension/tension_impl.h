@@ -179,8 +179,32 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
     s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
 }
 
+/* TensionScales - KernelScales of W^H, or another kernel, at the size of the particle whose sums are made. */
+static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scale_w, PetscReal *scale_f,
+                                 PetscReal *inverse_h2)
+{
+  const PetscReal square = PetscSqr(tension->size);
+
+  KernelScales(kernel, scale_w, scale_f, inverse_h2);
+  if (!tension->graded) return;
+  *scale_w /= PetscPowRealInt(tension->size, (int)tension->dim);
+  *scale_f /= PetscPowRealInt(tension->size, (int)tension->dim) * square;
+  *inverse_h2 /= square;
+}
+
+/* WeighVolumes - multiplies W and F (may be NULL) of the m collected candidates from 'begin' on by their weights. */
+static inline void WeighVolumes(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
+{
+  const PetscReal *weight = tension->liquid.near + WEIGHT_COLUMN * tension->liquid.stride + begin;
+
+  for (PetscInt k = 0; k < m; k++) {
+    W[k] *= (float)weight[k];
+    if (F) F[k] *= (float)weight[k];
+  }
+}
+
 /* SheetShare - how far a particle with phi and |grad phi| (1/m) is one of a sheet too thin for normals: 0 not, 1 all.
-   Not collective. */
+   Here and below the sizes of graded particles are tension->size. Not collective. */
 PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient);
 /* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too) and phi has in a
    sheet. Not collective. */

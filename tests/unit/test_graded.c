@@ -214,6 +214,53 @@ static PetscErrorCode TestTension(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A flat sheet of one layer of particles, fine on one side and coarse on the other: each edge is pulled by 2 sigma, and
+   the forces between the sizes add up to none. */
+static PetscErrorCode TestSheet(void)
+{
+  const PetscReal L    = 16;
+  PetscReal       left = 0, right = 0, sum[DIM] = {0, 0, 0};
+  Setup           s;
+  ParticleArrays  arrays;
+  PetscMPIInt     rank;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen("-spacing 1 -spacing_coarse 2 -box_lower -30,0,-15 -box_upper 30,16,15 -box_y periodic -bodies a "
+                      "-a_tension 1 -a_density 1 -fine c -c_lower -30,0,-15 -c_upper 0,16,15 ",
+                      &s));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : 16 * 16 + 8 * 8));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt fine = a < 16 * 16, k = fine ? a : a - 16 * 16, width = fine ? 16 : 8, size = fine ? 1 : 2;
+    PetscReal     *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    x[0] = (fine ? -1 : 1) * (k / width + 0.5) * size;
+    x[1] = (k % width + 0.5) * size;
+    x[2] = 0;
+
+    arrays.real[FIELD_VOLUME][a] = size * size * size;
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal *force = s.cloud->field[FIELD_ACCELERATION] + DIM * a, x = s.cloud->field[FIELD_POSITION][DIM * a];
+
+    for (PetscInt d = 0; d < DIM; d++) sum[d] += s.cloud->volume[a] * force[d];
+    if (x < -8) left += s.cloud->volume[a] * force[0];
+    if (x > 8) right += s.cloud->volume[a] * force[0];
+  }
+  CHECK_CLOSE(SetupSum(left), 2 * L, 0.1 * 2 * L, "the pull of a sheet's edge where it is fine");
+  CHECK_CLOSE(SetupSum(right), -2 * L, 0.1 * 2 * L, "the pull of its edge where it is coarse");
+  for (PetscInt d = 0; d < DIM; d++) CHECK_CLOSE(SetupSum(sum[d]), 0, 1e-4 * L, "no force on the whole sheet");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static void Refused(const char options[], const char word[])
 {
   Setup          s;
@@ -234,6 +281,7 @@ int main(int argc, char **argv)
   PetscCall(TestScene(FLAT, 48 * 16));
   PetscCall(TestScene(DEEP, 10 * 10 * 15));
   PetscCall(TestTension());
+  PetscCall(TestSheet());
   if (size == 1) PetscCall(TestPair());
   Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 4 times -spacing");
   Refused(FLAT "-spacing_coarse 5 ", "must be one to 4 times");
@@ -243,7 +291,6 @@ int main(int argc, char **argv)
           "-dimension axisymmetric yet");
   Refused(FLAT "-solids b -b_shape sphere -b_radius 3 -b_center 0,5 ", "-solids cannot be used with");
   Refused(FLAT "-film_type emitter -film_velocity 1,0 ", "emitter cannot be used with");
-  Refused(FLAT "-film_tension 1 -tension_type curvature -tension_sheets ", "-tension_sheets cannot be used with");
   Refused(FLAT "-film_tension 1 -tension_type cahn_hilliard ", "cahn_hilliard cannot be used with");
   Refused(FLAT "-packing_type poisson ", "poisson cannot be used with -spacing_coarse");
   Refused(FLAT "-film_shape wave -film_wave_amplitude 1 -film_wave_length 48 ", "is a wave or a thread");
