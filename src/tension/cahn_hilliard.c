@@ -26,7 +26,7 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
    many with those beyond all reach that fill up the last vector. */
 static PetscErrorCode Narrow(Tension tension, PetscInt n, PetscInt columns, const PetscReal origin[DIM], PetscInt *m)
 {
-  const Liquid *liquid = &tension->liquid;
+  const Liquid *liquid = tension->liquid;
   float        *to;
 
   PetscFunctionBegin;
@@ -159,7 +159,7 @@ static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
 /* Whether particle a at x is one of those that the model is evaluated for. */
 static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
-  return (PetscBool)(a < cloud->n_owned && BandNear(&tension->band_cells, x));
+  return (PetscBool)(a < cloud->n_owned && BandNear(&tension->bands[0], x));
 }
 
 /* With -tension_density summed: the columns that the first pass reads. */
@@ -174,7 +174,7 @@ static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
     columns[2 * b]     = rest[b] / rho[b];
     columns[2 * b + 1] = rest[b];
   }
-  LiquidLoad(&tension->liquid, VOLUME_COLUMN, 2, columns);
+  LiquidLoad(tension->liquid, VOLUME_COLUMN, 2, columns);
   PetscCall(CloudRestoreWork(cloud, &columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -198,7 +198,7 @@ static void AddOwnForce(Tension tension, Cloud cloud, PetscInt a, const PetscRea
    summed that stress times rho_0/rho^2. */
 static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
-  Liquid         *liquid = &tension->liquid;
+  Liquid         *liquid = tension->liquid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
   const PetscBool summed      = tension->summed;
   PetscReal       origin[DIM] = {0};
@@ -233,7 +233,7 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
    Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds what AddOwnForce has left of that form. */
 static PetscErrorCode AddForce(Tension tension, Cloud cloud)
 {
-  Liquid         *liquid      = &tension->liquid;
+  Liquid         *liquid      = tension->liquid;
   const PetscReal V           = cloud->domain->volume;
   PetscReal       origin[DIM] = {0};
   PetscInt        cell = -1, n = 0, m = 0;
@@ -265,8 +265,8 @@ PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
-  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
-  PetscCall(BandMark(&tension->band_cells, cloud, tension->band * support + tension->spacing, support));
+  PetscCall(LiquidSort(tension->liquid, cloud, support, 1, NULL));
+  PetscCall(BandMark(&tension->bands[0], cloud, tension->band * support + tension->spacing, support));
   PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
   if (tension->summed) PetscCall(LoadDensities(tension, cloud));
   PetscCall(FindStress(tension, cloud, stress));
@@ -281,7 +281,7 @@ static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, 6, &stress));
   PetscCall(CahnHilliardStress(tension, cloud, stress));
   PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, stress));
-  LiquidLoad(&tension->liquid, DIM, 6, stress);
+  LiquidLoad(tension->liquid, DIM, 6, stress);
   PetscCall(CloudRestoreWork(cloud, &stress));
   PetscCall(AddForce(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

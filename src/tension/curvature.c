@@ -81,7 +81,7 @@ typedef struct {
 /* How far (m) from a wall the particles of a cell may have images among their neighbours. */
 static PetscReal ImageReach(Tension tension)
 {
-  return tension->size_most * tension->liquid.support + tension->liquid.grid.size;
+  return tension->size_most * tension->liquid->support + tension->liquid->grid.size;
 }
 
 static PetscBool NearWall(Tension tension, Domain domain, const PetscReal x[DIM])
@@ -121,7 +121,7 @@ static PetscBool MirrorNormal(Tension tension, PetscInt axis, PetscReal inward, 
    number. */
 static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, PetscReal inward, PetscInt width, PetscInt n)
 {
-  Liquid        *liquid = &tension->liquid;
+  Liquid        *liquid = tension->liquid;
   const PetscInt stride = liquid->stride;
   PetscInt       copies = n;
 
@@ -171,7 +171,7 @@ static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], Petsc
 static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM],
                                     PetscInt columns, PetscInt width, Around *around)
 {
-  Liquid        *liquid = &tension->liquid;
+  Liquid        *liquid = tension->liquid;
   const PetscInt cell   = LiquidCell(liquid, p);
   PetscBool      mirrored;
 
@@ -191,7 +191,7 @@ static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, 
 /* Multiplies W by the distances from the axis of the middles to a particle at x (m). */
 static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[])
 {
-  const PetscReal *r = tension->liquid.near + begin;
+  const PetscReal *r = tension->liquid->near + begin;
 
   for (PetscInt k = 0; k < m; k++) W[k] *= (float)(0.5 * PetscAbsReal(x[0] + r[k]) / tension->spacing);
 }
@@ -200,8 +200,8 @@ static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const Pets
 static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
                      PetscReal gradient[DIM])
 {
-  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + tension->liquid.stride,
-                            *restrict cz = cy + tension->liquid.stride;
+  const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + tension->liquid->stride,
+                            *restrict cz = cy + tension->liquid->stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
   PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
   float           s[CHUNK], W[CHUNK], F[CHUNK];
@@ -268,8 +268,8 @@ typedef struct {
 static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM],
                        float *restrict weight, Moments *out)
 {
-  const PetscInt stride        = tension->liquid.stride;
-  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+  const PetscInt stride        = tension->liquid->stride;
+  const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
   const PetscReal same_side = tension->same_side, x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
@@ -416,8 +416,8 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
 static PetscReal WeightedMean(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
                               const PetscReal n[DIM], const NormalFit *fit, PetscReal slope[DIM])
 {
-  const PetscInt stride        = tension->liquid.stride;
-  const PetscReal *restrict cx = tension->liquid.near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+  const PetscInt stride        = tension->liquid->stride;
+  const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict value = cx + 2 * DIM * stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
   PetscReal       along, f = 0, fx = 0, fy = 0, fz = 0;
@@ -449,13 +449,13 @@ static inline PetscReal Sigma(Cloud cloud, PetscInt a)
 #define VALUE_COLUMN  (2 * DIM)
 #define COLUMNS_TOTAL (VALUE_COLUMN + 1)
 
-/* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles near the surface; both are zero
-   elsewhere. slope: NULL, or sigma times SheetSlope times share of all owned particles in the band; share ([n_owned]):
-   SheetShare. */
-static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[],
+/* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
+   zero elsewhere. slope: NULL, or sigma times SheetSlope times share of all owned particles in the band; share
+   ([n_owned]): SheetShare. */
+static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, PetscReal normal[], PetscReal depth[],
                                   PetscReal slope[], PetscReal share[])
 {
-  Liquid         *liquid = &tension->liquid;
+  Liquid         *liquid = TensionLevel(tension, level);
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
   Around          around = {.cell = -1};
 
@@ -465,7 +465,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
     PetscReal      x[DIM], g[DIM], phi, length;
 
     LiquidPosition(liquid, p, x);
-    if (a >= cloud->n_owned || !BandNear(&tension->band_cells, x)) continue;
+    if (!TensionOwns(cloud, level, a) || !BandNear(&tension->bands[level], x)) continue;
     tension->size = CloudSize(cloud, a);
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, x, &phi, g);
@@ -482,13 +482,14 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscReal normal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds sigma kappa ([n_owned], Pa) of the owned particles that have a normal, and keeps the fits and the weights of
-   their neighbours for TakeMean. The depth is in its column. share: how far a particle is one of a thin sheet. */
-static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal share[],
-                                    PetscReal capillary[])
+/* Finds sigma kappa ([n_owned], Pa) of the owned particles of a level that have a normal, and keeps the fits and the
+   weights of their neighbours for TakeMean, behind 'used' ones. The depth is in its column. share: how far a particle
+   is one of a thin sheet. */
+static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
+                                    const PetscReal share[], PetscReal capillary[], PetscInt64 *used)
 {
-  Liquid    *liquid = &tension->liquid;
-  PetscInt64 used   = 0; /* weights */
+  Liquid    *liquid = TensionLevel(tension, level);
+  NormalFit *fit    = tension->fit[level];
   Around     around = {.cell = -1};
 
   PetscFunctionBegin;
@@ -498,29 +499,28 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const PetscRea
     Moments        m;
 
     LiquidPosition(liquid, p, x);
-    if (a >= cloud->n_owned) continue;
+    if (!TensionOwns(cloud, level, a)) continue;
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
-    if (used + around.n > tension->weight_capacity) {
-      tension->weight_capacity = 2 * (used + around.n);
+    if (*used + around.n > tension->weight_capacity) {
+      tension->weight_capacity = 2 * (*used + around.n);
       PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(float), &tension->weight));
     }
     tension->size = CloudSize(cloud, a);
-    SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + used, &m);
-    PrepareFit(tension, &m, &tension->fit[p]);
-    capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &tension->fit[p], x, normal + DIM * a);
+    SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + *used, &m);
+    PrepareFit(tension, &m, &fit[p]);
+    capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a);
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
-    used += around.n;
+    *used += around.n;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE become the mean over the neighbours of a value ([n_total], Pa), of which
-   the ghosts are current, and its slope. After FindCurvature, with the same particles. */
-static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
+/* TakeMean for the particles of a level, whose weights stand behind 'used' ones. */
+static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
+                                      const PetscReal value[], PetscInt64 *used)
 {
-  Liquid    *liquid = &tension->liquid;
-  PetscInt64 used   = 0; /* weights */
-  Around     around = {.cell = -1};
+  Liquid *liquid = TensionLevel(tension, level);
+  Around  around = {.cell = -1};
 
   PetscFunctionBegin;
   LiquidLoad(liquid, VALUE_COLUMN, 1, value);
@@ -529,13 +529,25 @@ static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal nor
     PetscReal      x[DIM];
 
     LiquidPosition(liquid, p, x);
-    if (a >= cloud->n_owned) continue;
+    if (!TensionOwns(cloud, level, a)) continue;
     PetscCall(
       CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM) | COLUMNS(VALUE_COLUMN, 1), COLUMNS_TOTAL, &around));
-    cloud->field[FIELD_CAPILLARY][a] = WeightedMean(tension, around.n, tension->weight + used, x, normal + DIM * a,
-                                                    &tension->fit[p], cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
-    used += around.n;
+    cloud->field[FIELD_CAPILLARY][a] =
+      WeightedMean(tension, around.n, tension->weight + *used, x, normal + DIM * a, &tension->fit[level][p],
+                   cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+    *used += around.n;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE become the mean over the neighbours of a value ([n_total], Pa), of which
+   the ghosts are current, and its slope. After FindCurvature, with the same particles. */
+static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
+{
+  PetscInt64 used = 0; /* weights */
+
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(TakeMeanOfLevel(tension, cloud, l, normal, value, &used));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -564,23 +576,26 @@ static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal norm
 /* Sorts the particles that have a normal, ghosts too, with normal and depth in their columns. */
 static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
 {
-  Liquid    *liquid = &tension->liquid;
   PetscBool *keep;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_total, &keep));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0);
-  PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), keep));
-  PetscCall(PetscFree(keep));
-  if (cloud->weight) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
-  LiquidLoad(liquid, DIM, DIM, normal);
-  LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
-  if (liquid->count > tension->fit_capacity) {
-    tension->fit_capacity = liquid->count + liquid->count / 4;
-    PetscCall(PetscFree(tension->fit));
-    PetscCall(PetscMalloc1(tension->fit_capacity, &tension->fit));
+  for (PetscInt l = 0; l < tension->levels; l++) {
+    Liquid *liquid = TensionLevel(tension, l);
+
+    PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), tension->largest[l], keep));
+    if (cloud->weight) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
+    LiquidLoad(liquid, DIM, DIM, normal);
+    LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
+    if (liquid->count > tension->fit_capacity[l]) {
+      tension->fit_capacity[l] = liquid->count + liquid->count / 4;
+      PetscCall(PetscFree(tension->fit[l]));
+      PetscCall(PetscMalloc1(tension->fit_capacity[l], &tension->fit[l]));
+    }
   }
+  PetscCall(PetscFree(keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -594,10 +609,14 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
 
   PetscFunctionBegin;
   /* |grad phi| H is below the default threshold 0.9 H deep; surface particles are half a spacing deep */
-  PetscCall(BandMark(&tension->band_cells, cloud, tension->size_most * KernelSmoothingLength(tension->kernel),
-                     tension->size_most * support));
-  PetscCall(LiquidSort(&tension->liquid, cloud, support, NULL));
-  if (cloud->weight) LiquidLoad(&tension->liquid, WEIGHT_COLUMN, 1, cloud->weight);
+  for (PetscInt l = 0; l < tension->levels; l++) {
+    Liquid *liquid = TensionLevel(tension, l);
+
+    PetscCall(BandMark(&tension->bands[l], cloud, tension->largest[l] * KernelSmoothingLength(tension->kernel),
+                       tension->size_most * support));
+    PetscCall(LiquidSort(liquid, cloud, support, tension->largest[l], NULL));
+    if (cloud->weight) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
+  }
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(depth, cloud->n_owned));
   PetscCall(PetscArrayzero(share, cloud->n_owned));
@@ -605,7 +624,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
     PetscCall(CloudGetWork(cloud, 1, &slope));
     PetscCall(PetscArrayzero(slope, cloud->n_owned));
   }
-  PetscCall(FindNormals(tension, cloud, normal, depth, slope, share));
+  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(FindNormals(tension, cloud, l, normal, depth, slope, share));
   if (tension->sheets) {
     PetscCall(SheetPull(tension, cloud, slope, share));
     PetscCall(CloudRestoreWork(cloud, &slope));
@@ -617,6 +636,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
 
 static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 {
+  PetscInt64 used = 0;                /* weights */
   PetscReal *normal, *share, *scalar; /* the depth, then sigma kappa */
 
   PetscFunctionBegin;
@@ -625,7 +645,8 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, 1, &share));
   PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
   PetscCall(SortNormals(tension, cloud, normal, scalar));
-  PetscCall(FindCurvature(tension, cloud, normal, share, scalar));
+  for (PetscInt l = 0; l < tension->levels; l++)
+    PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, &used));
   PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
   PetscCall(TakeMean(tension, cloud, normal, scalar));

@@ -1,7 +1,7 @@
 /* The liquid sorted into cells, and the part of it around a cell in columns, over which the compiler can vectorise. */
 #include "tension_impl.h"
 
-/* The largest size in each cell, from which LiquidCollect knows how far to reach. */
+/* The largest size of the liquid's level in each cell, from which LiquidCollect knows how far to reach. */
 static PetscErrorCode FindLargest(Liquid *liquid, Cloud cloud)
 {
   PetscFunctionBegin;
@@ -9,12 +9,15 @@ static PetscErrorCode FindLargest(Liquid *liquid, Cloud cloud)
   PetscCall(PetscFree(liquid->largest));
   PetscCall(PetscCalloc1(liquid->grid.count, &liquid->largest));
   for (PetscInt c = 0; c < liquid->grid.count; c++)
-    for (PetscInt p = liquid->grid.start[c]; p < liquid->grid.start[c + 1]; p++)
-      liquid->largest[c] = PetscMax(liquid->largest[c], cloud->size[LiquidParticle(liquid, p)]);
+    for (PetscInt p = liquid->grid.start[c]; p < liquid->grid.start[c + 1]; p++) {
+      const PetscInt a = LiquidParticle(liquid, p);
+
+      if (CloudLevel(cloud, a) == liquid->level) liquid->largest[c] = PetscMax(liquid->largest[c], cloud->size[a]);
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[])
+PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const PetscBool keep[])
 {
   const PetscInt *layer = cloud->integer[INT_LAYER],
                  across = (PetscInt)(support / (LIQUID_CELL * cloud->domain->spacing)),
@@ -36,7 +39,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const 
   PetscCall(PetscMalloc1(DIM * liquid->count, &x));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * liquid->index[k] + d];
-  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, support / cells, 1));
+  PetscCall(CellGridBuild(&liquid->grid, cloud->domain->dim, liquid->count, x, largest * support / cells, 1));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
   PetscCall(PetscFree(x));

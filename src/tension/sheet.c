@@ -89,7 +89,7 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
 /* The second moments M = sum W r (x) r of the n collected neighbours of the particle at place p. */
 static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6])
 {
-  const Liquid *liquid         = &tension->liquid;
+  const Liquid *liquid         = tension->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
   PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], scale_w, scale_f, inverse_h2;
   float     s[CHUNK], W[CHUNK];
@@ -172,7 +172,7 @@ static void PullRing(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[D
    collected candidates, and theirs on it. Column 3 holds the local indices. */
 static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope, const PetscReal P[6])
 {
-  const Liquid  *liquid = &tension->liquid;
+  const Liquid  *liquid = tension->liquid;
   const PetscInt b      = LiquidParticle(liquid, p);
   PetscReal *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, x[DIM], scale_w, scale_f, core_f, inverse_h2,
             core_h2;
@@ -212,20 +212,20 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
     for (PetscInt e = 0; e < DIM; e++) out[DIM * b + e] += sum[e] / cloud->rest_density[b];
 }
 
-PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[])
+/* Finds the planes ([n_owned][6]) of the owned thin particles of a level; slope and share become zero in threads. */
+static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, PetscReal slope[], PetscReal share[],
+                                 PetscReal plane[])
 {
-  Liquid        *liquid  = &tension->liquid;
+  Liquid        *liquid  = TensionLevel(tension, level);
   const PetscInt columns = COLUMNS(0, DIM) | (tension->graded ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
   PetscInt       cell = -1, n = 0;
-  PetscReal     *plane;
 
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 6, &plane));
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
     PetscReal      M[6], flatness;
 
-    if (a >= cloud->n_owned || slope[a] == 0) continue;
+    if (!TensionOwns(cloud, level, a) || slope[a] == 0) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, columns, 1, &n));
@@ -237,15 +237,23 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscR
     share[a] *= flatness;
     SheetPlane(tension->dim, M, plane + 6 * a);
   }
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));
-  PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, plane));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the forces between the thin particles of a level, ghosts too, and all others. */
+static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[],
+                              const PetscReal plane[])
+{
+  Liquid  *liquid = TensionLevel(tension, level);
+  PetscInt cell = -1, n = 0;
+
+  PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++)
     liquid->sorted[DIM * liquid->count + p] = (PetscReal)LiquidParticle(liquid, p);
-  cell = -1;
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
 
-    if (slope[a] == 0) continue;
+    if (slope[a] == 0 || CloudLevel(cloud, a) != level) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
@@ -253,6 +261,19 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscR
     tension->size = CloudSize(cloud, a);
     Pull(tension, cloud, p, n, slope[a], plane + 6 * a);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[])
+{
+  PetscReal *plane;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 6, &plane));
+  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(FindPlanes(tension, cloud, l, slope, share, plane));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));
+  PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, plane));
+  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(PullAll(tension, cloud, l, slope, plane));
   PetscCall(CloudRestoreWork(cloud, &plane));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

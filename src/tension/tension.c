@@ -44,6 +44,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->rings       = domain->rings;
   t->graded      = domain->graded;
   t->size        = 1;
+  t->liquid      = t->liquids;
   t->size_most   = DomainSizeMost(domain);
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
@@ -56,6 +57,10 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->same_side   = 0.2;
   t->thinnest    = 0.3;
   t->angle       = 90;
+  do {
+    t->liquids[t->levels].level = t->levels;
+    t->largest[t->levels]       = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
+  } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
   for (PetscInt d = 0; d < domain->dim; d++)
     if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
@@ -167,11 +172,13 @@ PetscErrorCode TensionDestroy(Tension *tension)
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
   PetscCall(KernelDestroy(&(*tension)->core));
-  PetscCall(LiquidReset(&(*tension)->liquid));
-  PetscCall(PetscFree((*tension)->fit));
   PetscCall(PetscFree((*tension)->weight));
   PetscCall(PetscFree((*tension)->single));
-  PetscCall(BandDestroy(&(*tension)->band_cells));
+  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+    PetscCall(LiquidReset(&(*tension)->liquids[l]));
+    PetscCall(BandDestroy(&(*tension)->bands[l]));
+    PetscCall(PetscFree((*tension)->fit[l]));
+  }
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -22,9 +22,10 @@
    index in the cloud. */
 typedef struct {
   CellGrid   grid;
-  PetscReal  support; /* m */
+  PetscReal  support; /* m, of size 1 */
   PetscInt   capacity, count, stride;
-  PetscReal *largest; /* [cells] of graded particles: the largest size in the cell; NULL: all have one size */
+  PetscInt   level;   /* of sizes: what is around its particles is collected */
+  PetscReal *largest; /* [cells] of graded particles: the largest size of this level in the cell; NULL: one size */
   PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within the support: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
@@ -41,8 +42,9 @@ static inline PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy,
   return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
 }
 
-/* LiquidSort - sorts the fluid particles whose keep flag ([n_total], NULL: all) is true. Not collective. */
-PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, const PetscBool keep[]);
+/* LiquidSort - sorts the fluid particles whose keep flag ([n_total], NULL: all) is true into cells for those of the
+   liquid's level, whose sizes are at most 'largest'. Not collective. */
+PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const PetscBool keep[]);
 /* LiquidLoad - fills 'width' columns from 'column' on with the values of a field ([n_total][width]). */
 void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[]);
 /* LiquidCollect - copies the columns whose bits are set (COLUMNS) of all particles within the support of cell c to
@@ -141,8 +143,12 @@ struct _p_Tension {
   PetscReal spacing, smoothing, ratio; /* d0, h (m); H/h */
   Kernel    kernel;                    /* W^H */
   Kernel    core;                      /* of SHEET_CORE H: sheet.c */
-  Liquid    liquid;
-  Band      band_cells;
+  Liquid   *liquid;                    /* the one in use */
+  /* Each level of sizes of graded particles has its own cells, otherwise there is one level. */
+  PetscInt  levels;
+  PetscReal largest[SIZE_LEVELS]; /* size in the level, 1 */
+  Liquid    liquids[SIZE_LEVELS];
+  Band      bands[SIZE_LEVELS];
   PetscReal wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
 
   PetscReal calibration, band; /* cahn_hilliard */
@@ -158,8 +164,8 @@ struct _p_Tension {
   PetscReal  depth[WALL_TABLE + 1];          /* depth (m) over the filled fraction 0.5 to 1 */
   PetscReal  fraction[WALL_TABLE + 1];       /* F over w1/w1(0) */
   PetscReal  plane, moment;                  /* w1(0), 1/m; int x^2 W dA over a plane, m */
-  NormalFit *fit;                            /* [fit_capacity], by place in the sorted liquid */
-  PetscInt   fit_capacity;
+  NormalFit *fit[SIZE_LEVELS];               /* [fit_capacity], by place in the sorted liquid of the level */
+  PetscInt   fit_capacity[SIZE_LEVELS];
   float     *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
   PetscInt64 weight_capacity;
 };
@@ -170,13 +176,25 @@ struct _p_Tension {
 static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], PetscReal inverse_h2,
                              float *restrict s)
 {
-  const PetscReal *restrict cx = tension->liquid.near + begin, *restrict cy = cx + tension->liquid.stride,
-                            *restrict cz = cy + tension->liquid.stride;
+  const PetscReal *restrict cx = tension->liquid->near + begin, *restrict cy = cx + tension->liquid->stride,
+                            *restrict cz = cy + tension->liquid->stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
 
   SIMD_LOOP()
   for (PetscInt k = 0; k < m; k++)
     s[k] = (float)((PetscSqr(x0 - cx[k]) + PetscSqr(y0 - cy[k]) + PetscSqr(z0 - cz[k])) * inverse_h2);
+}
+
+/* TensionLevel - takes the liquid of a level of sizes into use and returns it. TensionOwns - whether the sums of
+   particle a are made here: it is owned and of the level. */
+static inline Liquid *TensionLevel(Tension tension, PetscInt level)
+{
+  tension->liquid = &tension->liquids[level];
+  return tension->liquid;
+}
+static inline PetscBool TensionOwns(Cloud cloud, PetscInt level, PetscInt a)
+{
+  return (PetscBool)(a < cloud->n_owned && CloudLevel(cloud, a) == level);
 }
 
 /* TensionScales - KernelScales of W^H, or another kernel, at the size of the particle whose sums are made. */
@@ -195,7 +213,7 @@ static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scal
 /* WeighVolumes - multiplies W and F (may be NULL) of the m collected candidates from 'begin' on by their weights. */
 static inline void WeighVolumes(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
 {
-  const PetscReal *weight = tension->liquid.near + WEIGHT_COLUMN * tension->liquid.stride + begin;
+  const PetscReal *weight = tension->liquid->near + WEIGHT_COLUMN * tension->liquid->stride + begin;
 
   for (PetscInt k = 0; k < m; k++) {
     W[k] *= (float)weight[k];
