@@ -13,7 +13,7 @@
 
 typedef struct _p_Halo *Halo;
 
-#define SIZE_LEVELS  3  /* of graded particles by factors of 2 in size: see CloudLevel */
+#define SIZE_LEVELS  5  /* of graded particles by factors of sqrt(2) in size: see CloudLevel */
 #define SEARCH_LANES 16 /* candidates that the search reads at once: a grid's order has room for so many more */
 
 /* Cells over a set of points, numbered as by CellIndex; the points of cell c are order[start[c] .. start[c+1]). */
@@ -112,11 +112,14 @@ static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
   return cloud->size ? 0.5 * (cloud->size[a] + cloud->size[b]) : 1;
 }
 
-/* CloudLevelSize - the largest size in a level of sizes, but the last: a little more than a power of 2, so that the
-   fine spacing is alone in the first. CloudLevel - the level of particle a. Not collective. */
+/* CloudLevelSize - the largest size in a level of sizes: a little more than a power of sqrt(2), so that the fine
+   spacing is alone in the first. CloudLevel - the level of particle a; the last has all that are larger, too. Not
+   collective. */
 static inline PetscReal CloudLevelSize(PetscInt level)
 {
-  return 1.05 * (1 << level);
+  static const PetscReal largest[SIZE_LEVELS] = {1.05, 1.485, 2.1, 2.97, 4.2};
+
+  return largest[level];
 }
 static inline PetscInt CloudLevel(Cloud cloud, PetscInt a)
 {

@@ -4,6 +4,8 @@
    that a search looks at about as many candidates as one of particles of one size. */
 #include "search.h"
 
+#define LEVELS ((SIZE_LEVELS + 1) / 2) /* of sizes, by factors of 2: the first, then two of the cloud's each */
+
 /* Cells of a grid, SPLIT along x in one, and some more layers of them all around: the largest sizes of the particles
    that may be in pairs with one in the cell; 0: there are none. */
 typedef struct {
@@ -11,7 +13,7 @@ typedef struct {
   PetscReal lower[DIM], inverse; /* m; 1/m */
   /* [count] for a particle of the grid's level, those of this level and coarser ones; for a particle of a coarser
      level, those of the grid's level */
-  float *coarse[SIZE_LEVELS], *fine[SIZE_LEVELS];
+  float *coarse[LEVELS], *fine[LEVELS];
 } Blocks;
 
 /* The particles of a level, ghosts too. */
@@ -32,10 +34,15 @@ typedef struct {
   Units     units;
   PetscReal support;     /* of the kernel, m */
   float     limit, unit; /* support2/h2; of the Laplacian factors */
-  Level     level[SIZE_LEVELS];
+  Level     level[LEVELS];
   Run      *run;                                             /* of one row */
   float s[ROW_CAPACITY + LANES], size[ROW_CAPACITY + LANES]; /* of one row: r2/h2, then over h_ab2; of the neighbours */
 } GradedSearch;
+
+static inline PetscInt LevelOf(Cloud cloud, PetscInt a)
+{
+  return (CloudLevel(cloud, a) + 1) / 2;
+}
 
 /* Sorts the particles into the levels. */
 static PetscErrorCode FillLevels(Cloud cloud, Level level[])
@@ -44,17 +51,17 @@ static PetscErrorCode FillLevels(Cloud cloud, Level level[])
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    Level *own = &level[CloudLevel(cloud, a)];
+    Level *own = &level[LevelOf(cloud, a)];
 
     own->n++;
     own->largest = PetscMax(own->largest, cloud->size[a]);
   }
-  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+  for (PetscInt l = 0; l < LEVELS; l++) {
     PetscCall(PetscMalloc2(level[l].n, &level[l].point, DIM * level[l].n, &level[l].x));
     level[l].n = 0;
   }
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    Level *own = &level[CloudLevel(cloud, a)];
+    Level *own = &level[LevelOf(cloud, a)];
 
     for (PetscInt d = 0; d < DIM; d++) own->x[DIM * own->n + d] = x[DIM * a + d];
     own->point[own->n++] = a;
@@ -123,10 +130,10 @@ static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], 
 {
   const CellGrid *grid   = &level[own].grid;
   Blocks         *blocks = &level[own].blocks;
-  PetscInt        reach[SIZE_LEVELS], layers = 1;
+  PetscInt        reach[LEVELS], layers = 1;
 
   PetscFunctionBegin;
-  for (PetscInt l = own; l < SIZE_LEVELS; l++) {
+  for (PetscInt l = own; l < LEVELS; l++) {
     reach[l] = l > own ? LevelReach(support, &level[own], &level[l]) : 1;
     layers   = PetscMax(layers, reach[l]);
   }
@@ -137,7 +144,7 @@ static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], 
     blocks->n[d]     = d >= dim ? 1 : (d > 0 ? grid->n[d] : (grid->n[0] - 1) / SPLIT + 1) + 2 * layers;
     blocks->count *= blocks->n[d];
   }
-  for (PetscInt l = own; l < SIZE_LEVELS; l++) {
+  for (PetscInt l = own; l < LEVELS; l++) {
     if (!level[l].n) continue;
     PetscCall(FindLargest(blocks, dim, &level[l], reach[l], &blocks->coarse[l]));
     if (l > own) PetscCall(FindLargest(blocks, dim, &level[own], reach[l], &blocks->fine[l]));
@@ -183,14 +190,14 @@ static PetscErrorCode SearchCreate(Cloud cloud, GradedSearch *search)
   /* V_a V_b F grows with the size to the power of the dimension less two */
   search->unit = (float)PetscPowRealInt(cloud->size_most, (int)cloud->domain->dim - 2) * slope[0] / -(float)UINT16_MAX;
   PetscCall(FillLevels(cloud, search->level));
-  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+  for (PetscInt l = 0; l < LEVELS; l++) {
     PetscInt candidates = 0;
 
     if (!search->level[l].n) continue;
     PetscCall(SortLevel(cloud, &search->units, search->support, &search->level[l], &candidates));
     most = PetscMax(most, candidates);
   }
-  for (PetscInt l = 0; l < SIZE_LEVELS; l++)
+  for (PetscInt l = 0; l < LEVELS; l++)
     if (search->level[l].n) PetscCall(SetBlocks(cloud->domain->dim, search->support, search->level, l));
   PetscCall(PetscMalloc1(most / LANES + 3, &search->run));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -199,14 +206,14 @@ static PetscErrorCode SearchCreate(Cloud cloud, GradedSearch *search)
 static PetscErrorCode SearchDestroy(GradedSearch *search)
 {
   PetscFunctionBegin;
-  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+  for (PetscInt l = 0; l < LEVELS; l++) {
     Level *level = &search->level[l];
 
     PetscCall(PetscFree2(level->point, level->x));
     if (!level->n) continue;
     PetscCall(CellGridReset(&level->grid));
     PetscCall(PetscFree3(level->place, level->size, level->index));
-    for (PetscInt k = 0; k < SIZE_LEVELS; k++) {
+    for (PetscInt k = 0; k < LEVELS; k++) {
       PetscCall(PetscFree(level->blocks.coarse[k]));
       PetscCall(PetscFree(level->blocks.fine[k]));
     }
@@ -317,14 +324,14 @@ static inline PetscInt FindLevelRuns(Cloud cloud, const GradedSearch *search, Pe
 static PetscInt FindNeighbors(Cloud cloud, GradedSearch *search, PetscInt a, PetscInt list[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, size = cloud->size[a];
-  const PetscInt   own       = CloudLevel(cloud, a);
+  const PetscInt   own       = LevelOf(cloud, a);
   const Units     *units     = &search->units;
   const int32_t    p[DIM]    = {(int32_t)Place(units, 0, x[0]), (int32_t)Place(units, 1, x[1]),
                                 (int32_t)Place(units, 2, x[2])};
   const float      unit[DIM] = {units->unit[0], units->unit[1], units->unit[2]}, limit = search->limit;
   PetscInt         found = 0, block = -1; /* of the finer one of both levels */
 
-  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+  for (PetscInt l = 0; l < LEVELS; l++) {
     const Level *level = &search->level[l];
     PetscInt     runs;
 
