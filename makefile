@@ -16,7 +16,7 @@
 #                                           a case, against its solution; tradeoff-readme: in tests/tradeoff/
 #   make solver-sweep               every solver of PETSc's: right or refused in a sentence; table in tests/solvers/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
-#   PORTABLE=1   code for any processor of the architecture instead of this one
+#   PORTABLE=1   code for any processor of the architecture, which takes what a machine has when it starts; ARCH=-march=...  for one
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
 CC        = mpicc
@@ -27,9 +27,10 @@ PKG_PATH  = $(if $(PETSC_DIR),$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)$(if $(S
 PKG       = PKG_CONFIG_PATH=$(PKG_PATH)$$PKG_CONFIG_PATH pkg-config
 PACKAGES  = SLEPc PETSc hdf5-openmpi
 ARCH      = $(if $(PORTABLE),,-march=native)
+PIC       =
 CFLAGS    = -O3 $(ARCH) -g
 WARNINGS  = -Wall -Wextra -Werror -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-pass-failed -Wno-psabi
-ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
+ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(PIC) -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
 LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 
 SOURCES   = $(filter-out src/main.c,$(wildcard src/*/*.c))
@@ -37,8 +38,27 @@ OBJECTS   = $(SOURCES:src/%.c=$(BUILD)/%.o)
 
 all: $(PROGRAM)
 
+# The portable program on x86: all but main() is a library, once for each level of the architecture, and the loader takes
+# the highest that the processor has from lib/glibc-hwcaps. Elsewhere, and without PORTABLE=1, it is one program.
+ifeq ($(if $(PORTABLE),$(shell uname -m)),x86_64)
+LIBRARY   = libisph.so
+LIBRARIES = $(LIBRARY:%=$(BUILD)/lib/%) $(patsubst %,$(BUILD)/lib/glibc-hwcaps/%/$(LIBRARY),x86-64-v3 x86-64-v4)
+LEVEL     = $(or $(filter x86-64-v%,$(subst /, ,$@)),x86-64)
+$(LIBRARIES): force
+	@mkdir -p $(@D); $(MAKE) --no-print-directory PORTABLE= BUILD=$(BUILD)/$(LEVEL) ARCH=-march=$(LEVEL) \
+	  PIC="-fPIC -fno-semantic-interposition" SHARED=$@ $@
+
+$(PROGRAM): $(BUILD)/main.o $(LIBRARIES)
+	@echo LD $@; $(CC) $(CFLAGS) -o $@ $< -L$(BUILD)/lib -lisph -Wl,-rpath,'$$ORIGIN/$(BUILD)/lib:$$ORIGIN/../lib/isph' $(LIBS)
+else
 $(PROGRAM): $(BUILD)/main.o $(OBJECTS)
 	@echo LD $@; $(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+endif
+
+ifdef SHARED
+$(SHARED): $(OBJECTS)
+	@echo LD $@; $(CC) $(CFLAGS) -shared -Wl,-Bsymbolic -o $@ $^ $(LIBS)
+endif
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(dir $@)
@@ -165,6 +185,8 @@ PREFIX = /usr/local
 SHARE  = $(DESTDIR)$(PREFIX)/share/isph
 install: isph
 	install -D -m 755 isph $(DESTDIR)$(PREFIX)/bin/isph
+	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
+	  install -D -m 755 $(BUILD)/lib/$$library $(DESTDIR)$(PREFIX)/lib/isph/$$library || exit 1; done
 	install -d $(SHARE)/pictures $(SHARE)/options/cluster
 	install -m 644 options/*.opts $(SHARE)/options
 	install -m 644 options/cluster/* $(SHARE)/options/cluster

@@ -1,6 +1,6 @@
 /* What the command line asks: options files that include themselves, which PETSc follows until the stack ends; plain
    arguments; and help. */
-#include "base.h"
+#include "simd.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -150,8 +150,8 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
       return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", word, word);
   }
   if (*stop && !rank)
-    (void)printf("isph %s, PETSc %d.%d.%d\n", ISPH_VERSION, PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
-                 PETSC_VERSION_SUBMINOR);
+    (void)printf("isph %s, PETSc %d.%d.%d, code for %s\n", ISPH_VERSION, PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
+                 PETSC_VERSION_SUBMINOR, SIMD_NAME);
   if (!rank) bad = CheckFiles(comm, *argc, *argv) != PETSC_SUCCESS; /* rank 0 reads options files, in PETSc too */
   (void)MPI_Bcast(&bad, 1, MPI_INT, 0, comm);
   return bad ? UserErrorSaid() : PETSC_SUCCESS;

@@ -10,8 +10,13 @@
 #endif
 #if defined(__AVX512F__)
   #define SIMD_WIDTH 8
+  #define SIMD_NAME  "AVX-512"
+#elif defined(__AVX2__)
+  #define SIMD_WIDTH 4
+  #define SIMD_NAME  "AVX2"
 #else
   #define SIMD_WIDTH 4
+  #define SIMD_NAME  "any processor of its architecture"
 #endif
 #include "base.h"
 

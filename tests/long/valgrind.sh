@@ -4,7 +4,7 @@ cd "$(dirname "$0")/../.." || exit 1
 command -v valgrind >/dev/null || { echo "ok valgrind (not installed, not run)"; exit 0; }
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 scratch=$(mktemp -d); trap 'rm -rf "$scratch"' EXIT
-make -s PORTABLE=1 BUILD=output/portable PROGRAM=output/portable/isph output/portable/isph || exit 1
+make -s ARCH= BUILD=output/portable PROGRAM=output/portable/isph output/portable/isph || exit 1
 valgrind --log-file="$scratch/log" output/portable/isph -options_file tests/sanitizers/scene.opts -steps_max 10 \
   -output_dir "$scratch/run" >"$scratch/out" 2>&1
 code=$?
