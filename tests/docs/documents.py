@@ -121,7 +121,8 @@ with open(scene, encoding="utf-8") as file:
     good = file.read()
 for name, text, words in (("in_mm", good.replace("e-3", ""), "lengths not in m"),
                           ("coarse", good + "-spacing 0.5e-3\n", "only 4 spacings across"),
-                          ("short_waves", good + "-film_shape wave\n-film_wave_amplitude 1e-5\n-film_wave_length 1e-3\n",
+                          ("short_waves",
+                           good + "-film_shape wave\n-film_wave_amplitude 1e-5\n-film_wave_length 1e-3\n",
                            "waves of film are only 10 spacings long"),
                           ("radians", good + "-wall_contact_angle 1.9\n", "1.9 radians are 108.9 degrees")):
     with open(runs.scratch(name + ".opts"), "w", encoding="utf-8") as file:

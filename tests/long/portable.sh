@@ -6,7 +6,8 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 scratch=$(mktemp -d); trap 'rm -rf "$scratch"' EXIT
 build="$scratch/tree"
 mkdir "$build" && cp -r makefile src options cases "$build" || exit 1
-(make -s -j2 -C "$build" PORTABLE=1 && make -s -C "$build" PORTABLE=1 install PREFIX="$scratch/to") >"$scratch/log" 2>&1 ||
+portable() { make -s -j2 -C "$build" PORTABLE=1 "$@" >"$scratch/log" 2>&1; }
+{ portable && portable install PREFIX="$scratch/to"; } ||
   { tail -5 "$scratch/log"; echo "FAIL portable: it does not build"; exit 1; }
 rm -rf "$build"
 failed=0
