@@ -67,6 +67,14 @@ static inline PetscReal Dot(const PetscReal a[DIM], const PetscReal b[DIM])
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Cross - c = a x b. */
+static inline void Cross(const PetscReal a[DIM], const PetscReal b[DIM], PetscReal c[DIM])
+{
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 static inline PetscReal Norm(const PetscReal a[DIM])
 {
   return PetscSqrtReal(Dot(a, a));

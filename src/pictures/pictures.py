@@ -75,7 +75,7 @@ def sections(run, states, color, ends, folder):
     for panel, state in zip(axes, states):
         views.section(panel, run, state, color, ends, unit)
         panel.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
-        panel.set_title(data.duration(state.time), fontsize=10)
+        panel.set_title(f"t = {data.duration(state.time)}", fontsize=10)
         panel.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
         panel.label_outer()
     key(figure, axes, run, color, ends)
@@ -104,7 +104,7 @@ def surfaces(run, states, arguments, ends, folder):
             panel.imshow(views.picture(run, state, arguments.color, ends, colormap, view, half))
             panel.set(xticks=[], yticks=[])
             panel.spines[:].set_color("0.8")
-            panel.set_title(data.duration(state.time), fontsize=10)
+            panel.set_title(f"t = {data.duration(state.time)}", fontsize=10)
         scale_bar(axes[-1], view)
         key(figure, axes, run, arguments.color, ends)
         save(figure, folder, name)

@@ -176,15 +176,15 @@ class Run:
 
 def duration(seconds):
     """Text of a time and its unit."""
-    for factor, unit in ((1, "s"), (1e3, "ms"), (1e6, "us")):
+    for factor, unit in ((1, "s"), (1e3, "ms"), (1e6, "µs")):
         if abs(seconds) * factor >= 1:
             return f"{seconds * factor:.3g} {unit}"
-    return f"{seconds * 1e6:.3g} us" if seconds else "0"
+    return f"{seconds * 1e6:.3g} µs" if seconds else "0 s"
 
 
 def scale(length):
     """Factor and unit in which a length (m) is a handy number."""
-    return (1e6, "um") if length < 1e-3 else (1e3, "mm") if length < 1 else (1, "m")
+    return (1e6, "µm") if length < 1e-3 else (1e3, "mm") if length < 1 else (1, "m")
 
 
 def bar(width):

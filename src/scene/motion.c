@@ -82,13 +82,13 @@ static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM
   AddTable(m, time, shift, rate);
 }
 
-/* R at the time (s), after Rodrigues. */
-static void Turn(const struct _p_Motion *m, PetscReal time, PetscReal turn[DIM][DIM])
+/* The matrix of a rotation with this rate (rad/s) for a time (s), after Rodrigues. */
+static void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM])
 {
-  const PetscReal size = Norm(m->rate), c = PetscCosReal(size * time), s = PetscSinReal(size * time);
+  const PetscReal size = Norm(rate), c = PetscCosReal(size * time), s = PetscSinReal(size * time);
   PetscReal       n[DIM] = {0, 0, 0};
 
-  for (PetscInt d = 0; d < DIM && size > 0; d++) n[d] = m->rate[d] / size;
+  for (PetscInt d = 0; d < DIM && size > 0; d++) n[d] = rate[d] / size;
   for (PetscInt i = 0; i < DIM; i++)
     for (PetscInt j = 0; j < DIM; j++) {
       const PetscInt k = DIM - i - j; /* the third direction, where i and j differ */
@@ -142,25 +142,21 @@ PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The angular velocity as a vector; refuses what is none. */
-static PetscErrorCode CheckRate(Body body)
+PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, PetscReal rate[DIM + 1])
 {
-  Domain            domain = body->domain;
-  struct _p_Motion *m      = body->motion;
-  const PetscBool   flat   = (PetscBool)(domain->dim == 2);
+  const PetscBool flat = (PetscBool)(domain->dim == 2);
 
   PetscFunctionBegin;
-  PetscCheckUser(m->rates == 0 || m->rates == DIM || (flat && m->rates == 1), domain->comm,
-                 "-%srotation_rate must have %s", body->prefix,
-                 flat ? "one number, or three of which the first two are 0" : "three numbers");
-  if (m->rates == 1) {
-    m->rate[2] = m->rate[0];
-    m->rate[0] = 0;
+  PetscCheckUser(count == 0 || count == DIM || (flat && count == 1), domain->comm, "-%srotation_rate must have %s",
+                 prefix, flat ? "one number, or three of which the first two are 0" : "three numbers");
+  if (count == 1) {
+    rate[2] = rate[0];
+    rate[0] = 0;
   }
-  PetscCheckUser(!PetscIsInfOrNanReal(m->rate[0] + m->rate[1] + m->rate[2]), domain->comm,
-                 "-%srotation_rate must have finite numbers", body->prefix);
-  PetscCheckUser(!flat || (m->rate[0] == 0 && m->rate[1] == 0), domain->comm,
-                 "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", body->prefix);
+  PetscCheckUser(!PetscIsInfOrNanReal(rate[0] + rate[1] + rate[2]), domain->comm,
+                 "-%srotation_rate must have finite numbers", prefix);
+  PetscCheckUser(!flat || (rate[0] == 0 && rate[1] == 0), domain->comm,
+                 "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,7 +255,7 @@ PetscErrorCode MotionSetUp(Body body)
   struct _p_Motion *m      = body->motion;
 
   PetscFunctionBegin;
-  PetscCall(CheckRate(body));
+  PetscCall(RateCheck(domain, body->prefix, m->rates, m->rate));
   PetscCall(ShareTable(body));
   PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
@@ -276,7 +272,7 @@ void MotionSetTime(Body body, PetscReal time)
 {
   if (!body->motion) return;
   Shift(body->motion, time, body->motion->shift, NULL);
-  Turn(body->motion, time, body->motion->turn);
+  RotationMatrix(body->motion->rate, time, body->motion->turn);
 }
 
 void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
@@ -321,10 +317,10 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
   PetscReal               shift[DIM], turn[DIM][DIM], y[DIM];
 
   Shift(m, from, shift, NULL);
-  Turn(m, from, turn);
+  RotationMatrix(m->rate, from, turn);
   Back(m, shift, turn, x, y);
   Shift(m, to, shift, NULL);
-  Turn(m, to, turn);
+  RotationMatrix(m->rate, to, turn);
   for (PetscInt i = 0; i < DIM; i++) {
     x[i] = m->center[i] + shift[i];
     for (PetscInt j = 0; j < DIM; j++) x[i] += turn[i][j] * (y[j] - m->center[j]);
@@ -334,14 +330,14 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
 void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const struct _p_Motion *m = solid->motion;
-  PetscReal               shift[DIM], r[DIM];
+  PetscReal               shift[DIM], r[DIM], turned[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
   if (!m) return;
   Shift(m, time, shift, v);
   for (PetscInt d = 0; d < DIM; d++) r[d] = x[d] - m->center[d] - shift[d];
-  for (PetscInt d = 0; d < DIM; d++)
-    v[d] += m->rate[(d + 1) % DIM] * r[(d + 2) % DIM] - m->rate[(d + 2) % DIM] * r[(d + 1) % DIM];
+  Cross(m->rate, r, turned);
+  for (PetscInt d = 0; d < DIM; d++) v[d] += turned[d];
 }
 
 PetscBool SceneSolidsMove(Scene scene)

@@ -88,6 +88,7 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names
   PetscCall(OptionReal("-gravity_frequency", "Frequency f of that part (Hz)", "[0, inf)", &frequency));
   PetscCall(OptionReal("-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
                        "[0, inf)", &scene->central_rate));
+  PetscCall(FrameSetFromOptions(scene, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCheckUser(frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
                  "-gravity_amplitude needs -gravity_frequency, in Hz");
@@ -224,6 +225,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
     PetscCall(RegionSetFromOptions(scene->fine[b], &Choices));
     PetscCall(BodyCheckInside(scene->fine[b]));
   }
+  PetscCall(FrameCheck(scene));
   PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
   PetscCall(SceneCheckOverlap(scene));
@@ -347,6 +349,7 @@ void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
 
   for (PetscInt d = 0; d < DIM; d++)
     g[d] = scene->gravity[d] + scene->shake[d] - (d < scene->domain->dim ? square * x[d] : 0);
+  if (SceneFrameTurns(scene)) FrameAdd(scene, x, g);
 }
 
 /* The acceleration is minus its gradient. */
@@ -356,7 +359,7 @@ PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM])
   PetscReal       energy = 0;
 
   for (PetscInt d = 0; d < scene->domain->dim; d++) energy += x[d] * (0.5 * square * x[d] - scene->gravity[d]);
-  return energy;
+  return SceneFrameTurns(scene) ? energy + FramePotential(scene, x) : energy;
 }
 
 PetscBool SceneHasViscosity(Scene scene)

@@ -57,7 +57,8 @@ typedef struct _p_Scene *Scene;
 /* SceneCreate - a scene in a domain (borrowed, must outlive the scene). Collective. */
 PetscErrorCode SceneCreate(Domain domain, Scene *scene);
 /* SceneSetFromOptions - reads the bodies, -gravity (m/s2), -gravity_amplitude (m/s2), -gravity_frequency (Hz),
-   -central_force_rate (1/s; acceleration -rate^2 x about the origin). Refuses unknown shapes and velocity types, names
+   -central_force_rate (1/s; acceleration -rate^2 x about the origin), -frame_rotation_rate (rad/s),
+   -frame_rotation_center (m). Refuses unknown shapes and velocity types, names
    that are not identifiers or appear twice, no body at all, non-positive sizes and densities, negative viscosity or
    tension, a body wholly outside the box, and bodies that overlap (more than rounding; checked on the points of a
    lattice of the particle spacing). Collective. */
@@ -140,8 +141,11 @@ PetscBool SceneEmits(Scene scene);
 void SceneSetTime(Scene scene, PetscReal time);
 /* SceneShaking - the part of gravity that swings, at that time (m/s2). */
 void SceneShaking(Scene scene, PetscReal shake[DIM]);
-/* SceneAcceleration - gravity and central force g (m/s2) at x (m). SceneForcePotential - its potential energy a unit
-   mass (J/kg), without the part that swings. */
+/* SceneFrameTurns - whether the scene is seen in a frame that turns. SceneFrameRate - how fast (rad/s). */
+PetscBool SceneFrameTurns(Scene scene);
+void      SceneFrameRate(Scene scene, PetscReal rate[DIM]);
+/* SceneAcceleration - gravity, central and centrifugal force g (m/s2) at x (m). SceneForcePotential - its potential
+   energy a unit mass (J/kg), without the part that swings. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has one: modules nobody needs are skipped. */

@@ -75,12 +75,14 @@ struct _p_Scene {
   PetscInt  solids;
   Body      solid[SCENE_MAX_BODIES];
   PetscInt  fine_regions;
-  Body      fine[SCENE_MAX_BODIES];            /* shapes alone, around which the spacing is fine */
-  PetscReal gravity[DIM];                      /* m/s2 */
-  PetscReal central_rate;                      /* 1/s */
-  PetscReal amplitude[DIM], angular_frequency; /* of the part of gravity that swings, m/s2, rad/s */
-  PetscReal solid_time;                        /* at which solids are asked where they are, s */
-  PetscReal shake[DIM];                        /* that part at the time set last, m/s2 */
+  Body      fine[SCENE_MAX_BODIES];                 /* shapes alone, around which the spacing is fine */
+  PetscReal gravity[DIM];                           /* m/s2 */
+  PetscReal central_rate;                           /* 1/s */
+  PetscReal amplitude[DIM], angular_frequency;      /* of the part of gravity that swings, m/s2, rad/s */
+  PetscReal frame_rate[DIM + 1], frame_center[DIM]; /* rad/s; m; one number more, to notice too many */
+  PetscInt  frame_rates;                            /* numbers given */
+  PetscReal solid_time;                             /* at which solids are asked where they are, s */
+  PetscReal shake[DIM];                             /* that part at the time set last, m/s2 */
 };
 
 /* The tables of shapes, one file each, and of types; registered in scene.c. The type's options are read last: it may
@@ -117,6 +119,17 @@ PetscErrorCode MotionSetUp(Body body);
 PetscErrorCode MotionView(Body body, PetscViewer viewer);
 PetscErrorCode MotionDestroy(Body body);
 void           MotionSetTime(Body body, PetscReal time);
+/* RateCheck - makes what was read from -<prefix>rotation_rate, 'count' numbers, a vector (rad/s), and refuses
+   (UserError) what is none. Collective. */
+PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, PetscReal rate[DIM + 1]);
+/* FrameSetFromOptions - reads -frame_rotation_rate and -frame_rotation_center inside an options block; FrameCheck -
+   refuses (UserError) what does not turn with it. Collective. FrameAdd - adds the centrifugal acceleration at x (m) to
+   g (m/s2). FramePotential - its potential energy a unit mass (J/kg). FrameView - prints the frame if it turns. */
+PetscErrorCode FrameSetFromOptions(Scene scene, OptionItems PetscOptionsObject);
+PetscErrorCode FrameCheck(Scene scene);
+void           FrameAdd(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
+PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
+PetscErrorCode FrameView(Scene scene, PetscViewer viewer);
 /* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);

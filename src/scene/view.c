@@ -107,6 +107,7 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
                            "Scene: %" PetscInt_FMT " bodies, gravity %g, %g, %g m/s2, central force rate %g 1/s\n",
                            scene->count, (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
   PetscCall(PetscViewerASCIIPushTab(viewer));
+  PetscCall(FrameView(scene, viewer));
   for (PetscInt b = 0; b < scene->count; b++) {
     PetscCall(BodyView(scene->body[b], viewer));
     PetscCall(PetscViewerASCIIPushTab(viewer));

@@ -104,6 +104,33 @@ static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the acceleration of Coriolis, -2 W x (v + v')/2, v the velocity before and v' after the step, to
+   FIELD_VELOCITY_STAR, to which all else has been added: with t = W dt, v' + t x v' = v* - t x v. The pressure of the
+   former step acts on the way, as in SolveViscosity: what it balances must not be turned. */
+static PetscErrorCode AddCoriolis(Stepper stepper, PetscReal dt)
+{
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *v     = cloud->field[FIELD_VELOCITY];
+  PetscReal       *push, t[DIM];
+
+  PetscFunctionBegin;
+  SceneFrameRate(cloud->scene, t);
+  for (PetscInt d = 0; d < DIM; d++) t[d] *= dt;
+  PetscCall(CloudGetWork(cloud, DIM, &push));
+  PetscCall(PressureAcceleration(stepper->pressure, push));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR] + DIM * a, b[DIM], turned[DIM];
+
+    Cross(t, v + DIM * a, turned);
+    for (PetscInt d = 0; d < DIM; d++) b[d] = v_star[d] + dt * push[DIM * a + d] - turned[d];
+    Cross(t, b, turned);
+    for (PetscInt d = 0; d < DIM; d++)
+      v_star[d] = (b[d] - turned[d] + Dot(t, b) * t[d]) / (1 + Dot(t, t)) - dt * push[DIM * a + d];
+  }
+  PetscCall(CloudRestoreWork(cloud, &push));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial)
 {
   Cloud            cloud        = stepper->cloud;
@@ -122,6 +149,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];
+  if (SceneFrameTurns(cloud->scene) && !stepper->relaxing) PetscCall(AddCoriolis(stepper, dt));
   PetscCall(
     PetscArraycpy(v_star + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
   if (stepper->viscous.implicit)

@@ -179,7 +179,8 @@ static PetscErrorCode CheckRings(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solids move with the liquid's positions, half way and at the end of a step. */
+/* Solids move with the liquid's positions, half way and at the end of a step; frames that turn were tried with this
+   scheme alone. */
 static PetscErrorCode CheckSolids(Stepper s)
 {
   PetscBool consistent;
@@ -189,6 +190,8 @@ static PetscErrorCode CheckSolids(Stepper s)
   PetscCheckUser(!SceneSolidsMove(s->cloud->scene) || (consistent && s->force_time > 0), s->cloud->comm,
                  "a solid of the scene moves, which needs -scheme " SCHEME_CONSISTENT " with -time_centered, the "
                  "default");
+  PetscCheckUser(!SceneFrameTurns(s->cloud->scene) || consistent, s->cloud->comm,
+                 "-frame_rotation_rate needs -scheme " SCHEME_CONSISTENT ", the default");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -241,4 +241,10 @@ for name, meant in (("-scheme weakly_compressible", "-scheme weakly_compressible
     refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse yet"])
 refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
 refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
+TURN = "-frame_rotation_rate 0,0,1 "
+for name, more, words in (("gravity", TURN + "-gravity 0,-1,0", ["-gravity", "along the axis"]),
+                          ("periodic", TURN + "-box_x periodic", ["-box_xmin is periodic or symmetry"]),
+                          ("one number", "-frame_rotation_rate 1", ["-frame_rotation_rate must have three numbers"]),
+                          ("scheme", TURN + "-scheme density_invariant", ["-frame_rotation_rate needs -scheme"])):
+    refused("frame that turns, " + name, GOOD + more, words)
 runs.done()

@@ -90,7 +90,8 @@ for model, numbers in MODELS.items():
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
-ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank")]
+ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
+            Entry("rotating_cup"), Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
@@ -190,7 +191,8 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank"}
-DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston"}  # solids do not move with the printed scheme
+# solids do not move with the printed scheme
+DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
