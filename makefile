@@ -159,26 +159,27 @@ bench: isph
 bench-readme:
 	@$(PYTHON) tests/bench/bench.py --readme
 
-# make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures
+# make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures;
+#                                                     FLAGS=--help lists the others, here and with film, report, mesh
 # make film RUN=output/my                             figures/film.mp4, a frame a snapshot
 # make report RUN=output/my                           report.html: one page that shows the run, its surface to turn and play
 # make mesh RUN=output/my                             mesh/surface_*.vtp and surface.pvd; FLAGS="--format ply --particles"
 FLAGS =
 pictures:
 	@tests/packages.sh pictures
-	@$(PYTHON) src/pictures/pictures.py $(FLAGS) $(RUN)
+	@$(PYTHON) src/pictures/pictures.py "$(RUN)" $(FLAGS)
 
 film:
 	@tests/packages.sh pictures film
-	@$(PYTHON) src/pictures/film.py $(FLAGS) $(RUN)
+	@$(PYTHON) src/pictures/film.py "$(RUN)" $(FLAGS)
 
 mesh:
 	@tests/packages.sh pictures
-	@$(PYTHON) src/pictures/mesh.py $(FLAGS) $(RUN)
+	@$(PYTHON) src/pictures/mesh.py "$(RUN)" $(FLAGS)
 
 report:
 	@tests/packages.sh pictures
-	@$(PYTHON) src/pictures/report.py $(FLAGS) $(RUN)
+	@$(PYTHON) src/pictures/report.py "$(RUN)" $(FLAGS)
 
 # make install PREFIX=$HOME/isph   program, manual page, completion, options, cases and pictures; PORTABLE=1 for a cluster of mixed machines
 PREFIX = /usr/local

@@ -2,17 +2,19 @@
 """Pictures of any run, for a paper or a look.
 
     pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG]
-                [--dpi N]
+                [--curves NAME ...] [--format png|pdf|svg ...] [--width CM] [--dpi N]
 
 Writes into RUN_FOLDER/figures:
     section.png   moments of a section through the middle (in two dimensions of all), with axes and units
     surface.png   three dimensions: the liquid's surface in perspective
     top.png       three dimensions: from above, with a scale bar
-    curves.png    the columns of series.csv that change
+    curves.png    what the scene measures: its gauges and energies; with --curves the columns of that name
+or .pdf, .svg.
 Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
 """
 import argparse
 import os
+import re
 import sys
 
 import tables
@@ -30,6 +32,12 @@ with tables.polite("pictures.py"):
 
 COLUMNS = 3  # of panels, fewer where they are flat, more where they are tall
 SKIP = ("step", "wall_time", "rejected", "time")
+OF_RUNS = ("time_step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "volume",
+           "viscous_work", "tension_work", "outside_work")  # not of the flow: with --curves all or by their names
+WORDS = {"lost": "left through open faces", "highest": "highest liquid", "outside_work": "work from outside"}
+INCH = 2.54  # cm
+WIDE = 12.0  # inches that figures are drawn for
+LETTERS = 0.9  # of them for title and numbers of a panel
 OF_STEPS = ("time_step", "iterations", "solver_error")  # of the step before: the start has none
 
 
@@ -37,7 +45,9 @@ def grid(count, width=4.0, height=3.0, columns=COLUMNS):
     """A figure with panels for 'count' moments."""
     columns = min(columns, count)
     rows = -(-count // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(width * columns, height * rows), squeeze=False,
+    scale = plt.rcParams["figure.figsize"][0] / WIDE
+    height = scale * (height - LETTERS) + LETTERS
+    figure, axes = plt.subplots(rows, columns, figsize=(scale * width * columns, height * rows), squeeze=False,
                                 layout="constrained")
     for panel in axes.flat[count:]:
         panel.set_axis_off()
@@ -58,14 +68,15 @@ def key(figure, axes, run, color, ends):
         figure.colorbar(scale, ax=axes, label=views.UNITS[color], shrink=0.8)
 
 
-def save(figure, folder, name):
-    path = os.path.join(folder, name)
-    figure.savefig(path)
+def save(figure, folder, name, formats):
+    for ending in formats:
+        path = os.path.join(folder, f"{name}.{ending}")
+        figure.savefig(path)
+        print(path)
     plt.close(figure)
-    print(path)
 
 
-def sections(run, states, color, ends, folder):
+def sections(run, states, arguments, ends, folder):
     lower, upper = window(run, states)
     unit, name = data.scale(upper[0] - lower[0])
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
@@ -73,13 +84,13 @@ def sections(run, states, color, ends, folder):
     width = 12.0 / columns
     figure, axes = grid(len(states), width, min(6.0, 0.85 * width * ratio + 0.9), columns)
     for panel, state in zip(axes, states):
-        views.section(panel, run, state, color, ends, unit)
+        views.section(panel, run, state, arguments.color, ends, unit)
         panel.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
         panel.set_title(f"t = {data.duration(state.time)}", fontsize=10)
         panel.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
         panel.label_outer()
-    key(figure, axes, run, color, ends)
-    save(figure, folder, "section.png")
+    key(figure, axes, run, arguments.color, ends)
+    save(figure, folder, "section", arguments.format)
 
 
 def window(run, states):
@@ -94,8 +105,8 @@ def window(run, states):
 def surfaces(run, states, arguments, ends, folder):
     """Perspective, and the view from above."""
     colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
-    for name in ("surface.png", "top.png"):
-        if name == "surface.png":
+    for name in ("surface", "top"):
+        if name == "surface":
             view, half = views.camera(run, states, arguments.azimuth, arguments.elevation)
         else:
             view, half = views.above(run, states)
@@ -107,7 +118,7 @@ def surfaces(run, states, arguments, ends, folder):
             panel.set_title(f"t = {data.duration(state.time)}", fontsize=10)
         scale_bar(axes[-1], view)
         key(figure, axes, run, arguments.color, ends)
-        save(figure, folder, name)
+        save(figure, folder, name, arguments.format)
 
 
 def scale_bar(panel, view):
@@ -125,31 +136,50 @@ def scale_bar(panel, view):
     panel.text(x, y - 0.02 * views.PANEL[1], f"{length * unit:g} {name}{note}", fontsize=9)
 
 
-def curves(run, folder):
-    """Every column of the series that changes, a panel each."""
-    table = tables.read_series(run.folder)
-    time = np.array(table["time"])
+def columns_of(table, wanted):
+    """The columns of the series to draw: those that change, of the flow or, if any are wanted, of these names."""
     chosen = {}
     for name, values in table.items():
         values = np.array(values, dtype=float)
         if name in OF_STEPS:
             values[np.array(table["step"]) == 0] = np.nan  # no step yet
         good = np.isfinite(values)
-        if name not in SKIP and good.sum() > 1 and np.ptp(values[good]) > 0:
+        asked = name not in OF_RUNS if not wanted else "all" in wanted or any(name.startswith(w) for w in wanted)
+        if asked and name not in SKIP and good.sum() > 1 and np.ptp(values[good]) > 0:
             chosen[name] = values
+    if wanted and not chosen:
+        raise tables.RunError(f"--curves {' '.join(wanted)}: the series has no such column that changes; it has "
+                              + ", ".join(name for name in table if name not in SKIP))
+    return chosen
+
+
+def title(name, dim):
+    """What a column is, and its unit: kinetic_energy (J), height_1_m, force_xmin_x_N/m."""
+    unit = tables.UNITS.get(name)
+    if unit:
+        unit = {"J": "J/m", "m3": "m2"}.get(unit, unit) if dim == 2 else unit
+    elif re.search(r"_(m|m/s|Pa|N|N/m|m2|m3|J|J/m|kg)$", name):
+        name, _, unit = name.rpartition("_")
+    return WORDS.get(name, name.replace("_", " ")), unit
+
+
+def curves(run, folder, arguments):
+    """A panel for each column."""
+    table = tables.read_series(run.folder)
+    time = np.array(table["time"])
+    chosen = columns_of(table, arguments.curves)
     if not chosen:
         return
     figure, axes = grid(len(chosen), height=2.2)
-    factor, unit = next(((f, u) for f, u in ((1, "s"), (1e3, "ms"), (1e6, "us")) if np.abs(time).max() * f >= 1),
-                        (1e6, "us"))
+    factor, unit = next(((f, u) for f, u in ((1, "s"), (1e3, "ms"), (1e6, "µs")) if np.abs(time).max() * f >= 1),
+                        (1e6, "µs"))
     for panel, (name, values) in zip(axes, chosen.items()):
-        unit_of = tables.UNITS.get(name)
+        words, unit_of = title(name, run.dim)
         if unit_of == "m":
             scale, unit_of = data.scale(np.nanmax(np.abs(values)))
             values = scale * values
         panel.plot(factor * time, values, color=views.BODY_COLORS[0], lw=1.3)
-        unit_of = {"J": "J/m", "m3": "m2"}.get(unit_of, unit_of) if run.dim == 2 else unit_of
-        panel.set_title(name.replace("_", " ") + (f" ({unit_of})" if unit_of else ""), fontsize=9)
+        panel.set_title(words + (f" ({unit_of})" if unit_of else ""), fontsize=9)
         panel.set_xlabel(f"time ({unit})", fontsize=9)
         panel.tick_params(labelsize=8)
         panel.grid(color="0.9")
@@ -157,7 +187,7 @@ def curves(run, folder):
         if not panel.get_subplotspec().is_last_row() and panel not in axes[-COLUMNS:]:
             panel.set_xlabel("")
             panel.tick_params(labelbottom=False)
-    save(figure, folder, "curves.png")
+    save(figure, folder, "curves", arguments.format)
 
 
 def main():
@@ -168,17 +198,23 @@ def main():
     parser.add_argument("--color", choices=("body", "speed", "pressure"), default="body")
     parser.add_argument("--azimuth", type=float, default=25, help="of the eye, degrees from -y towards x (25)")
     parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
+    parser.add_argument("--curves", nargs="+", metavar="NAME", help="columns of series.csv that begin so, or all; "
+                        "else what the gauges measure, and energies")
+    parser.add_argument("--format", nargs="+", choices=("png", "pdf", "svg"), default=["png"], help="of the files (png)")
+    parser.add_argument("--width", type=float, default=WIDE * INCH, metavar="CM", help="of a figure of three columns; "
+                        f"letters keep their size: 17 for a page ({WIDE * INCH:.1f})")
     parser.add_argument("--dpi", type=int, default=150, help="dots an inch (150)")
     arguments = parser.parse_args()
     plt.rcParams["savefig.dpi"] = arguments.dpi
+    plt.rcParams["figure.figsize"] = (arguments.width / INCH, arguments.width / INCH)
     run = data.Run(arguments.folder)
     run.need(arguments.color)
     states = [run.read(path) for _, path in run.moments(arguments.times, max(1, arguments.count))]
     folder = os.path.join(arguments.folder, "figures")
     os.makedirs(folder, exist_ok=True)
     ends = views.limits(states, arguments.color)
-    curves(run, folder)
-    sections(run, states, arguments.color, ends, folder)
+    curves(run, folder, arguments)
+    sections(run, states, arguments, ends, folder)
     if run.dim == 3:
         surfaces(run, states, arguments, ends, folder)
 

@@ -91,7 +91,7 @@ ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")
 
 # solids that move
 ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
-            Entry("rotating_cup"), Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
+            Entry("coated_plate"), Entry("rotating_cup"), Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
@@ -192,7 +192,8 @@ ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_poo
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank"}
 # solids do not move with the printed scheme
-DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup"}
+DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup",
+                "coated_plate"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
