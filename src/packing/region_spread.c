@@ -177,18 +177,29 @@ static void FindForce(const Spread *p, PetscInt a, PetscReal force[DIM])
   }
 }
 
-/* Whether a centre may be at x. */
-static PetscBool MayBe(const Spread *p, const PetscReal x[DIM], PetscReal s)
+/* Whether a centre that is at a distance 'from' inside a surface may move to the distance 'to': far enough from it, or
+   at least not nearer. The fine lattice, from which the points come, is nearer than coarse particles should be. */
+static inline PetscBool MayMove(PetscReal from, PetscReal to, PetscReal s)
 {
-  const Region   *region = p->region;
-  const PetscReal least  = DEEP_ENOUGH * s;
+  return (PetscBool)(to >= PetscMin(DEEP_ENOUGH * s, from));
+}
+
+/* Whether a centre may move from x to y. */
+static PetscBool MayBe(const Spread *p, const PetscReal x[DIM], const PetscReal y[DIM], PetscReal s)
+{
+  const Region *region = p->region;
 
   for (PetscInt d = 0; d < DIM; d++)
-    if (region->along[d] && (x[d] < region->lower[d] + least || x[d] > region->upper[d] - least)) return PETSC_FALSE;
-  if (region->body < 0) return PETSC_TRUE;
-  for (PetscInt b = 0; b < region->body; b++)
-    if (BodyDistance(SceneBody(p->scene, b), x) < least) return PETSC_FALSE;
-  return (PetscBool)(BodyDistance(SceneBody(p->scene, region->body), x) < -least);
+    if (region->along[d] && (!MayMove(x[d] - region->lower[d], y[d] - region->lower[d], s) ||
+                             !MayMove(region->upper[d] - x[d], region->upper[d] - y[d], s)))
+      return PETSC_FALSE;
+  for (PetscInt b = 0; b <= region->body; b++) {
+    const Body      body    = SceneBody(p->scene, b);
+    const PetscReal outward = b < region->body ? 1 : -1;
+
+    if (!MayMove(outward * BodyDistance(body, x), outward * BodyDistance(body, y), s)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }
 
 /* One round: all forces, then all displacements. */
@@ -205,7 +216,7 @@ static void Move(Spread *p)
     length = Norm(force);
     for (PetscInt d = 0; d < DIM; d++)
       y[d] = p->x[DIM * a + d] + force[d] * PetscMin(1, FARTHEST * p->s[a] / PetscMax(length, PETSC_SMALL * p->s[a]));
-    if (!MayBe(p, y, p->s[a])) continue;
+    if (!MayBe(p, p->x + DIM * a, y, p->s[a])) continue;
     for (PetscInt d = 0; d < DIM; d++) p->x[DIM * a + d] = y[d];
     p->s[a] = SceneSpacing(p->scene, y);
   }

@@ -11,6 +11,10 @@
   "-spacing 1 -spacing_coarse 2.5 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 10,10,20 -box_x periodic "           \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 10,10,15 -fine core -core_shape sphere -core_radius 2 "     \
   "-core_center 5,5,15 -tension_type none "
+#define STEEP                                                                                                          \
+  "-spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 20,20,20 -box_x symmetry "             \
+  "-box_y symmetry -box_zmin wall -bodies film -film_upper 20,20,16 -fine core -core_shape sphere -core_radius 2 "     \
+  "-core_center 0,0,16 -tension_type none "
 #define NEAR_LIMIT 1e-5 /* of the support: pairs so close to it may be on either side in single precision */
 
 /* The pairs of a row that should be there and are not, or are there and should not. */
@@ -30,6 +34,21 @@ static PetscInt WrongPairs(Cloud cloud, PetscInt a)
     wrong += PetscAbsReal(excess) > NEAR_LIMIT && there != (excess < 0);
   }
   return wrong + (found != cloud->first[a + 1] - cloud->first[a]);
+}
+
+/* The distance of particle a to its nearest neighbour, over the mean size of both. */
+static PetscReal Nearest(Cloud cloud, PetscInt a)
+{
+  const PetscReal *x    = cloud->field[FIELD_POSITION];
+  PetscReal        near = PETSC_MAX_REAL;
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt  b      = cloud->list[k];
+    const PetscReal r[DIM] = {x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]};
+
+    near = PetscMin(near, Norm(r) / CloudPairSize(cloud, a, b));
+  }
+  return near;
 }
 
 /* Largest error of the corrected divergence of v = A x, over |A|, of particles away from walls and images. */
@@ -110,7 +129,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
   Setup     s;
   Cloud     cloud;
   PetscReal sum = 0, squares = 0, inside = 0, sizes[2] = {PETSC_MAX_REAL, 0}, worst = 0, asymmetry = 0, constant = 0,
-            wrong = 0, near = 0;
+            wrong = 0, near = 0, nearest = PETSC_MAX_REAL;
 
   PetscFunctionBegin;
   PetscCall(SetupPack(options, &s));
@@ -121,6 +140,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
 
     wrong += WrongPairs(cloud, a);
     if (a >= cloud->n_fluid) continue;
+    nearest = PetscMin(nearest, Nearest(cloud, a));
     sum += cloud->volume[a];
     sizes[0] = PetscMin(sizes[0], size);
     sizes[1] = PetscMax(sizes[1], size);
@@ -134,6 +154,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
   CHECK_CLOSE(-SetupMax(-sizes[0]), 1, 1e-9, "the finest have the spacing");
   CHECK(SetupMax(sizes[1]) < DomainSizeMost(s.domain), "the largest are not larger than allowed");
   CHECK(SetupMax(sizes[1]) > 1.5, "there are large ones");
+  CHECK(-SetupMax(-nearest) > 0.6, "no two particles nor images of them are too close");
   CHECK(SetupMax(near) < 0.25, "sizes near what is wanted where they are");
   CHECK(PetscSqrtReal(SetupSum(squares) / SetupSum(inside)) < 0.03, "density inside");
   PetscCall(LinearDivergence(&s, &worst));
@@ -280,6 +301,7 @@ int main(int argc, char **argv)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(TestScene(FLAT, 48 * 16));
   PetscCall(TestScene(DEEP, 10 * 10 * 15));
+  PetscCall(TestScene(STEEP, 20 * 20 * 16));
   PetscCall(TestTension());
   PetscCall(TestSheet());
   if (size == 1) PetscCall(TestPair());
