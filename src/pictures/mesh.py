@@ -4,9 +4,9 @@
     mesh.py RUN_FOLDER [--format vtp|ply] [--times S ...] [--least N] [--particles]
 
 Three dimensions, or rings, whose surface is one of revolution. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply),
-a mesh a snapshot, without pieces of less than N particles (8), with speed, pressure and body at the corners (vtp);
-surface.pvd makes a series of them in ParaView. --particles: also particles_<number>.vtp and particles.pvd. Needs
-Debian's python3-h5py, python3-vtk9.
+a closed mesh a snapshot, of the liquid's volume, without pieces of less than N particles (8), with speed, pressure and
+body at the corners (vtp); surface.pvd makes a series of them in ParaView. --particles: also particles_<number>.vtp and
+particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
 """
 import argparse
 import os
@@ -15,6 +15,8 @@ import sys
 import tables
 
 LEAST = 8
+FARTHEST = 0.5  # spacings that a corner is moved so that the mesh holds the liquid's volume, at most
+HALVINGS = 20  # of that range
 
 
 def pieces(points, cells, spacing):
@@ -29,6 +31,34 @@ def pieces(points, cells, spacing):
     a, b, c = (points[cells[:, k]] for k in range(3))
     volume = np.bincount(region, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
     return np.abs(volume) / spacing**3, region
+
+
+def held(points, cells):
+    """The volume within a closed mesh."""
+    a, b, c = (points[cells[:, k]] for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+
+
+def fitted(run, points, normals, cells, volume):
+    """The corners of a mesh, all moved along their normals by the one length that makes it hold a volume; none goes
+    beyond a face of the box where the liquid ends flat. The contour of the blurred liquid lies up to a fifth of a
+    spacing too far out."""
+    closed = np.array(run.faces) != "open"
+    lower, upper = np.where(closed[:, 0], run.lower, -np.inf), np.where(closed[:, 1], run.upper, np.inf)
+    near, far = -FARTHEST * run.spacing, FARTHEST * run.spacing
+    for _ in range(HALVINGS):
+        middle = 0.5 * (near + far)
+        moved = np.clip(points + middle * normals, lower, upper)
+        near, far = (middle, far) if held(moved, cells) < volume else (near, middle)
+    return moved
+
+
+def volume_of(run, state, lonely):
+    """The volume of the particles that the surface holds; of rings that of each half, on both sides of the axis."""
+    each = run.spacing**3
+    if run.rings:
+        each = np.pi * np.abs(state.points[:, 0]) * state.share * run.spacing**2
+    return np.sum(np.where(lonely, 0, each))
 
 
 def polydata(points, cells=None):
@@ -74,14 +104,18 @@ def surface_of(run, state, least):
     """The mesh of a state, without small pieces."""
     table = np.column_stack([state.speed, state.pressure, state.body])
     fluid = views.Fluid(run, state.points, table, state.share)
-    points, normals, cells, _ = fluid.mesh()
+    points, normals, cells, lonely = fluid.mesh()
+    share = 1.0
     if len(cells):
         size, region = pieces(points, cells, run.spacing)
         cells = cells[size[region] >= least]
+        share = size[size >= least].sum() / size.sum()
     used, index = np.unique(cells, return_inverse=True)
-    points, cells = points[used], index.reshape(-1, 3)
+    points, normals, cells = points[used], normals[used], index.reshape(-1, 3)
+    values = fluid.values(points - 0.5 * run.spacing * normals) if len(points) else np.zeros((0, 3))
+    if len(cells) and len(lonely) == len(state.points):  # all of the liquid is in the box
+        points = fitted(run, points, normals, cells, share * volume_of(run, state, lonely))
     mesh = polydata(points, cells)
-    values = fluid.values(points - 0.5 * run.spacing * normals[used]) if len(points) else np.zeros((0, 3))
     found = {"speed": values[:, 0], "pressure": values[:, 1], "body": values[:, 2]}
     source = {"speed": "velocity", "pressure": "pressure", "body": "body"}
     attach(mesh, **{name: column for name, column in found.items() if source[name] in run.fields})

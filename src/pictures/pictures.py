@@ -200,7 +200,8 @@ def main():
     parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
     parser.add_argument("--curves", nargs="+", metavar="NAME", help="columns of series.csv that begin so, or all; "
                         "else what the gauges measure, and energies")
-    parser.add_argument("--format", nargs="+", choices=("png", "pdf", "svg"), default=["png"], help="of the files (png)")
+    parser.add_argument("--format", nargs="+", choices=("png", "pdf", "svg"), default=["png"],
+                        help="of the files (png)")
     parser.add_argument("--width", type=float, default=WIDE * INCH, metavar="CM", help="of a figure of three columns; "
                         f"letters keep their size: 17 for a page ({WIDE * INCH:.1f})")
     parser.add_argument("--dpi", type=int, default=150, help="dots an inch (150)")

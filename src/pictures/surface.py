@@ -194,6 +194,7 @@ def with_normals(mesh, closed):
     side is out but that it is closed."""
     normals = vtkPolyDataNormals()
     normals.SetFeatureAngle(70)
+    normals.SetSplitting(not closed)
     normals.SetConsistency(closed)
     normals.SetAutoOrientNormals(closed)
     mesh = passed(normals, mesh)
@@ -214,19 +215,23 @@ def triangles(field, level, origin, cell):
         joined.JoinContiguousSegmentsOn()
         joined.SetMaximumLength(max(field.size, 4))
         edges = contour(np.ascontiguousarray(field[first:]), level, (0, origin[1]), cell, vtkFlyingEdges2D())
-        return revolve(smoothed(passed(joined, edges)))
+        lines = passed(joined, edges)
+        ends = vtk_to_numpy(lines.GetPoints().GetData())[:, 0] < 1e-6 * cell if lines.GetNumberOfPoints() else []
+        return revolve(smoothed(lines), ends)
     edges = vtkFlyingEdges3D()
     edges.ComputeNormalsOff()
     return with_normals(smoothed(contour(field, level, origin, cell, edges)), False)
 
 
-def revolve(lines):
+def revolve(lines, on_axis=()):
     """The surface that lines (vtkPolyData; x is the distance from the axis, y the place along it) sweep round the axis
-    z: what triangles() gives."""
+    z: what triangles() gives. on_axis: flags of the points that belong onto the axis, or none."""
     if lines.GetNumberOfPoints() == 0:
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
     flat = vtk_to_numpy(lines.GetPoints().GetData()).astype(float)
     places = np.stack([np.maximum(flat[:, 0], 0), 0 * flat[:, 0], flat[:, 1]], axis=1)
+    if len(on_axis):
+        places[on_axis, 0] = 0
     profile, corners = vtkPolyData(), vtkPoints()
     corners.SetData(numpy_to_vtk(places, deep=True))
     profile.SetPoints(corners)

@@ -167,7 +167,7 @@ done = subprocess.run([sys.executable, "-c", recipe], stdout=subprocess.PIPE, st
 runs.check(done.returncode == 0 and re.match(r"\S+ \(\d+, 3\) \S+", done.stdout), "readme_python", done.stdout[-300:])
 
 # the second tutorial, of cases/README.md, as written but for times: the run ends early
-coating = dict(texts())["cases/README.md"].split("## A nozzle coats a moving plate, in ten minutes")[1].split("\n## ")[0]
+coating = dict(texts())["cases/README.md"].split("## A nozzle coats a moving plate")[1].split("\n## ")[0]
 blocks = re.findall(r"(?:^    .*\n)+", coating, re.M)
 sheet, coat = runs.scratch("coat.opts"), runs.scratch("coat")
 with open(sheet, "w", encoding="utf-8") as file:

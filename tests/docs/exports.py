@@ -33,6 +33,18 @@ def read(reader, path):
     return reader.GetOutput()
 
 
+def check_surface(surface, volume, name):
+    """A mesh is closed and holds a volume to 1 %."""
+    mass = vtkMassProperties()
+    mass.SetInputData(surface)
+    mass.Update()
+    runs.check_within(mass.GetVolume() / volume, 0.99, 1.01, f"volume_of_{name}")
+    cells = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    edges = np.sort(np.concatenate([cells[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    runs.check(len(count) > 100 and np.all(count == 2), f"closed_{name}", f"{np.sum(count != 2)} edges of {len(count)}")
+
+
 def by_vtk(path):
     """The fields of a snapshot as VTK reads them, sorted by id."""
     reader = vtkHDFReader()
@@ -123,13 +135,10 @@ for extra in ([], ["--format", "ply"]):
     done = subprocess.run([sys.executable, mesh, folder, "--particles"] + extra, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, universal_newlines=True, check=False)
     runs.check(done.returncode == 0, f"mesh{''.join(extra)}", done.stdout[-300:])
+of_ball = np.sum(runs.fields(runs.numbered(folder, "snapshot")[0])["body"] == 0) * 0.125**3
 for reader, name in ((vtkXMLPolyDataReader(), "surface_000000.vtp"), (vtkPLYReader(), "surface_000000.ply")):
     surface = read(reader, os.path.join(folder, "mesh", name))
-    mass = vtkMassProperties()
-    mass.SetInputData(surface)
-    mass.Update()
-    volume = mass.GetVolume() / (4 / 3 * np.pi * RADIUS**3)
-    runs.check_within(volume, 0.95, 1.05, f"volume_of_{name}")
+    check_surface(surface, of_ball, name)
     corners = vtk_to_numpy(surface.GetPoints().GetData())
     runs.check_below(np.linalg.norm(corners, axis=1).max(), 1.2 * RADIUS, f"no_stray_{name}")
 points = read(vtkXMLPolyDataReader(), os.path.join(folder, "mesh", "particles_000000.vtp"))
@@ -140,6 +149,16 @@ runs.check_within(velocity[:, 0].max(), 0.0999, 0.1001, "particles_velocity")
 series = ElementTree.parse(os.path.join(folder, "mesh", "surface.pvd")).getroot().findall(".//DataSet")
 present = all(os.path.exists(os.path.join(folder, "mesh", s.get("file"))) for s in series)
 runs.check(present and len(series) == len(grids), "pvd_series", [s.get("file") for s in series])
+
+# a film between walls and mirrors: its sides are those of the box, its volume is the particles'
+POOL = """-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x symmetry -box_ymin wall -box_ymax symmetry -box_zmin wall
+ -bodies film -film_upper 1,1,0.4 -steps_max 1 -time_step 1e-4 -checkpoint_interval 0"""
+pool = runs.run(POOL, "pool")
+subprocess.run([sys.executable, mesh, pool], stdout=subprocess.DEVNULL, check=False)
+surface = read(vtkXMLPolyDataReader(), os.path.join(pool, "mesh", "surface_000000.vtp"))
+check_surface(surface, 4 * 0.4, "pool")
+corners = vtk_to_numpy(surface.GetPoints().GetData())
+runs.check_within(np.ptp(corners[:, 0]), 1.999, 2.001, "pool_as_wide_as_its_box")
 
 # rings: a ball on the axis, cut to its meridian, is swept to a whole ball; a single ring beside it is no piece of it
 RINGS = f"""-dimension axisymmetric -spacing 0.125 -box_lower 0,-2 -box_upper 2,2 -box_ymin wall -bodies ball,stray
@@ -152,10 +171,8 @@ if runs.check(drawn.returncode == 0, "rings_mesh", drawn.stdout[-300:]):
     surface = read(vtkXMLPolyDataReader(), os.path.join(folder, "mesh", "surface_000000.vtp"))
     corners = vtk_to_numpy(surface.GetPoints().GetData())
     radius = np.linalg.norm(corners, axis=1)
-    mass = vtkMassProperties()
-    mass.SetInputData(surface)
-    mass.Update()
-    runs.check_within(mass.GetVolume() / (4 / 3 * np.pi * RADIUS**3), 0.95, 1.05, "rings_volume")
+    first = runs.fields(runs.numbered(folder, "snapshot")[0])
+    check_surface(surface, first["volume"][first["body"] == 0].sum(), "rings")
     runs.check_within(radius.min(), 0.85 * RADIUS, RADIUS, "rings_mesh_is_a_ball")
     runs.check_below(radius.max(), 1.15 * RADIUS, "rings_mesh_without_stray")
     sides = [np.sum(sign * corners[:, axis] > 0.5 * RADIUS) for axis in (0, 1) for sign in (1, -1)]

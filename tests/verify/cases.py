@@ -91,7 +91,8 @@ ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")
 
 # solids that move
 ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
-            Entry("coated_plate"), Entry("rotating_cup"), Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
+            Entry("coated_plate"), Entry("rotating_cup"),
+            Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
 VORTICES = (0.04, 0.02, 0.01)
