@@ -56,9 +56,9 @@ def liquids(log):
     """Table of the bodies and of their dimensionless numbers, from the lines of the log."""
     bodies, numbers, names = [], [], list(NUMBERS)
     for line in log:
-        body = re.match(r"  (\w+): (\w+) within ", line)
+        body = re.match(r"  (\w+): (emitter, )?(\w+) within ", line)
         if body:
-            bodies.append([body[1], body[2], "", "", ""])
+            bodies.append([body[1], (body[2] or "") + body[3], "", "", ""])
         values = re.match(r"    density (\S+) kg/m3, viscosity (\S+) Pa s, tension (\S+) N/m", line)
         if values and bodies:
             bodies[-1][2:] = [values[k].rstrip(".,") for k in (1, 2, 3)]

@@ -203,7 +203,7 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
   if (sim->restart[0])
     PetscCall(PetscViewerASCIIPrintf(viewer, "Restart: %s at %g s, step %" PetscInt_FMT "\n", sim->restart,
                                      (double)sim->state.time, sim->state.step));
-  else
+  else if (sim->report.smallest_distance < PETSC_INFINITY) /* else there are no two particles near each other */
     PetscCall(PetscViewerASCIIPrintf(
       viewer, "Packing: density deviates by %.3g kg/m3 (standard deviation), closest particles %.3g spacings apart%s\n",
       (double)sim->report.density_std, (double)sim->report.smallest_distance,

@@ -206,6 +206,13 @@ recipe = "".join(line[4:] for line in next(b for b in blocks if "import csv" in 
 done = subprocess.run([sys.executable, "-c", recipe.replace("output/coat", coat)], stdout=subprocess.PIPE,
                       stderr=subprocess.STDOUT, text=True, check=False)
 runs.check(len(re.findall(r"^gauge \d: \d\.\d\d mm$", done.stdout, re.M)) == 4, "coating_python", done.stdout[-300:])
+recipe = dict(texts())["cases/README.md"].split("## Examples in Python")[1].split("\nIn ParaView")[0]
+recipe = "".join(line[4:] or "\n" for line in recipe.split("far the two are apart:\n")[1].splitlines(True))
+recipe = recipe.replace("output/coat", coat).replace("compare.pdf", runs.scratch("compare.pdf"))
+done = subprocess.run([sys.executable, "-c", recipe], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                      check=False)
+runs.check(done.returncode == 0 and re.search(r"last fifth: \d\.\d{3} mm", done.stdout) and
+           os.path.getsize(runs.scratch("compare.pdf")) > 5000, "example_in_python", done.stdout[-300:])
 with open(os.path.join(runs.ROOT, "cases/coated_plate/case.opts"), encoding="utf-8") as file:
     case = [line.split("#")[0].split() for line in file if line.startswith("-") and "checkpoint" not in line]
 with open(sheet, encoding="utf-8") as file:

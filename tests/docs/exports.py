@@ -151,8 +151,8 @@ present = all(os.path.exists(os.path.join(folder, "mesh", s.get("file"))) for s 
 runs.check(present and len(series) == len(grids), "pvd_series", [s.get("file") for s in series])
 
 # a film between walls and mirrors: its sides are those of the box, its volume is the particles'
-POOL = """-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x symmetry -box_ymin wall -box_ymax symmetry -box_zmin wall
- -bodies film -film_upper 1,1,0.4 -steps_max 1 -time_step 1e-4 -checkpoint_interval 0"""
+POOL = """-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x symmetry -box_ymin wall -box_ymax symmetry
+ -box_zmin wall -bodies film -film_upper 1,1,0.4 -steps_max 1 -time_step 1e-4 -checkpoint_interval 0"""
 pool = runs.run(POOL, "pool")
 subprocess.run([sys.executable, mesh, pool], stdout=subprocess.DEVNULL, check=False)
 surface = read(vtkXMLPolyDataReader(), os.path.join(pool, "mesh", "surface_000000.vtp"))

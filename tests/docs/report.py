@@ -20,6 +20,8 @@ RINGS = """-dimension axisymmetric -spacing 0.125 -box_lower 0,-2 -box_upper 2,2
  -ball_radius 1 -steps_max 1 -time_step 1e-3 -checkpoint_interval 0"""
 PLANE = """-dimension 2 -spacing 0.25 -box_lower 0,0 -box_upper 2,2 -bodies a -gravity 0,-1 -steps_max 1
  -checkpoint_interval 0"""
+JET = """-dimension 2 -spacing 0.25 -box_lower 0,0 -box_upper 2,4 -bodies jet -jet_type emitter -jet_lower 0.5,2
+ -jet_upper 1.5,3 -jet_velocity 0,-1 -steps_max 1 -checkpoint_interval 0"""
 BROWSER = ["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
            "--virtual-time-budget=5000", "--dump-dom"]
 
@@ -60,6 +62,10 @@ runs.check(500 < count <= 2000, "triangles are thinned", f"{count}")
 inside, _ = volume(report(runs.run(RINGS, "rings")), 0)
 runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface of rings")
 runs.check('id="surfaces"' not in report(runs.run(PLANE, "plane")), "no surface in two dimensions")
+poured = report(runs.run(JET, "poured"))
+runs.check("<td>jet</td><td class=n>emitter, box</td>" in poured and "Reynolds Re" in poured, "a liquid from an emitter",
+           poured[:600])
+runs.check("e+307" not in poured, "no distance between particles where there are none", "closest particles")
 if shutil.which(BROWSER[0]):
     done = subprocess.run([*BROWSER, "file://" + os.path.join(ball, "report.html")], stdout=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, text=True, check=False, timeout=120)
