@@ -464,8 +464,9 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
     const PetscInt a = LiquidParticle(liquid, p);
     PetscReal      x[DIM], g[DIM], phi, length;
 
+    if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
-    if (!TensionOwns(cloud, level, a) || !BandNear(&tension->bands[level], x)) continue;
+    if (!BandNear(&tension->bands[level], x)) continue;
     tension->size = CloudSize(cloud, a);
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, x, &phi, g);
@@ -498,8 +499,8 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     PetscReal      x[DIM];
     Moments        m;
 
+    if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
-    if (!TensionOwns(cloud, level, a)) continue;
     PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
     if (*used + around.n > tension->weight_capacity) {
       tension->weight_capacity = 2 * (*used + around.n);
@@ -528,8 +529,8 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     const PetscInt a = LiquidParticle(liquid, p);
     PetscReal      x[DIM];
 
+    if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
-    if (!TensionOwns(cloud, level, a)) continue;
     PetscCall(
       CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM) | COLUMNS(VALUE_COLUMN, 1), COLUMNS_TOTAL, &around));
     cloud->field[FIELD_CAPILLARY][a] =

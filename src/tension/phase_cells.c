@@ -8,13 +8,22 @@ static PetscErrorCode FindLargest(Liquid *liquid, Cloud cloud)
   if (!cloud->size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(liquid->largest));
   PetscCall(PetscCalloc1(liquid->grid.count, &liquid->largest));
-  for (PetscInt c = 0; c < liquid->grid.count; c++)
-    for (PetscInt p = liquid->grid.start[c]; p < liquid->grid.start[c + 1]; p++) {
-      const PetscInt a = LiquidParticle(liquid, p);
+  for (PetscInt k = 0; k < liquid->count; k++) {
+    PetscReal *largest = &liquid->largest[liquid->grid.of_point[k]], size = cloud->size[liquid->index[k]];
 
-      if (CloudLevel(cloud, a) == liquid->level) liquid->largest[c] = PetscMax(liquid->largest[c], cloud->size[a]);
-    }
+    if (LiquidHas(liquid, cloud, liquid->index[k])) *largest = PetscMax(*largest, size);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The cells within a radius (m). */
+static void SetReach(Liquid *liquid, PetscReal radius)
+{
+  liquid->radius = radius;
+  liquid->reach  = (PetscInt)(radius / liquid->grid.size) + 1;
+  for (PetscInt dy = 0; dy <= liquid->reach; dy++)
+    for (PetscInt dz = 0; dz <= liquid->reach; dz++)
+      liquid->along[dy][dz] = CellsAlong(liquid->grid.size, radius, dy, dz);
 }
 
 PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const PetscBool keep[])
@@ -44,10 +53,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscR
     for (PetscInt d = 0; d < DIM; d++) liquid->sorted[d * liquid->count + k] = x[DIM * liquid->grid.order[k] + d];
   PetscCall(PetscFree(x));
   PetscCall(FindLargest(liquid, cloud));
-  liquid->reach = (PetscInt)(support / liquid->grid.size) + 1;
-  for (PetscInt dy = 0; dy <= liquid->reach; dy++)
-    for (PetscInt dz = 0; dz <= liquid->reach; dz++)
-      liquid->along[dy][dz] = CellsAlong(liquid->grid.size, support, dy, dz);
+  SetReach(liquid, support);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,16 +87,14 @@ static PetscInt CopyLine(Liquid *liquid, PetscInt n, PetscInt y, PetscInt z, Pet
 /* One pass over the cells around c: counts the particles and copies the columns whose bits are set. */
 static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
 {
-  const CellGrid *grid    = &liquid->grid;
-  const PetscReal support = liquid->support * (liquid->largest ? liquid->largest[c] : 1);
-  const PetscInt  reach   = liquid->largest ? (PetscInt)(support / grid->size) + 1 : liquid->reach;
-  PetscInt        n       = 0, cell[DIM];
+  const CellGrid *grid  = &liquid->grid;
+  const PetscInt  reach = liquid->reach;
+  PetscInt        n     = 0, cell[DIM];
 
   CellCoordinates(grid->n, c, cell);
   for (PetscInt z = PetscMax(0, cell[2] - reach); z <= PetscMin(grid->n[2] - 1, cell[2] + reach); z++)
     for (PetscInt y = PetscMax(0, cell[1] - reach); y <= PetscMin(grid->n[1] - 1, cell[1] + reach); y++) {
-      const PetscInt dy = PetscAbsInt(y - cell[1]), dz = PetscAbsInt(z - cell[2]),
-                     along = liquid->largest ? CellsAlong(grid->size, support, dy, dz) : liquid->along[dy][dz];
+      const PetscInt along = liquid->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])];
 
       if (along >= 0) n += CopyLine(liquid, n, y, z, cell[0] - along, cell[0] + along, columns);
     }
@@ -99,7 +103,10 @@ static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
 
 PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
 {
+  const PetscReal radius = liquid->support * (liquid->largest ? liquid->largest[c] : 1);
+
   PetscFunctionBegin;
+  if (radius != liquid->radius) SetReach(liquid, radius);
   *n = Gather(liquid, c, 0);
   if (*n * copies > liquid->stride) {
     liquid->stride = *n * copies * 2;

@@ -225,7 +225,7 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
     const PetscInt a = LiquidParticle(liquid, p);
     PetscReal      M[6], flatness;
 
-    if (!TensionOwns(cloud, level, a) || slope[a] == 0) continue;
+    if (!TensionOwns(cloud, liquid, a) || slope[a] == 0) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, columns, 1, &n));
@@ -253,7 +253,7 @@ static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, cons
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = LiquidParticle(liquid, p);
 
-    if (slope[a] == 0 || CloudLevel(cloud, a) != level) continue;
+    if (!LiquidHas(liquid, cloud, a) || slope[a] == 0) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
       PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));

@@ -58,8 +58,9 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->thinnest    = 0.3;
   t->angle       = 90;
   do {
-    t->liquids[t->levels].level = t->levels;
-    t->largest[t->levels]       = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
+    t->largest[t->levels]          = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
+    t->liquids[t->levels].smallest = t->levels > 0 ? CloudLevelSize(t->levels - 1) : 0;
+    t->liquids[t->levels].most     = t->levels < SIZE_LEVELS - 1 ? CloudLevelSize(t->levels) : PETSC_MAX_REAL;
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
   for (PetscInt d = 0; d < domain->dim; d++)
     if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;

@@ -24,9 +24,10 @@ typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m, of size 1 */
   PetscInt   capacity, count, stride;
-  PetscInt   level;   /* of sizes: what is around its particles is collected */
+  PetscReal  smallest, most; /* sizes (1) of its level: what is around those larger than the one, up to the other */
   PetscReal *largest; /* [cells] of graded particles: the largest size of this level in the cell; NULL: one size */
-  PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within the support: see CellsAlong */
+  PetscReal  radius;  /* m, for which the table is: the support of the last cell's particles */
+  PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within it: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
   PetscInt  *index;  /* [count] local index of each particle before the sort: see LiquidParticle */
@@ -52,6 +53,12 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
 #define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
 PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
 PetscErrorCode LiquidReset(Liquid *liquid);
+
+/* LiquidHas - whether particle a is of the liquid's level of sizes. */
+static inline PetscBool LiquidHas(const Liquid *liquid, Cloud cloud, PetscInt a)
+{
+  return (PetscBool)(!cloud->size || (cloud->size[a] > liquid->smallest && cloud->size[a] <= liquid->most));
+}
 
 /* LiquidParticle - the local index of the particle at a place. LiquidCell - its cell. LiquidPosition - its x (m). */
 static inline PetscInt LiquidParticle(const Liquid *liquid, PetscInt place)
@@ -186,15 +193,15 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
 }
 
 /* TensionLevel - takes the liquid of a level of sizes into use and returns it. TensionOwns - whether the sums of
-   particle a are made here: it is owned and of the level. */
+   particle a are made here: it is owned and of the liquid's level. */
 static inline Liquid *TensionLevel(Tension tension, PetscInt level)
 {
   tension->liquid = &tension->liquids[level];
   return tension->liquid;
 }
-static inline PetscBool TensionOwns(Cloud cloud, PetscInt level, PetscInt a)
+static inline PetscBool TensionOwns(Cloud cloud, const Liquid *liquid, PetscInt a)
 {
-  return (PetscBool)(a < cloud->n_owned && CloudLevel(cloud, a) == level);
+  return (PetscBool)(a < cloud->n_owned && LiquidHas(liquid, cloud, a));
 }
 
 /* TensionScales - KernelScales of W^H, or another kernel, at the size of the particle whose sums are made. */
