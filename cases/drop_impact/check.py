@@ -61,7 +61,7 @@ def secondary(folder):
         x, V = physics.upright(head, f), physics.volumes(head, f)
         energy = V * (f["velocity"]**2).sum(axis=1)
         above = x[:, 2] > -1e-3
-        label = physics.components(x[above], 2 * float(head["spacing"]))
+        label = physics.components(x[above], 2 * float(head["spacing"]), physics.sizes(head, f)[above])
         off = label > 0
         share = energy[above][off].sum() / energy.sum()
         volume = V[above][off].sum() / V[f["body"] == 1].sum()
@@ -81,12 +81,12 @@ def mean_crown(folder):
         if not compare.CROWN_SPAN[0] <= t <= compare.CROWN_SPAN[1]:
             continue
         spacing = float(head["spacing"])
-        x = physics.upright(head, f)
-        x = x[x[:, 2] > -1e-3]
-        x = x[physics.components(x, 1.25 * spacing) == 0]
-        x = x[np.hypot(x[:, 0], x[:, 1]) > 2.2e-3]
+        x, size = physics.upright(head, f), physics.sizes(head, f)
+        x, size = x[x[:, 2] > -1e-3], size[x[:, 2] > -1e-3]
+        here = (physics.components(x, 1.25 * spacing, size) == 0) & (np.hypot(x[:, 0], x[:, 1]) > 2.2e-3)
+        x, top = x[here], x[here, 2] + size[here] * spacing / 2
         sector = np.floor(np.degrees(np.arctan2(x[:, 1], x[:, 0])) / 6).astype(int)
-        tops = [x[sector == k, 2].max() + spacing / 2 for k in np.unique(sector)]
+        tops = [top[sector == k].max() for k in np.unique(sector)]
         if tops and not np.mean(tops) <= largest[0]:
             largest = np.mean(tops), t
     return largest

@@ -87,7 +87,13 @@ def rings(head):
 
 def volumes(head, f):
     """The volume of each particle of a snapshot (m^dim), of rings the whole one (m3)."""
-    return f["volume"] if rings(head) else np.full(len(f["id"]), float(head["spacing"])**int(head["dimension"]))
+    return f["volume"] if "volume" in f else np.full(len(f["id"]), float(head["spacing"])**int(head["dimension"]))
+
+
+def sizes(head, f):
+    """The spacing of each particle of a snapshot over the finest: 1 but with -spacing_coarse."""
+    one = np.ones(len(f["id"]))
+    return one if rings(head) else volumes(head, f)**(1 / int(head["dimension"])) / float(head["spacing"]) * one
 
 
 def places(head, f):
@@ -208,11 +214,12 @@ def semi_axes(position):
     return 2 * np.sqrt((centred**2).mean(axis=0))
 
 
-def components(position, reach):
-    """Label of each particle: particles that hang together by steps below reach (m) have the same. Cells of size reach
-    and a breadth-first walk; labels count from 0, the largest set first."""
+def components(position, reach, size=None):
+    """Label of each particle: particles that hang together by steps below reach (m), times the mean of their sizes,
+    have the same. Cells of the largest reach and a breadth-first walk; labels count from 0, the largest set first."""
     cells, label = {}, np.full(len(position), -1)
-    keys = np.floor(position / reach).astype(int)
+    size = np.ones(len(position)) if size is None else size
+    keys = np.floor(position / (reach * max(size, default=1))).astype(int)
     for a, key in enumerate(map(tuple, keys)):
         cells.setdefault(key, []).append(a)
     near = [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
@@ -226,7 +233,7 @@ def components(position, reach):
             others = [b for d in near for b in cells.get((keys[a][0] + d[0], keys[a][1] + d[1], keys[a][2] + d[2]), ())
                       if label[b] < 0]
             for b in others:
-                if ((position[a] - position[b])**2).sum() < reach**2:
+                if ((position[a] - position[b])**2).sum() < (reach * (size[a] + size[b]) / 2)**2:
                     label[b] = count
                     front.append(b)
         count += 1
