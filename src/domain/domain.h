@@ -33,7 +33,9 @@ typedef struct {
   PetscReal lower[DIM];                 /* m */
   PetscReal upper[DIM];                 /* m */
   FaceType  face[DIM][2];               /* lower and upper face of each direction */
-  PetscReal wall_velocity[DIM][2][DIM]; /* velocity of a wall face, m/s */
+  PetscReal wall_velocity[DIM][2][DIM]; /* velocity of a wall face, m/s, at the time set last */
+  PetscReal wall_mean[DIM][2][DIM], wall_amplitude[DIM][2][DIM], wall_rate[DIM][2]; /* what it swings around and by,
+                                                                                       m/s; rad/s */
   /* Partition: a grid of cells over the box, each owned by one rank. */
   PetscInt     cells[DIM];     /* number of cells a direction */
   PetscReal    cell_size[DIM]; /* m */
@@ -106,6 +108,11 @@ void DomainWrap(Domain domain, PetscReal x[DIM]);
 void DomainConfine(Domain domain, PetscReal x[DIM]);
 /* DomainOutside - whether x (m) has left the box through an open face. Not collective. */
 PetscBool DomainOutside(Domain domain, const PetscReal x[DIM]);
+/* DomainWallsSwing - whether the velocity of any wall face depends on the time; DomainSetTime - it is that of this time
+   (s) from here on, 0 at first; DomainWallSpeed - no wall is ever faster than this (m/s). Not collective. */
+PetscBool DomainWallsSwing(Domain domain);
+void      DomainSetTime(Domain domain, PetscReal time);
+PetscReal DomainWallSpeed(Domain domain);
 /* DomainWallVelocity - the velocity v (m/s) of the walls at x (m) outside of the box: that of the face; behind an edge
    or a corner zero in each component in which the faces differ. Not collective. */
 void DomainWallVelocity(Domain domain, const PetscReal x[DIM], PetscReal v[DIM]);

@@ -28,6 +28,13 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void WallsSwing(Cloud cloud)
+{
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++)
+    if (cloud->integer[INT_BODY][a] == BODY_WALL)
+      DomainWallVelocity(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, cloud->field[FIELD_VELOCITY] + DIM * a);
+}
+
 /* The name of a solid other than this one, of another motion, that x is inside of by more than a spacing; NULL: none.
  */
 static const char *Inside(Scene scene, Body solid, PetscReal spacing, const PetscReal x[DIM])

@@ -190,6 +190,9 @@ static PetscErrorCode CheckSolids(Stepper s)
   PetscCheckUser(!SceneSolidsMove(s->cloud->scene) || (consistent && s->force_time > 0), s->cloud->comm,
                  "a solid of the scene moves, which needs -scheme " SCHEME_CONSISTENT " with -time_centered, the "
                  "default");
+  PetscCheckUser(!DomainWallsSwing(s->cloud->domain) || (consistent && s->force_time > 0), s->cloud->comm,
+                 "a wall of the box swings, which needs -scheme " SCHEME_CONSISTENT
+                 " with -time_centered, the default");
   PetscCheckUser(!SceneFrameTurns(s->cloud->scene) || consistent, s->cloud->comm,
                  "-frame_rotation_rate needs -scheme " SCHEME_CONSISTENT ", the default");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -360,6 +363,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     trial = (StepTrial){.diagnose = diagnose};
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     SceneMoveSolids(cloud->scene, state->time);
+    DomainSetTime(cloud->domain, state->time + dt);
     PetscCall(stepper->ops.step(stepper, dt, &trial));
     PetscCall(TrialReduce(stepper, &trial));
     PetscCall(TrialCheck(stepper, dt, &trial, why, length));

@@ -175,6 +175,8 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
 /* SolidsMove - the solids that move, and their dummy particles, from their places at the time 'from' to those at the
    time 'to', with their velocities at the time 'end' (s). Not collective. */
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
+/* WallsSwing - the dummy particles of the box's walls get the velocity of the domain's time. Not collective. */
+void WallsSwing(Cloud cloud);
 /* SolidsCheck - 'why' says in a sentence of at most 'length' bytes that a solid would leave the box, or go into another
    one, between the two times (s); empty if not. Collective. */
 PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[], size_t length);

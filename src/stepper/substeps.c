@@ -14,11 +14,10 @@ PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
   if (SceneSolidsMove(cloud->scene))
     PetscCall(SolidsMove(cloud, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt));
+  if (DomainWallsSwing(cloud->domain)) WallsSwing(cloud);
   PetscCall(CloudMoved(cloud));
-  if (SceneSolidsMove(cloud->scene)) {
-    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-    PetscCall(CloudFindSolidNormals(cloud));
-  }
+  if (SceneSolidsMove(cloud->scene) || DomainWallsSwing(cloud->domain)) PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+  if (SceneSolidsMove(cloud->scene)) PetscCall(CloudFindSolidNormals(cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -219,8 +219,7 @@ static void FindScales(Stepper stepper, Scales *scales)
       scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
   }
   scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
-  for (PetscInt f = 0; f < DIM * 2; f++)
-    scales->speed = PetscMax(scales->speed, Norm(cloud->domain->wall_velocity[f / 2][f % 2]));
+  scales->speed = PetscMax(scales->speed, DomainWallSpeed(cloud->domain));
 }
 
 PetscReal StepperReferenceVelocity(Stepper stepper)

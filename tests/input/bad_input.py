@@ -241,6 +241,13 @@ for name, meant in (("-scheme weakly_compressible", "-scheme weakly_compressible
     refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse yet"])
 refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
 refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
+for name, more, words in (("swing without a frequency", "-box_zmin_velocity_amplitude 1,0,0",
+                           ["needs -box_zmin_velocity_f"]),
+                          ("swing of a mirror", "-box_x symmetry -box_xmin_velocity_amplitude 0,1,0",
+                           ["the face is symmetry"]),
+                          ("swing into the box", "-box_zmin_velocity_amplitude 0,0,1",
+                           ["must be tangential", "a solid"])):
+    refused(name, GOOD + more, words)
 TURN = "-frame_rotation_rate 0,0,1 "
 for name, more, words in (("gravity", TURN + "-gravity 0,-1,0", ["-gravity", "along the axis"]),
                           ("periodic", TURN + "-box_x periodic", ["-box_xmin is periodic or symmetry"]),

@@ -1,0 +1,26 @@
+#!/usr/bin/python3
+"""A wall that swings along itself: Stokes' second problem, u = U exp(-y/d) sin(w t - y/d), d = sqrt(2 nu/w); on two
+ranks, too."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+
+U, FREQUENCY, NU, TIME = 1e-3, 1.0, 1e-6, 2.3  # m/s, Hz, m2/s, s: the transient has gone
+RATE = 2 * np.pi * FREQUENCY
+DEPTH = np.sqrt(2 * NU / RATE)
+SCENE = f"""-dimension 2 -spacing 1e-4 -box_lower 0,0 -box_upper 1e-3,3e-3 -box_ymin wall -box_x periodic
+
+ -box_ymax wall -bodies water -packing_jitter 0 -water_viscosity 1e-3 -viscosity_form morris -time_end {TIME} -snapshot_interval {TIME}
+ -checkpoint_interval 0 -box_ymin_velocity_amplitude {U},0
+ -box_ymin_velocity_frequency {FREQUENCY} """
+for ranks in (1, 2):
+    f = runs.fields(runs.numbered(runs.run(SCENE, f"wall {ranks}", ranks), "snapshot")[-1])
+    liquid = f["body"] >= 0
+    y, u = f["position"][liquid, 1], f["velocity"][liquid, 0]
+    exact = U * np.exp(-y / DEPTH) * np.sin(RATE * TIME - y / DEPTH)
+    runs.check_below(np.sqrt(np.mean((u - exact)**2)) / U, 0.02, f"rms velocity error over the wall's, {ranks} ranks")
+    runs.check(np.abs(exact).max() > 0.3 * U, "there is something to see", np.abs(exact).max())
+runs.done()
