@@ -11,10 +11,9 @@ import runs  # noqa: E402
 U, FREQUENCY, NU, TIME = 1e-3, 1.0, 1e-6, 2.3  # m/s, Hz, m2/s, s: the transient has gone
 RATE = 2 * np.pi * FREQUENCY
 DEPTH = np.sqrt(2 * NU / RATE)
-SCENE = f"""-dimension 2 -spacing 1e-4 -box_lower 0,0 -box_upper 1e-3,3e-3 -box_ymin wall -box_x periodic
-
- -box_ymax wall -bodies water -packing_jitter 0 -water_viscosity 1e-3 -viscosity_form morris -time_end {TIME} -snapshot_interval {TIME}
- -checkpoint_interval 0 -box_ymin_velocity_amplitude {U},0
+SCENE = f"""-dimension 2 -spacing 1e-4 -box_lower 0,0 -box_upper 1e-3,3e-3 -box_ymin wall -box_x periodic -box_ymax wall
+ -bodies water -packing_jitter 0 -water_viscosity 1e-3 -viscosity_form morris -time_end {TIME}
+ -snapshot_interval {TIME} -checkpoint_interval 0 -box_ymin_velocity_amplitude {U},0
  -box_ymin_velocity_frequency {FREQUENCY} """
 for ranks in (1, 2):
     f = runs.fields(runs.numbered(runs.run(SCENE, f"wall {ranks}", ranks), "snapshot")[-1])
