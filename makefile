@@ -17,6 +17,7 @@
 #   make solver-sweep               every solver of PETSc's: right or refused in a sentence; table in tests/solvers/
 #   make compare-solvers STATE=FILE.h5      every solver on a state of a run of your own (RANKS=2), and which to take
 #   PORTABLE=1   code for any processor of the architecture, which takes what a machine has when it starts; ARCH=-march=...  for one
+#   STRICT=1     warnings are errors, as in .ci/run
 #   CC=mpicc     the MPI compiler; OMPI_CC=clang mpicc builds with clang
 #   PETSC_DIR, PETSC_ARCH, SLEPC_DIR   another PETSc than Debian's
 CC        = mpicc
@@ -29,7 +30,7 @@ PACKAGES  = SLEPc PETSc hdf5-openmpi
 ARCH      = $(if $(PORTABLE),,-march=native)
 PIC       =
 CFLAGS    = -O3 $(ARCH) -g
-WARNINGS  = -Wall -Wextra -Werror -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-pass-failed -Wno-psabi
+WARNINGS  = -Wall -Wextra $(if $(STRICT),-Werror) -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-pass-failed -Wno-psabi
 ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(PIC) -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
 LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 

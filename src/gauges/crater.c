@@ -312,7 +312,7 @@ PetscErrorCode GaugesCrater(Gauges gauges, CraterValues *values)
   ParticleArrays arrays;
   CraterGrid     grid;
   PoolParticle  *pool;
-  PetscInt       n;
+  PetscInt       n = 0;
   SkyMap         map;
 
   PetscFunctionBegin;

@@ -128,7 +128,7 @@ static PetscErrorCode CheckIdentities(Output output, const ParticleArrays *array
 {
   const Domain domain = output->cloud->domain;
   Identity    *own, *there, top = {.id = -1};
-  PetscInt     n = 0, received;
+  PetscInt     n = 0, received = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(2 * arrays->n, &own));

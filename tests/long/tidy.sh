@@ -9,7 +9,7 @@ flags="$flags $(pkg-config --cflags SLEPc PETSc hdf5-openmpi) $(mpicc --showme:c
 log=$(printf '%s\n' src/*.c src/*/*.c | xargs -P 2 -I {} clang-tidy --quiet {} -- $flags 2>/dev/null |
   grep -E ': (error|warning):' | sort -u)
 if [ -z "$log" ]; then echo "ok clang_tidy"; else echo "FAIL clang_tidy: $(wc -l <<<"$log") findings"; echo "$log"; fi
-if make -s CC="env OMPI_CC=clang mpicc" BUILD=output/clang PROGRAM=output/clang/isph output/clang/isph; then
+if STRICT=1 make -s CC="env OMPI_CC=clang mpicc" BUILD=output/clang PROGRAM=output/clang/isph output/clang/isph; then
   echo "ok clang_builds_without_warnings"
 else
   echo "FAIL clang: warnings or errors"; exit 1
