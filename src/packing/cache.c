@@ -1,10 +1,11 @@
 /* Finished packings on disk, one HDF5 file each, named after a hash of all that determines them. */
 #include "../storage/storage.h"
 #include "packing_impl.h"
+#include <ctype.h>
 #include <unistd.h>
 
 #define STRAY         2 /* spacings: a negative -wall_guard lets liquid one behind a wall */
-#define CACHE_VERSION 3 /* raise it when the same options give another packing, or the files another content */
+#define CACHE_VERSION 4 /* raise it when the same options give another packing, or the files another content */
 /* The hash is FNV-1a of 64 bits (Fowler, Noll, Vo; http://www.isthe.com/chongo/tech/comp/fnv). */
 #define HASH_START 0xCBF29CE484222325ULL
 #define HASH_PRIME 0x100000001B3ULL
@@ -35,14 +36,40 @@ static void HashBody(unsigned long long *hash, Domain domain, Body body)
     HashReal(hash, lower[d]);
     HashReal(hash, upper[d]);
   }
-  for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
-    PetscReal x[DIM] = {0, 0, 0};
-    PetscInt  at[DIM];
+  for (PetscInt layer = 0; layer < n[2]; layer++)
+    for (PetscInt c = 0; c < n[0] * n[1]; c++) {
+      const PetscInt at[DIM] = {c % n[0], c / n[0], layer};
+      PetscReal      x[DIM]  = {0, 0, 0};
 
-    CellCoordinates(n, c, at);
-    for (PetscInt d = 0; d < domain->dim; d++) x[d] = lower[d] + (at[d] + 0.5) * (upper[d] - lower[d]) / n[d];
-    HashReal(hash, BodyDistance(body, x));
+      for (PetscInt d = 0; d < domain->dim; d++) x[d] = lower[d] + (at[d] + 0.5) * (upper[d] - lower[d]) / n[d];
+      HashReal(hash, BodyDistance(body, x));
+    }
+}
+
+void HashText(unsigned long long *hash, const char text[])
+{
+  HashBytes(hash, text, strlen(text));
+}
+
+/* The options of TAO, which PETSc reads: names and values as they were given. */
+static PetscErrorCode HashTao(unsigned long long *hash)
+{
+  const char prefix[] = "-packing_tao_";
+  char      *all, **word;
+  int        words;
+  PetscBool  ours = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  PetscCall(PetscStrToArray(all, ' ', &words, &word));
+  for (int k = 0; k < words; k++) {
+    if (word[k][0] == '-' && isalpha((unsigned char)word[k][1]))
+      ours = (PetscBool)(strncmp(word[k], prefix, sizeof(prefix) - 1) == 0);
+    if (ours) HashText(hash, word[k]);
   }
+  PetscCall(PetscStrToArrayDestroy(words, word));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash)
@@ -73,17 +100,13 @@ PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[
   }
   HashBytes(hash, packing->type, strlen(packing->type));
   HashReal(hash, packing->seed);
+  PetscCall(HashTao(hash));
   for (PetscInt k = 0; k < n; k++) HashReal(hash, numbers[k]);
   for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++)
     HashBody(hash, domain, SceneBody(packing->cloud->scene, b));
   for (PetscInt b = 0; b < SceneSolidCount(packing->cloud->scene); b++)
     HashBody(hash, domain, SceneSolid(packing->cloud->scene, b));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void HashText(unsigned long long *hash, const char text[])
-{
-  HashBytes(hash, text, strlen(text));
 }
 
 static PetscErrorCode FileName(const char folder[], unsigned long long hash, char name[PETSC_MAX_PATH_LEN])

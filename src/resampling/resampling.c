@@ -5,6 +5,7 @@
 #define INTERVAL 10
 #define LEAST    0.6
 #define MOST     1.6
+#define RUSH     2 /* times the largest share: a ring that runs onto the axis grows so fast that it cannot wait */
 #define TOGETHER 1.3
 #define REACH    1.25
 #define PATH     0.45 /* 0.75 spacings for a share of 0.6; what is almost nothing may go further */
@@ -16,9 +17,10 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
     .interval = INTERVAL, .least = LEAST, .most = MOST, .together = TOGETHER, .reach = REACH, .path = PATH};
   PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings", "Resampling");
   if (cloud->domain->rings || HelpWanted()) {
-    PetscCall(OptionInt("-resampling_interval",
-                        "steps from one joining and splitting of rings to the next (1); 0: never", "[0, inf)",
-                        &r->interval));
+    PetscCall(OptionInt(
+      "-resampling_interval",
+      "steps from one joining and splitting of rings to the next, sooner if one is twice too fat (1); 0: never",
+      "[0, inf)", &r->interval));
     PetscCall(
       OptionReal("-resampling_least", "ring area over spacing^2 below which rings join (1)", "[0, 1)", &r->least));
     PetscCall(
@@ -29,10 +31,28 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The ring area of particle a over V_0. */
+static PetscReal Share(Cloud cloud, PetscInt a)
+{
+  return cloud->volume[a] /
+         (DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a) * cloud->domain->volume);
+}
+
+PetscErrorCode ResamplingDue(Cloud cloud, const Resampling *r, PetscInt step, PetscBool *due)
+{
+  PetscReal largest = 0;
+
+  PetscFunctionBegin;
+  *due = (PetscBool)(r->interval > 0 && step % r->interval == 0);
+  if (r->interval == 0 || *due) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) largest = PetscMax(largest, Share(cloud, a));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  *due = (PetscBool)(largest > RUSH * r->most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
 {
-  const Domain domain = cloud->domain;
-
   PetscFunctionBegin;
   *change = (Change){.split = 0};
   PetscCall(
@@ -42,9 +62,7 @@ static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
     change->keep[a]    = PETSC_TRUE;
     change->changed[a] = PETSC_FALSE;
   }
-  for (PetscInt a = 0; a < cloud->n_total; a++)
-    change->share[a] =
-      cloud->volume[a] / (DomainRingLength(domain, cloud->field[FIELD_POSITION] + DIM * a) * domain->volume);
+  for (PetscInt a = 0; a < cloud->n_total; a++) change->share[a] = Share(cloud, a);
   PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,6 +27,9 @@ typedef struct {
 /* ResamplingSetFromOptions - -resampling_interval, -resampling_least, -resampling_most; nothing to read where all
    volumes are the same. Collective. */
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *resampling);
+/* ResamplingDue - whether to join and split after this step: at the interval, and at once where a share is more than
+   twice the largest. Collective. */
+PetscErrorCode ResamplingDue(Cloud cloud, const Resampling *resampling, PetscInt step, PetscBool *due);
 /* Resample - joins and splits at the end of an accepted step, whose neighbours, moments and velocity gradient the cloud
    still has; ends with CloudResync if anything was done. Collective. */
 PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report);

@@ -330,11 +330,12 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
    cloud knows nothing of the step any more. */
 static PetscErrorCode JoinAndSplit(Stepper stepper, PetscBool lost, StepState *state)
 {
-  const PetscInt   interval = stepper->resampling.interval;
+  PetscBool        due;
   ResamplingReport report;
 
   PetscFunctionBegin;
-  if (interval == 0 || state->step % interval || lost || stepper->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ResamplingDue(stepper->cloud, &stepper->resampling, state->step, &due));
+  if (!due || lost || stepper->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Resample(stepper->cloud, &stepper->resampling, &report));
   state->resampling_loss += report.energy;
   state->joined += report.joined;

@@ -303,6 +303,10 @@ static PetscErrorCode TestPoisson(void)
   PetscCall(SetupDestroy(&again));
   PetscCall(SetupDestroy(&first));
   PetscCall(SetupDestroy(&s));
+  PetscCall(SetupCreate(PETSC_COMM_WORLD,
+                        DROP "-packing_tolerance 2e-3 -packing_tao_ls_max_funcs 29 -packing_cache " CACHE_FOLDER, &s));
+  CHECK(!s.report.cached, "cache: not read with another option of TAO");
+  PetscCall(SetupDestroy(&s));
   PetscCall(SetupCreate(PETSC_COMM_WORLD, DROP "-packing_tolerance 3e-3 -packing_seed 5 -packing_cache \"\"", &s));
   CHECK(!s.report.cached, "cache: not read when switched off");
   PetscCall(SetupDestroy(&s));
