@@ -273,7 +273,7 @@ static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const
                 dz = unit[2] * (float)Apart(p[2], z[k]);
 
     both[k] = own + size[begin + k];
-    s2[k]   = dx * dx + dy * dy + dz * dz;
+    s2[k]   = SumSquares(dx, dy, dz);
   }
   for (PetscInt k = 0; k < RUN_COUNT(run); k++) { /* branchless: the next one overwrites what is not kept */
     const PetscInt b = index[begin + k];

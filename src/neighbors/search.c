@@ -110,7 +110,7 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
     const float    dx = unit[0] * (float)Apart(px, x[at]), dy = unit[1] * (float)Apart(py, y[at]),
                 dz = unit[2] * (float)Apart(pz, z[at]);
 
-    s2[k] = dx * dx + dy * dy + dz * dz;
+    s2[k] = SumSquares(dx, dy, dz);
   }
   for (PetscInt k = 0; k < RUN_COUNT(run); k++) { /* branchless: the next one overwrites what is not kept */
     const PetscInt b = order[RUN_BEGIN(run) + k];

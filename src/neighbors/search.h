@@ -30,6 +30,17 @@ static inline int32_t Apart(int32_t p, int32_t x)
   return (int32_t)((uint32_t)p - (uint32_t)x);
 }
 
+/* SumSquares - dx2 + dy2 + dz2, rounded in the same way for both particles of a pair wherever it is compiled: which
+   products a compiler joins with the sums is not left to it. Not collective. */
+static inline float SumSquares(float dx, float dy, float dz)
+{
+#if defined(__FP_FAST_FMAF)
+  return fmaf(dz, dz, fmaf(dy, dy, dx * dx));
+#else
+  return dx * dx + dy * dy + dz * dz;
+#endif
+}
+
 /* A run of up to LANES candidates in one integer: where it starts in the grid's order in the lower half, its count in
    the upper half, to halve the memory traffic. A larger count stands for more runs behind this one. */
 typedef int64_t Run;
