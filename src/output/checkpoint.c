@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
-#define CHECKPOINT_VERSION 2
+#define CHECKPOINT_VERSION 3
 #define HEAD_TEXT          65536 /* room for a text: the most that HDF5 keeps in an attribute */
 
 /* The head of the file: real and whole numbers, by name. */
@@ -194,16 +194,13 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
 /* What rank 0 finds wrong with a file. */
 typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION } FileVerdict;
 
-/* Whether all numbers of the head are there. Those of joining, splitting and energy from outside are zero in a file
-   of before. */
+/* Whether all numbers of the head are there. */
 static PetscBool HeadRead(H5File *h5, Head *head)
 {
   PetscBool whole = PETSC_TRUE;
 
-  for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++)
-    whole = (PetscBool)(H5FileGetReal(h5, real_names[k], &head->real[k]) || k >= HEAD_RESAMPLING_LOSS);
-  for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++)
-    whole = (PetscBool)(H5FileGetInt(h5, int_names[k], &head->integer[k]) || k == HEAD_JOINED || k == HEAD_SPLIT);
+  for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++) whole = H5FileGetReal(h5, real_names[k], &head->real[k]);
+  for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++) whole = H5FileGetInt(h5, int_names[k], &head->integer[k]);
   return whole;
 }
 
