@@ -424,21 +424,36 @@ PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row, PetscBool slope)
+/* r2 of a graded particle's row over the square of the pair's size. */
+static void ScaleRow(Cloud cloud, PetscInt a, const PairRow *row, PetscReal r2[])
 {
-  const PetscInt dim = cloud->domain->dim;
-  PetscReal      r2[ROW_CAPACITY];
+  for (PetscInt k = 0; k < row->n; k++) r2[k] = row->r2[k] / PetscSqr(CloudPairSize(cloud, a, row->index[k]));
+}
+
+void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row)
+{
+  PetscReal r2[ROW_CAPACITY];
 
   if (!cloud->size) {
-    KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, slope ? row->F : NULL);
+    KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
     return;
   }
-  for (PetscInt k = 0; k < row->n; k++) r2[k] = row->r2[k] / PetscSqr(CloudPairSize(cloud, a, row->index[k]));
-  KernelEvaluate(cloud->kernel, row->n, r2, row->W, slope ? row->F : NULL);
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscReal q = 1 / CloudPairSize(cloud, a, row->index[k]), q_dim = PetscPowRealInt(q, (int)dim);
+  ScaleRow(cloud, a, row, r2);
+  KernelEvaluate(cloud->kernel, row->n, r2, row->W, NULL);
+  for (PetscInt k = 0; k < row->n; k++)
+    row->W[k] *= PetscPowRealInt(1 / CloudPairSize(cloud, a, row->index[k]), (int)cloud->domain->dim);
+}
 
-    row->W[k] *= q_dim;
-    if (slope) row->F[k] *= q_dim * q * q;
+void PairRowGradient(Cloud cloud, PetscInt a, PairRow *row)
+{
+  PetscReal r2[ROW_CAPACITY];
+
+  if (!cloud->size) {
+    KernelGradient(cloud->kernel, row->n, row->r2, row->F);
+    return;
   }
+  ScaleRow(cloud, a, row, r2);
+  KernelGradient(cloud->kernel, row->n, r2, row->F);
+  for (PetscInt k = 0; k < row->n; k++)
+    row->F[k] *= PetscPowRealInt(1 / CloudPairSize(cloud, a, row->index[k]), (int)cloud->domain->dim + 2);
 }

@@ -69,9 +69,10 @@ static inline void PairRowLoadGeometry(Cloud cloud, const PetscReal *restrict x,
   }
 }
 
-/* PairRowEvaluate - W of the row of particle a, and F if 'slope' is true, after PairRowLoadGeometry: of particles of
+/* PairRowEvaluate, PairRowGradient - W, or F, of the row of particle a after PairRowLoadGeometry: of particles of
    different sizes with the pairs' own smoothing lengths. Not collective. */
-void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row, PetscBool slope);
+void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row);
+void PairRowGradient(Cloud cloud, PetscInt a, PairRow *row);
 
 /* PairsPrefetch - asks for n entries of an array that is stored like the list, as a loop over all rows will need them
    about fourteen rows later. The arrays are larger than the caches, and the processors do not look far enough ahead by

@@ -46,6 +46,7 @@ static uint64_t front[1 << EIGHT];
 
 static void SetFront(void)
 {
+  if (front[1 << 1]) return; /* is set */
   for (uint32_t bits = 0; bits < 1 << EIGHT; bits++) {
     PetscInt n = 0;
 

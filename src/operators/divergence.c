@@ -162,10 +162,7 @@ void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM])
 
   for (PetscInt d = 0; d < DIM; d++) force[d] = 0;
   PairRowLoadGeometry(cloud, x, b, &row);
-  if (cloud->size)
-    PairRowEvaluate(cloud, b, &row, PETSC_TRUE);
-  else
-    KernelGradient(cloud->kernel, row.n, row.r2, row.F);
+  PairRowGradient(cloud, b, &row);
   for (PetscInt k = 0; k < row.n; k++) {
     const PetscInt  a = row.index[k];
     const PetscReal c = cloud->integer[INT_LAYER][a]

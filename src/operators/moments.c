@@ -80,7 +80,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
     PetscReal sum = cloud->size ? V * self : CloudWeigh(cloud, a, V * self);
 
     PairRowLoadGeometry(cloud, x, a, &row);
-    PairRowEvaluate(cloud, a, &row, PETSC_FALSE);
+    PairRowEvaluate(cloud, a, &row);
     SIMD_LOOP(reduction(+ : sum))
     for (PetscInt k = 0; k < row.n; k++) sum += CloudWeigh(cloud, row.index[k], V) * row.W[k];
     cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * sum;

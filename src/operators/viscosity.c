@@ -394,10 +394,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
     const PetscReal factor = WallFactor(cloud, viscosity, a);
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-    if (cloud->size)
-      PairRowEvaluate(cloud, a, &row, PETSC_TRUE);
-    else
-      KernelGradient(cloud->kernel, row.n, row.r2, row.F);
+    PairRowGradient(cloud, a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b    = row.index[k];
       const PetscReal mu_b = mu[b] < 0 ? mu[a] : mu[b], sum = mu[a] + mu_b;

@@ -7,7 +7,7 @@ PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
   PetscReal       sum  = 0;
 
   PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
-  PairRowEvaluate(cloud, a, row, PETSC_FALSE);
+  PairRowEvaluate(cloud, a, row);
   if (cloud->weight)
     for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
   SIMD_LOOP(reduction(+ : sum))

@@ -31,24 +31,15 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ring area of particle a over V_0. */
-static PetscReal Share(Cloud cloud, PetscInt a)
+PetscReal ResamplingShare(Cloud cloud, PetscInt a)
 {
   return cloud->volume[a] /
          (DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a) * cloud->domain->volume);
 }
 
-PetscErrorCode ResamplingDue(Cloud cloud, const Resampling *r, PetscInt step, PetscBool *due)
+PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
 {
-  PetscReal largest = 0;
-
-  PetscFunctionBegin;
-  *due = (PetscBool)(r->interval > 0 && step % r->interval == 0);
-  if (r->interval == 0 || *due) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) largest = PetscMax(largest, Share(cloud, a));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
-  *due = (PetscBool)(largest > RUSH * r->most);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > RUSH * r->most));
 }
 
 static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
@@ -62,7 +53,7 @@ static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
     change->keep[a]    = PETSC_TRUE;
     change->changed[a] = PETSC_FALSE;
   }
-  for (PetscInt a = 0; a < cloud->n_total; a++) change->share[a] = Share(cloud, a);
+  for (PetscInt a = 0; a < cloud->n_total; a++) change->share[a] = ResamplingShare(cloud, a);
   PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

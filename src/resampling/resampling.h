@@ -27,9 +27,11 @@ typedef struct {
 /* ResamplingSetFromOptions - -resampling_interval, -resampling_least, -resampling_most; nothing to read where all
    volumes are the same. Collective. */
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *resampling);
-/* ResamplingDue - whether to join and split after this step: at the interval, and at once where a share is more than
-   twice the largest. Collective. */
-PetscErrorCode ResamplingDue(Cloud cloud, const Resampling *resampling, PetscInt step, PetscBool *due);
+/* ResamplingShare - the ring area of particle a over V_0. ResamplingDue - whether to join and split after this step, in
+   which 'largest' is the largest share: at the interval, and at once where it is more than twice the most. Not
+   collective. */
+PetscReal ResamplingShare(Cloud cloud, PetscInt a);
+PetscBool ResamplingDue(const Resampling *resampling, PetscInt step, PetscReal largest);
 /* Resample - joins and splits at the end of an accepted step, whose neighbours, moments and velocity gradient the cloud
    still has; ends with CloudResync if anything was done. Collective. */
 PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report);

@@ -328,14 +328,13 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
 
 /* Joins and splits particles after an accepted step, if it is time; not in a step that has lost some, after which the
    cloud knows nothing of the step any more. */
-static PetscErrorCode JoinAndSplit(Stepper stepper, PetscBool lost, StepState *state)
+static PetscErrorCode JoinAndSplit(Stepper stepper, const StepTrial *trial, PetscBool lost, StepState *state)
 {
-  PetscBool        due;
   ResamplingReport report;
 
   PetscFunctionBegin;
-  PetscCall(ResamplingDue(stepper->cloud, &stepper->resampling, state->step, &due));
-  if (!due || lost || stepper->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!ResamplingDue(&stepper->resampling, state->step, trial->largest[LARGEST_SHARE]) || lost || stepper->damping < 1)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Resample(stepper->cloud, &stepper->resampling, &report));
   state->resampling_loss += report.energy;
   state->joined += report.joined;
@@ -384,7 +383,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
-  PetscCall(JoinAndSplit(stepper, (PetscBool)(state->lost > lost), state));
+  PetscCall(JoinAndSplit(stepper, &trial, (PetscBool)(state->lost > lost), state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,6 +28,7 @@ typedef enum {
   LARGEST_DISPLACEMENT, /* m */
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
+  LARGEST_SHARE,        /* of rings: ResamplingShare */
   LARGEST_COUNT
 } TrialLargest;
 

@@ -462,7 +462,6 @@ static PetscErrorCode TestNarrow(void)
   ParticleArrays   arrays;
   Resampling       resampling;
   ResamplingReport report;
-  PetscBool        due;
 
   PetscFunctionBegin;
   PetscCall(SetupPack("-dimension axisymmetric -spacing 1 -box_lower 0,0 -box_upper 20,10.2 -bodies a -a_lower 0,9 "
@@ -475,8 +474,8 @@ static PetscErrorCode TestNarrow(void)
   PetscCall(SetupMoments(&s));
   PetscCall(SetupDivergence(&s));
   PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  PetscCall(ResamplingDue(s.cloud, &resampling, 1, &due));
-  CHECK(due, "resampling_does_not_wait_for_a_ring_that_is_far_too_fat");
+  CHECK(ResamplingDue(&resampling, 1, ResamplingShare(s.cloud, 0)),
+        "resampling_does_not_wait_for_a_ring_that_is_far_too_fat");
   PetscCall(Resample(s.cloud, &resampling, &report));
   CHECK(report.split == 1, "resampling_splits_where_there_is_little_room");
   PetscCall(SetupClose(&s));
@@ -492,7 +491,6 @@ static PetscErrorCode TestResampling(void)
   Resampling       resampling;
   ResamplingReport report;
   Sums             before, after;
-  PetscBool        due[3];
 
   PetscFunctionBegin;
   PetscCall(SetupPack(TANK "-packing_jitter 0.2", &s));
@@ -510,8 +508,9 @@ static PetscErrorCode TestResampling(void)
   PetscCall(SetupDivergence(&s));
   before = SumUp(&s);
   PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  for (PetscInt k = 0; k < 3; k++) PetscCall(ResamplingDue(s.cloud, &resampling, 9 + k, due + k));
-  CHECK(!due[0] && due[1] && !due[2], "resampling_is_due_at_its_interval");
+  CHECK(!ResamplingDue(&resampling, 9, 1.7) && ResamplingDue(&resampling, 10, 1.7) &&
+          !ResamplingDue(&resampling, 11, 1.7),
+        "resampling_is_due_at_its_interval");
   PetscCall(Resample(s.cloud, &resampling, &report));
   after = SumUp(&s);
   CHECK(report.joined > 50 && report.split > 20, "resampling_joins_and_splits");
