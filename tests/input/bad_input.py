@@ -243,6 +243,9 @@ refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}
 refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
 for name, more, words in (("swing without a frequency", "-box_zmin_velocity_amplitude 1,0,0",
                            ["needs -box_zmin_velocity_f"]),
+                          ("swing with a scheme that cannot", "-scheme weakly_compressible "
+                           "-box_zmin_velocity_amplitude 1,0,0 -box_zmin_velocity_frequency 1",
+                           ["a wall of the box swings, which needs -scheme consistent"]),
                           ("swing of a mirror", "-box_x symmetry -box_xmin_velocity_amplitude 0,1,0",
                            ["the face is symmetry"]),
                           ("swing into the box", "-box_zmin_velocity_amplitude 0,0,1",
@@ -254,4 +257,6 @@ for name, more, words in (("gravity", TURN + "-gravity 0,-1,0", ["-gravity", "al
                           ("one number", "-frame_rotation_rate 1", ["-frame_rotation_rate must have three numbers"]),
                           ("scheme", TURN + "-scheme density_invariant", ["-frame_rotation_rate needs -scheme"])):
     refused("frame that turns, " + name, GOOD + more, words)
+refused("frame that turns, rings", "-options_file cases/free_fall/rings.opts -frame_rotation_rate 1",
+        ["cannot be used with -dimension axisymmetric"])
 runs.done()
