@@ -302,7 +302,7 @@ static PetscReal CountCells(Domain domain, PetscReal size, PetscReal cells[DIM])
 
 PetscErrorCode DomainSetUp(Domain domain, PetscReal reach)
 {
-  PetscReal   cells[DIM], size = reach;
+  PetscReal   cells[DIM], size = domain->graded ? reach * domain->spacing / domain->spacing_coarse : reach;
   PetscInt    count = 1;
   PetscMPIInt ranks;
 

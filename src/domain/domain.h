@@ -64,9 +64,9 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain);
    spacing, a missing or empty box, an unknown face type, a periodic face opposite another type, and a velocity of a
    face that is no wall or not tangential; rings: a box that does not begin at x = 0. Collective. */
 PetscErrorCode DomainSetFromOptions(Domain domain);
-/* DomainSetUp - cells of the partition, at least 'reach' (m) wide where the box allows, owned by the ranks in
-   contiguous blocks of the cell index until DomainPartition is called. Refuses a box narrower than 'reach' between
-   periodic or symmetry faces. Collective. */
+/* DomainSetUp - cells of the partition, at least 'reach' (m) wide where the box allows (as wide as the finest particles
+   of graded ones need), owned by the ranks in contiguous blocks of the cell index until DomainPartition is called.
+   Refuses a box narrower than 'reach' between periodic or symmetry faces. Collective. */
 PetscErrorCode DomainSetUp(Domain domain, PetscReal reach);
 PetscErrorCode DomainView(Domain domain, PetscViewer viewer);
 PetscErrorCode DomainDestroy(Domain *domain);

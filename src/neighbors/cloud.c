@@ -20,7 +20,7 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->scene         = scene;
   c->kernel        = kernel;
   c->particles     = particles;
-  c->reach         = reach * DomainSizeMost(domain);
+  c->reach         = reach;
   c->size_most     = DomainSizeMost(domain);
   c->slack         = domain->spacing_coarse;
   c->rebalance     = 1.2;
@@ -127,14 +127,14 @@ static void CountKinds(Cloud cloud)
   cloud->layout++;
 }
 
-/* The sizes of graded particles, ghosts too; their volumes are known. */
-static PetscErrorCode FindSizes(Cloud cloud)
+/* The sizes of the graded particles begin to end - 1, whose volumes are known. */
+static PetscErrorCode FindSizes(Cloud cloud, PetscInt begin, PetscInt end)
 {
   PetscReal most = 0;
 
   PetscFunctionBegin;
   if (!cloud->size) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < cloud->n_total; a++) {
+  for (PetscInt a = begin; a < end; a++) {
     cloud->size[a] = DomainSize(cloud->domain, cloud->volume[a]);
     most           = PetscMax(most, cloud->size[a]);
   }
@@ -168,8 +168,9 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   cloud->distance_outside = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
                                                 OUTSIDE_LIMIT * cloud->slack);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
-  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION],
-                      cloud->reach + cloud->slack + cloud->distance_outside, &ghosts));
+  PetscCall(FindSizes(cloud, 0, cloud->n_owned));
+  PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION], cloud->reach,
+                      cloud->slack + cloud->distance_outside, cloud->size, cloud->size_most, &ghosts));
   PetscCall(ParticlesCheckRoom(cloud->comm, (PetscInt64)cloud->n_owned + ghosts));
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));
@@ -181,7 +182,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
   if (ParticlesHave(cloud->particles, FIELD_VOLUME)) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
-  PetscCall(FindSizes(cloud));
+  PetscCall(FindSizes(cloud, cloud->n_owned, cloud->n_total));
   PetscCall(CloudFindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   cloud->halo_builds++;

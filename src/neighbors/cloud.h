@@ -64,7 +64,7 @@ typedef struct _p_Cloud {
   CellGrid   grid;             /* of the last search, over all n_total points */
   WorkArray *work;             /* of CloudGetWork, a list */
   PetscReal  slack;            /* m, twice the distance that particles may move before the halo is built again */
-  PetscReal  reach;            /* m, largest kernel support in use, of the largest particles */
+  PetscReal  reach;            /* m, largest kernel support in use, of size 1 */
   PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
   PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
   PetscReal  rebalance;        /* imbalance that triggers METIS */
@@ -73,7 +73,7 @@ typedef struct _p_Cloud {
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
 } * Cloud;
 
-/* CloudCreate - borrows the four; reach = largest kernel support any operator will use (m), of the finest particles.
+/* CloudCreate - borrows the four; reach = largest kernel support any operator will use (m), of size 1.
    Collective. */
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud);

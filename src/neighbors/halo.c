@@ -27,6 +27,16 @@ typedef struct {
   PetscInt index, image;
 } Ghost;
 
+/* How far points are seen. Those of different sizes are in sums with each other up to the support of the larger one. */
+typedef struct {
+  PetscReal        radius;          /* m, of all; the largest if they differ in size */
+  PetscReal        support, margin; /* m; of size 1; added to all supports */
+  const PetscReal *size;            /* [n] 1; NULL: one size */
+  /* [cells] the largest size of all ranks in the cell; the largest that is in sums with its points; the square of how
+     far (m) the points of the cell see */
+  PetscReal *most, *around, *reach2;
+} Sight;
+
 /* Ghosts to send, and the rank that each of them goes to. */
 typedef struct {
   PetscInt  count, capacity;
@@ -124,46 +134,107 @@ static PetscBool OutOfSight(Domain domain, PetscInt code, const PetscReal x[DIM]
   return PETSC_FALSE;
 }
 
+static PetscBool HasImages(FaceType face)
+{
+  return (PetscBool)(face == FACE_PERIODIC || face == FACE_SYMMETRY);
+}
+
+/* How far (m) x is outside a cell along one direction. The outermost cells go on beyond the box, where a face has
+   images only if 'beyond' says so. */
+static inline PetscReal DistanceAlong(Domain domain, PetscInt d, PetscInt cell, PetscReal x, PetscBool beyond)
+{
+  const PetscReal low = domain->lower[d] + cell * domain->cell_size[d], high = low + domain->cell_size[d];
+
+  if (x < low) return cell > 0 || (!beyond && HasImages(domain->face[d][0])) ? low - x : 0;
+  if (x > high) return cell < domain->cells[d] - 1 || (!beyond && HasImages(domain->face[d][1])) ? x - high : 0;
+  return 0;
+}
+
+static PetscErrorCode SendTo(PetscInt target, PetscInt index, PetscInt code, PetscInt begin, SendList *list)
+{
+  PetscFunctionBegin;
+  for (PetscInt s = begin; s < list->count; s++)
+    if (list->target[s] == target) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SendListAdd(list, target, index, code));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SendImage of a point that differs from others in size: to every rank which owns a cell that may hold a point with
+   which it is in sums. */
+static PetscErrorCode SendSized(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], const Sight *sight,
+                                SendList *list)
+{
+  const Domain    domain = halo->domain;
+  const PetscInt *cells = domain->cells, begin = list->count;
+  const PetscReal around = PetscMax(sight->size[index], sight->around[DomainCell(domain, x)]),
+                  own2   = PetscSqr(sight->support * sight->size[index] + sight->margin);
+  PetscInt first[DIM], last[DIM];
+
+  PetscFunctionBegin;
+  if (OutOfSight(domain, code, x, sight->support * around + sight->margin)) PetscFunctionReturn(PETSC_SUCCESS);
+  CellsAround(domain, x, sight->support * around + sight->margin, first, last);
+  for (PetscInt z = first[2]; z <= last[2]; z++)
+    for (PetscInt y = first[1]; y <= last[1]; y++) {
+      const PetscReal gap2 = PetscSqr(DistanceAlong(domain, 2, z, x[2], PETSC_FALSE)) +
+                             PetscSqr(DistanceAlong(domain, 1, y, x[1], PETSC_FALSE));
+      const PetscInt line = CellIndex(cells, 0, y, z);
+
+      for (PetscInt k = first[0]; k <= last[0]; k++) {
+        const PetscInt  c = line + k, target = domain->cell_rank[c];
+        const PetscReal reach2 = PetscMax(own2, sight->reach2[c]);
+
+        if (sight->most[c] == 0 || (code == 0 && target == halo->rank)) continue;
+        if (gap2 + PetscSqr(DistanceAlong(domain, 0, k, x[0], PETSC_FALSE)) > reach2) continue;
+        PetscCall(SendTo(target, index, code, begin, list));
+        if (halo->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+      }
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sends the image of owned point 'index' that has this code and lies at x to every rank which owns a cell within the
    radius. */
-static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], PetscReal radius,
+static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], const Sight *sight,
                                 SendList *list)
 {
   const PetscInt begin = list->count;
   PetscInt       first[DIM], last[DIM], cell[DIM];
 
   PetscFunctionBegin;
-  if (OutOfSight(halo->domain, code, x, radius)) PetscFunctionReturn(PETSC_SUCCESS);
-  CellsAround(halo->domain, x, radius, first, last);
+  if (sight->size) {
+    PetscCall(SendSized(halo, index, code, x, sight, list));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (OutOfSight(halo->domain, code, x, sight->radius)) PetscFunctionReturn(PETSC_SUCCESS);
+  CellsAround(halo->domain, x, sight->radius, first, last);
   PetscCall(PetscArraycpy(cell, first, DIM));
   do {
     const PetscInt target = CellOwner(halo->domain, cell);
-    PetscBool      known  = (PetscBool)(code == 0 && target == halo->rank);
 
-    for (PetscInt s = begin; s < list->count && !known; s++) known = (PetscBool)(list->target[s] == target);
-    if (!known) PetscCall(SendListAdd(list, target, index, code));
+    if (code != 0 || target != halo->rank) PetscCall(SendTo(target, index, code, begin, list));
   } while (CellNext(first, last, cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Marks the cells around which everything within the radius belongs to this rank: their points are nobody's ghosts
    without an image. */
-static void MarkInnerCells(Halo halo, PetscReal radius, PetscBool *inner)
+static void MarkInnerCells(Halo halo, const Sight *sight, PetscBool *inner)
 {
   const Domain    domain = halo->domain;
   const PetscInt *n      = domain->cells;
-  PetscInt        width[DIM];
 
-  for (PetscInt d = 0; d < DIM; d++) width[d] = (PetscInt)PetscCeilReal(radius / domain->cell_size[d]);
   for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
-    PetscInt at[DIM], first[DIM], last[DIM], cell[DIM];
+    const PetscReal radius = sight->size ? sight->support * sight->around[c] + sight->margin : sight->radius;
+    PetscInt        at[DIM], first[DIM], last[DIM], cell[DIM];
 
     inner[c] = (PetscBool)(domain->cell_rank[c] == halo->rank);
     if (halo->size == 1 || !inner[c]) continue;
     CellCoordinates(n, c, at);
     for (PetscInt d = 0; d < DIM; d++) {
-      first[d] = cell[d] = PetscMax(0, at[d] - width[d]);
-      last[d]            = PetscMin(n[d] - 1, at[d] + width[d]);
+      const PetscInt width = (PetscInt)PetscCeilReal(radius / domain->cell_size[d]);
+
+      first[d] = cell[d] = PetscMax(0, at[d] - width);
+      last[d]            = PetscMin(n[d] - 1, at[d] + width);
     }
     do inner[c] = (PetscBool)(CellOwner(domain, cell) == halo->rank);
     while (inner[c] && CellNext(first, last, cell));
@@ -186,14 +257,14 @@ static PetscInt ImagesAlong(Domain domain, PetscInt d, PetscReal x, PetscReal ra
 }
 
 /* Sends all images of owned point 'index', which is at x in an inner cell or not. */
-static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DIM], PetscBool inner, PetscReal radius,
+static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DIM], PetscBool inner, const Sight *sight,
                                  SendList *list)
 {
   const PetscInt first[DIM] = {0, 0, 0};
   PetscInt       kind[DIM][IMAGE_COUNT], last[DIM], at[DIM] = {0, 0, 0};
 
   PetscFunctionBegin;
-  for (PetscInt d = 0; d < DIM; d++) last[d] = ImagesAlong(halo->domain, d, x[d], radius, kind[d]) - 1;
+  for (PetscInt d = 0; d < DIM; d++) last[d] = ImagesAlong(halo->domain, d, x[d], sight->radius, kind[d]) - 1;
   do {
     const PetscInt code  = CellIndex(image_box, kind[0][at[0]], kind[1][at[1]], kind[2][at[2]]);
     const Image   *image = &halo->images[code];
@@ -201,21 +272,83 @@ static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DI
 
     if (code == 0 && inner) continue;
     for (PetscInt d = 0; d < DIM; d++) y[d] = image->sign[d] * x[d] + image->offset[d];
-    PetscCall(SendImage(halo, index, code, y, radius, list));
+    PetscCall(SendImage(halo, index, code, y, sight, list));
   } while (CellNext(first, last, at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, SendList *list)
+/* Each cell takes the largest value of itself and those up to 'width' further along an axis; stride: of the axis. */
+static void SpreadAlong(PetscInt count, PetscInt n, PetscInt stride, PetscInt width, const PetscReal from[],
+                        PetscReal value[])
+{
+  for (PetscInt c = 0; c < count; c++) {
+    const PetscInt at = c / stride % n;
+
+    value[c] = from[c];
+    for (PetscInt k = PetscMax(-width, -at); k <= PetscMin(width, n - 1 - at); k++)
+      value[c] = PetscMax(value[c], from[c + k * stride]);
+  }
+}
+
+/* The largest size that is in sums with a point in each cell: that of a cell is seen as far as its support. A level of
+   sizes at a time spreads as far as the largest of them, in [cells] of work. */
+static PetscErrorCode SpreadSizes(Domain domain, Sight *sight, PetscReal from[], PetscReal to[])
+{
+  const PetscInt *cells = domain->cells, count = cells[0] * cells[1] * cells[2];
+
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+    const PetscReal least = l > 0 ? CloudLevelSize(l - 1) : 0,
+                    most  = l < SIZE_LEVELS - 1 ? CloudLevelSize(l) : PETSC_MAX_REAL;
+    PetscReal largest     = 0;
+
+    for (PetscInt c = 0; c < count; c++) {
+      from[c] = sight->most[c] > least && sight->most[c] <= most ? sight->most[c] : 0;
+      largest = PetscMax(largest, from[c]);
+    }
+    for (PetscInt d = 0, stride = 1; d < DIM && largest > 0; stride *= cells[d++]) {
+      const PetscReal radius = sight->support * largest + sight->margin;
+
+      SpreadAlong(count, cells[d], stride, (PetscInt)PetscCeilReal(radius / domain->cell_size[d]), from, to);
+      PetscCall(PetscArraycpy(from, to, count));
+    }
+    for (PetscInt c = 0; c < count; c++) sight->around[c] = PetscMax(sight->around[c], from[c]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The largest sizes in and around the cells, for points of different sizes. */
+static PetscErrorCode FindSizes(Halo halo, PetscInt n, const PetscReal x[], Sight *sight)
+{
+  const Domain    domain = halo->domain;
+  const PetscInt *cells = domain->cells, count = cells[0] * cells[1] * cells[2];
+  PetscReal      *from, *to;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc3(count, &sight->most, count, &sight->around, count, &sight->reach2));
+  PetscCall(PetscMalloc2(count, &from, count, &to));
+  for (PetscInt a = 0; a < n; a++) {
+    PetscReal *most = &sight->most[DomainCell(domain, x + DIM * a)];
+
+    *most = PetscMax(*most, sight->size[a]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sight->most, (PetscMPIInt)count, MPIU_REAL, MPIU_MAX, domain->comm));
+  for (PetscInt c = 0; c < count; c++) sight->reach2[c] = PetscSqr(sight->support * sight->most[c] + sight->margin);
+  PetscCall(SpreadSizes(domain, sight, from, to));
+  PetscCall(PetscFree2(from, to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], const Sight *sight, SendList *list)
 {
   const PetscInt *cells = halo->domain->cells;
   PetscBool      *inner;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cells[0] * cells[1] * cells[2], &inner));
-  MarkInnerCells(halo, radius, inner);
+  MarkInnerCells(halo, sight, inner);
   for (PetscInt a = 0; a < n; a++)
-    PetscCall(SendImages(halo, a, x + DIM * a, inner[DomainCell(halo->domain, x + DIM * a)], radius, list));
+    PetscCall(SendImages(halo, a, x + DIM * a, inner[DomainCell(halo->domain, x + DIM * a)], sight, list));
   PetscCall(PetscFree(inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -245,15 +378,19 @@ static PetscErrorCode ExchangeGhosts(Halo halo, const SendList *list, PetscMPIIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, PetscInt *ghosts)
+PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal support, PetscReal margin,
+                         const PetscReal size[], PetscReal size_most, PetscInt *ghosts)
 {
-  SendList     list = {0};
+  Sight        sight = {support * size_most + margin, support, margin, size, NULL, NULL, NULL};
+  SendList     list  = {0};
   PetscMPIInt *from;
   Ghost       *received;
   PetscSFNode *remote;
 
   PetscFunctionBegin;
-  PetscCall(CollectSends(halo, n, x, radius, &list));
+  if (size) PetscCall(FindSizes(halo, n, x, &sight));
+  PetscCall(CollectSends(halo, n, x, &sight, &list));
+  PetscCall(PetscFree3(sight.most, sight.around, sight.reach2));
   PetscCall(PetscMalloc1(halo->size + 1, &from));
   PetscCall(ExchangeGhosts(halo, &list, from, &received));
   halo->ghosts = from[halo->size];
@@ -326,22 +463,12 @@ PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool HasImages(FaceType face)
-{
-  return (PetscBool)(face == FACE_PERIODIC || face == FACE_SYMMETRY);
-}
-
-/* How far (m) x is outside a cell. The outermost cells go on beyond the box. */
+/* How far (m) x is outside a cell; the outermost ones go on beyond the box. */
 static PetscReal DistanceToCell(Domain domain, const PetscInt cell[DIM], const PetscReal x[DIM])
 {
   PetscReal gap2 = 0;
 
-  for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal low = domain->lower[d] + cell[d] * domain->cell_size[d], high = low + domain->cell_size[d];
-
-    if (x[d] < low && cell[d] > 0) gap2 += PetscSqr(low - x[d]);
-    if (x[d] > high && cell[d] < domain->cells[d] - 1) gap2 += PetscSqr(x[d] - high);
-  }
+  for (PetscInt d = 0; d < DIM; d++) gap2 += PetscSqr(DistanceAlong(domain, d, cell[d], x[d], PETSC_TRUE));
   return PetscSqrtReal(gap2);
 }
 

@@ -9,10 +9,13 @@
 /* HaloCreate - no ghosts yet; domain is borrowed. Collective. */
 PetscErrorCode HaloCreate(Domain domain, Halo *halo);
 PetscErrorCode HaloDestroy(Halo *halo);
-/* HaloBuild - chooses as ghosts all points within 'radius' (m) of a cell of another rank or image, from the n owned
-   positions x ([n][3], m); *ghosts is their number on this rank. They come in the order of their owner's rank, then in
+/* HaloBuild - chooses as ghosts all points within 'support' + 'margin' (m) of a cell of another rank or image, from the
+   n owned positions x ([n][3], m). Points of different sizes ([n], 1; NULL: all have size 1) are ghosts where the
+   support times the size of the point, or times that of the largest point in the cell, and the margin reach; no size is
+   larger than size_most. *ghosts is their number on this rank. They come in the order of their owner's rank, then in
    that of its local indices. Collective. */
-PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal radius, PetscInt *ghosts);
+PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal support, PetscReal margin,
+                         const PetscReal size[], PetscReal size_most, PetscInt *ghosts);
 /* HaloUpdate - copies the values of owned particles, array[0..n)[width], to the ghosts' places behind them and changes
    them as the image demands. Collective. */
 PetscErrorCode HaloUpdate(Halo halo, PetscInt width, Parity parity, PetscReal array[]);

@@ -13,8 +13,9 @@ Units SearchUnits(Cloud cloud)
   Units        units  = {{0}, {0}, {0}};
 
   for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal length = domain->upper[d] - domain->lower[d], needed = OUTSIDE * length + REACHES * cloud->reach;
-    int             bits = BOX_BITS;
+    const PetscReal length = domain->upper[d] - domain->lower[d],
+                    needed = OUTSIDE * length + REACHES * cloud->size_most * cloud->reach;
+    int bits               = BOX_BITS;
 
     while (PetscPowRealInt(2, 31 - bits) * length < needed) bits--;
     units.center[d]  = 0.5 * (domain->lower[d] + domain->upper[d]);

@@ -124,7 +124,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles,
                         PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));
   PetscCall(CloudSetFromOptions(sim->cloud));
-  PetscCall(DomainSetUp(sim->domain, sim->cloud->reach + sim->cloud->slack));
+  PetscCall(DomainSetUp(sim->domain, sim->cloud->size_most * sim->cloud->reach + sim->cloud->slack));
   PetscCall(PackingCreate(sim->cloud, &sim->packing));
   PetscCall(PackingSetFromOptions(sim->packing));
   PetscCall(PressureCreate(sim->cloud, &sim->pressure));

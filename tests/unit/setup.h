@@ -36,7 +36,7 @@ static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
   PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles,
                         PetscMax(KernelSupport(s->kernel), TensionReach(s->tension)), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));
-  PetscCall(DomainSetUp(s->domain, s->cloud->reach + s->cloud->slack));
+  PetscCall(DomainSetUp(s->domain, s->cloud->size_most * s->cloud->reach + s->cloud->slack));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
