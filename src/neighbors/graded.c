@@ -83,6 +83,12 @@ static inline PetscInt BlockOf(const Blocks *blocks, PetscInt dim, const PetscRe
   return CellIndex(blocks->n, cell[0], cell[1], cell[2]);
 }
 
+static inline void TakeLarger(PetscInt n, const float *restrict other, float *restrict value)
+{
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < n; k++) value[k] = PetscMax(value[k], other[k]);
+}
+
 /* Each block takes the largest value of itself and those 'reach' away along each axis. */
 static PetscErrorCode Spread(const Blocks *blocks, PetscInt dim, PetscInt reach, float value[])
 {
@@ -92,12 +98,12 @@ static PetscErrorCode Spread(const Blocks *blocks, PetscInt dim, PetscInt reach,
   PetscCall(PetscMalloc1(blocks->count, &from));
   for (PetscInt r = 0; r < reach; r++)
     for (PetscInt d = 0, stride = 1; d < dim; stride *= blocks->n[d++]) {
-      PetscCall(PetscArraycpy(from, value, blocks->count));
-      for (PetscInt c = 0; c < blocks->count; c++) {
-        const PetscInt k = c / stride % blocks->n[d];
+      const PetscInt length = stride * blocks->n[d], inner = length - stride; /* of a row of blocks along the axis */
 
-        if (k > 0) value[c] = PetscMax(value[c], from[c - stride]);
-        if (k < blocks->n[d] - 1) value[c] = PetscMax(value[c], from[c + stride]);
+      PetscCall(PetscArraycpy(from, value, blocks->count));
+      for (PetscInt row = 0; row < blocks->count; row += length) {
+        TakeLarger(inner, from + row, value + row + stride);
+        TakeLarger(inner, from + row + stride, value + row);
       }
     }
   PetscCall(PetscFree(from));

@@ -39,12 +39,13 @@ static inline PetscBool OnSurface(Cloud cloud, PetscInt a)
 
 /* The box (m) around the surface particles of this rank, or of all ranks if they share: its lower corner and minus its
    upper corner, PETSC_MAX_REAL if there are no surface particles. */
-static PetscErrorCode SurfaceBox(const Band *band, Cloud cloud, PetscReal box[2 * DIM])
+static PetscErrorCode SurfaceBox(const Band *band, Cloud cloud, const unsigned char keep[], PetscInt bits,
+                                 PetscReal box[2 * DIM])
 {
   PetscFunctionBegin;
   for (PetscInt d = 0; d < 2 * DIM; d++) box[d] = PETSC_MAX_REAL;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    if (!OnSurface(cloud, a)) continue;
+    if (!OnSurface(cloud, a) || (keep && !(keep[a] & bits))) continue;
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal x = BandClamp(band, d, cloud->field[FIELD_POSITION][DIM * a + d]);
 
@@ -79,13 +80,13 @@ static PetscReal SetCells(Band *band, PetscReal size, const PetscReal box[2 * DI
 }
 
 /* Chooses the cells around the surface particles, makes room for them and clears their marks. */
-static PetscErrorCode SetWindow(Band *band, Cloud cloud, PetscInt *count)
+static PetscErrorCode SetWindow(Band *band, Cloud cloud, const unsigned char keep[], PetscInt bits, PetscInt *count)
 {
   PetscReal box[2 * DIM], size = band->radius / BAND_CELLS;
 
   PetscFunctionBegin;
   *count = band->n[0] = band->n[1] = band->n[2] = 0;
-  PetscCall(SurfaceBox(band, cloud, box));
+  PetscCall(SurfaceBox(band, cloud, keep, bits, box));
   if (box[0] == PETSC_MAX_REAL) PetscFunctionReturn(PETSC_SUCCESS);
   while (SetCells(band, size, box) > MAX_CELLS) size *= CELL_GROWTH;
   *count = band->n[0] * band->n[1] * band->n[2];
@@ -115,16 +116,18 @@ static void MarkAround(Band *band, PetscInt first, PetscInt last, PetscInt y, Pe
     }
 }
 
-PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known)
+PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known, const unsigned char keep[],
+                        PetscInt bits)
 {
   PetscInt count;
 
   PetscFunctionBegin;
   if (band->radius <= 0) Create(band, cloud, radius, known);
-  PetscCall(SetWindow(band, cloud, &count));
+  PetscCall(SetWindow(band, cloud, keep, bits, &count));
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if (OnSurface(cloud, a)) band->surface[BandCell(band, cloud->field[FIELD_POSITION] + DIM * a)] = 1;
+    if (OnSurface(cloud, a) && (!keep || keep[a] & bits))
+      band->surface[BandCell(band, cloud->field[FIELD_POSITION] + DIM * a)] = 1;
   if (band->shared)
     PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, band->surface, (PetscMPIInt)count, MPI_UNSIGNED_CHAR, MPI_MAX, band->comm));

@@ -265,8 +265,8 @@ PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
-  PetscCall(LiquidSort(tension->liquid, cloud, support, 1, NULL));
-  PetscCall(BandMark(&tension->bands[0], cloud, tension->band * support + tension->spacing, support));
+  PetscCall(LiquidSort(tension->liquid, cloud, support, 1, NULL, 0));
+  PetscCall(BandMark(&tension->bands[0], cloud, tension->band * support + tension->spacing, support, NULL, 0));
   PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
   if (tension->summed) PetscCall(LoadDensities(tension, cloud));
   PetscCall(FindStress(tension, cloud, stress));

@@ -26,7 +26,8 @@ static void SetReach(Liquid *liquid, PetscReal radius)
       liquid->along[dy][dz] = CellsAlong(liquid->grid.size, radius, dy, dz);
 }
 
-PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const PetscBool keep[])
+PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const unsigned char keep[],
+                          PetscInt bits)
 {
   const PetscInt *layer = cloud->integer[INT_LAYER],
                  across = (PetscInt)(support / (LIQUID_CELL * cloud->domain->spacing)),
@@ -44,7 +45,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscR
   liquid->support = support;
   liquid->count   = 0;
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if (layer[a] == 0 && (!keep || keep[a])) liquid->index[liquid->count++] = a;
+    if (layer[a] == 0 && (!keep || keep[a] & bits)) liquid->index[liquid->count++] = a;
   PetscCall(PetscMalloc1(DIM * liquid->count, &x));
   for (PetscInt k = 0; k < liquid->count; k++)
     for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * liquid->index[k] + d];

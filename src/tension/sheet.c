@@ -240,14 +240,41 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sorts the liquid around the thin particles of a level, ghosts too: *count is their number. */
+static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[], PetscInt *count)
+{
+  const PetscReal support = KernelSupport(tension->kernel), largest = tension->largest[level];
+  Liquid         *liquid = TensionLevel(tension, level);
+  Vicinity        vicinity;
+  PetscInt       *thin;
+  unsigned char  *keep;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(cloud->n_total, &thin, cloud->n_total, &keep));
+  *count = 0;
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if (cloud->integer[INT_LAYER][a] == 0 && slope[a] != 0 && LiquidHas(liquid, cloud, a)) thin[(*count)++] = a;
+  if (*count > 0) {
+    PetscCall(VicinityCreate(cloud, largest * support, *count, thin, &vicinity));
+    for (PetscInt a = 0; a < cloud->n_total; a++)
+      keep[a] = VicinityHas(&vicinity, cloud->field[FIELD_POSITION] + DIM * a);
+    PetscCall(VicinityDestroy(&vicinity));
+    PetscCall(LiquidSort(liquid, cloud, support, largest, keep, 1));
+  }
+  PetscCall(PetscFree2(thin, keep));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the forces between the thin particles of a level, ghosts too, and all others. */
 static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[],
                               const PetscReal plane[])
 {
   Liquid  *liquid = TensionLevel(tension, level);
-  PetscInt cell = -1, n = 0;
+  PetscInt cell = -1, n = 0, thin = 1;
 
   PetscFunctionBegin;
+  if (tension->graded) PetscCall(SortThin(tension, cloud, level, slope, &thin));
+  if (thin == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt p = 0; p < liquid->count; p++)
     liquid->sorted[DIM * liquid->count + p] = (PetscReal)LiquidParticle(liquid, p);
   for (PetscInt p = 0; p < liquid->count; p++) {

@@ -43,9 +43,10 @@ static inline PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy,
   return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
 }
 
-/* LiquidSort - sorts the fluid particles whose keep flag ([n_total], NULL: all) is true into cells for those of the
-   liquid's level, whose sizes are at most 'largest'. Not collective. */
-PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const PetscBool keep[]);
+/* LiquidSort - sorts the fluid particles into cells for those of the liquid's level, whose sizes are at most 'largest':
+   those whose keep flags ([n_total], NULL: all) have a bit of 'bits'. Not collective. */
+PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const unsigned char keep[],
+                          PetscInt bits);
 /* LiquidLoad - fills 'width' columns from 'column' on with the values of a field ([n_total][width]). */
 void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[]);
 /* LiquidCollect - copies the columns whose bits are set (COLUMNS) of all particles within the support of cell c to
@@ -92,10 +93,12 @@ typedef struct {
 } Band;
 
 /* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
-   images, as far as own particles of this rank may be in them. The rank has all particles within 'known' (m) of its own
+   images, as far as own particles of this rank may be in them; only of those whose keep flags ([n_total], NULL: all)
+   have a bit of 'bits'. The rank has all particles within 'known' (m) of its own
    ones; if that is less than the radius, the ranks share their surface particles. Begin with a zeroed band; radius and
    known must not change. Collective. */
-PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known);
+PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known, const unsigned char keep[],
+                        PetscInt bits);
 PetscErrorCode BandDestroy(Band *band);
 
 static inline PetscReal BandClamp(const Band *band, PetscInt d, PetscReal x)
@@ -122,6 +125,38 @@ static inline PetscBool BandNear(const Band *band, const PetscReal x[DIM])
   const PetscInt cell = BandCell(band, x);
 
   return (PetscBool)(cell >= 0 && band->near[cell]);
+}
+
+/* --- vicinity.c: what is near some particles --- */
+
+/* Cells around some particles. */
+typedef struct {
+  PetscReal      lower[DIM], upper[DIM], size; /* m */
+  PetscInt       n[DIM];
+  unsigned char *near; /* [n[2]][n[1]][n[0]] is near one; NULL: there are no particles */
+} Vicinity;
+
+/* VicinityCreate - what is within 'radius' (m) of the 'count' particles of (local indices). Not collective. */
+PetscErrorCode VicinityCreate(Cloud cloud, PetscReal radius, PetscInt count, const PetscInt of[], Vicinity *vicinity);
+PetscErrorCode VicinityDestroy(Vicinity *vicinity);
+
+/* VicinityCell - the cell of x (m); -1: it is further away than all cells. VicinityHas - whether x may be within the
+   radius: true if it is, false beyond twice the radius and a little more along an axis. Not collective. */
+static inline PetscInt VicinityCell(const Vicinity *vicinity, const PetscReal x[DIM])
+{
+  PetscInt cell[DIM];
+
+  for (PetscInt d = DIM - 1; d >= 0; d--) {
+    if (!(x[d] >= vicinity->lower[d] && x[d] <= vicinity->upper[d])) return -1;
+    cell[d] = (PetscInt)((x[d] - vicinity->lower[d]) / vicinity->size);
+  }
+  return CellIndex(vicinity->n, cell[0], cell[1], cell[2]);
+}
+static inline PetscBool VicinityHas(const Vicinity *vicinity, const PetscReal x[DIM])
+{
+  const PetscInt cell = vicinity->near ? VicinityCell(vicinity, x) : -1;
+
+  return (PetscBool)(cell >= 0 && vicinity->near[cell]);
 }
 
 /* --- the models --- */

@@ -395,7 +395,7 @@ static PetscErrorCode TestBand(void)
     PetscCall(SetupFill(pool ? POOL : OPEN, n, points, pool ? 4 : 0, &s));
     PetscCall(SetupMoments(&s));
     PetscCall(PetscMemzero(&band, sizeof(band)));
-    PetscCall(BandMark(&band, s.cloud, radius[pool], TensionReach(s.tension)));
+    PetscCall(BandMark(&band, s.cloud, radius[pool], TensionReach(s.tension), NULL, 0));
     PetscCall(GatherSurface(s.cloud, surface, &count));
     for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
       const PetscReal *x     = s.cloud->field[FIELD_POSITION] + DIM * a;
