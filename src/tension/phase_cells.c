@@ -31,7 +31,8 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscR
 {
   const PetscInt *layer = cloud->integer[INT_LAYER],
                  across = (PetscInt)(support / (LIQUID_CELL * cloud->domain->spacing)),
-                 cells  = PetscMax(LIQUID_CELLS_LEAST, PetscMin(LIQUID_CELLS_MOST, across));
+                 least  = cloud->size ? LIQUID_CELLS_GRADED : LIQUID_CELLS_LEAST,
+                 cells  = PetscMax(least, PetscMin(LIQUID_CELLS_MOST, across));
   PetscReal *x;
 
   PetscFunctionBegin;

@@ -16,7 +16,9 @@
    that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells. */
 #define LIQUID_CELL        1.6
 #define LIQUID_CELLS_LEAST 2
-#define LIQUID_CELLS_MOST  4
+#define LIQUID_CELLS_GRADED                                                                                            \
+  3 /* at least so many among particles of different sizes, where more are around the larger */
+#define LIQUID_CELLS_MOST 4
 
 /* The liquid (fluid particles, ghosts too) sorted into cells. A particle has a place in the sorted order and a local
    index in the cloud. */
