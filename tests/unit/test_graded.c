@@ -36,6 +36,75 @@ static PetscInt WrongPairs(Cloud cloud, PetscInt a)
   return wrong + (found != cloud->first[a + 1] - cloud->first[a]);
 }
 
+/* The pairs of an owned particle and one at y of this size that are within the cloud's reach of the larger one. */
+static PetscReal PairsWith(Cloud cloud, const PetscReal y[DIM], PetscReal size)
+{
+  const PetscReal *x     = cloud->field[FIELD_POSITION];
+  PetscReal        count = 0;
+
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal r[DIM] = {x[3 * a] - y[0], x[3 * a + 1] - y[1], x[3 * a + 2] - y[2]};
+
+    count += Norm(r) < cloud->reach * PetscMax(size, cloud->size[a]);
+  }
+  return count;
+}
+
+/* What happens to a coordinate in the images along one direction: x' = sign x + offset. Returns how many there are. */
+static PetscInt Images(Domain domain, PetscInt d, PetscReal sign[3], PetscReal offset[3])
+{
+  const PetscReal length = domain->upper[d] - domain->lower[d];
+  PetscInt        n      = 1;
+
+  sign[0]   = 1;
+  offset[0] = 0;
+  for (PetscInt side = 0; side < 2; side++) {
+    const FaceType face = domain->face[d][side];
+
+    if (face != FACE_PERIODIC && face != FACE_SYMMETRY) continue;
+    sign[n]     = face == FACE_PERIODIC ? 1 : -1;
+    offset[n++] = face == FACE_PERIODIC ? (side ? length : -length) : 2 * (side ? domain->upper[d] : domain->lower[d]);
+  }
+  return n;
+}
+
+/* The pairs within reach that the ghosts lack: among the particles of all ranks and their images less those here. */
+static PetscErrorCode MissingPairs(Cloud cloud, PetscReal *missing)
+{
+  PetscMPIInt ranks, n = (PetscMPIInt)(4 * cloud->n_owned), *count, *from, total = 0;
+  PetscReal  *own, *all;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(PetscMalloc3(ranks, &count, ranks, &from, n, &own));
+  PetscCallMPI(MPI_Allgather(&n, 1, MPI_INT, count, 1, MPI_INT, PETSC_COMM_WORLD));
+  for (PetscMPIInt r = 0; r < ranks; total += count[r++]) from[r] = total;
+  PetscCall(PetscMalloc1(total, &all));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    for (PetscInt d = 0; d < DIM; d++) own[4 * a + d] = cloud->field[FIELD_POSITION][DIM * a + d];
+    own[4 * a + 3] = cloud->size[a];
+  }
+  PetscCallMPI(MPI_Allgatherv(own, n, MPIU_REAL, all, count, from, MPIU_REAL, PETSC_COMM_WORLD));
+  *missing = 0;
+  for (PetscInt b = 0; b < total / 4; b++) {
+    PetscReal sign[DIM][3], offset[DIM][3], y[DIM];
+    PetscInt  kinds[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) kinds[d] = Images(cloud->domain, d, sign[d], offset[d]);
+    for (PetscInt k = 0; k < kinds[0] * kinds[1] * kinds[2]; k++) {
+      const PetscInt kind[DIM] = {k % kinds[0], k / kinds[0] % kinds[1], k / kinds[0] / kinds[1]};
+
+      for (PetscInt d = 0; d < DIM; d++) y[d] = sign[d][kind[d]] * all[4 * b + d] + offset[d][kind[d]];
+      *missing += PairsWith(cloud, y, all[4 * b + 3]);
+    }
+  }
+  for (PetscInt b = 0; b < cloud->n_total; b++)
+    *missing -= PairsWith(cloud, cloud->field[FIELD_POSITION] + DIM * b, cloud->size[b]);
+  PetscCall(PetscFree3(count, from, own));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The distance of particle a to its nearest neighbour, over the mean size of both. */
 static PetscReal Nearest(Cloud cloud, PetscInt a)
 {
@@ -129,7 +198,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
   Setup     s;
   Cloud     cloud;
   PetscReal sum = 0, squares = 0, inside = 0, sizes[2] = {PETSC_MAX_REAL, 0}, worst = 0, asymmetry = 0, constant = 0,
-            wrong = 0, near = 0, nearest = PETSC_MAX_REAL;
+            wrong = 0, near = 0, nearest = PETSC_MAX_REAL, missing = 0;
 
   PetscFunctionBegin;
   PetscCall(SetupPack(options, &s));
@@ -150,6 +219,8 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
     squares += PetscSqr(cloud->field[FIELD_DENSITY][a] / cloud->rest_density[a] - 1);
   }
   CHECK_CLOSE(SetupSum(wrong), 0, 0, "pairs within the support of their mean smoothing length");
+  PetscCall(MissingPairs(cloud, &missing));
+  CHECK_CLOSE(SetupSum(PetscAbsReal(missing)), 0, 0, "all within reach of the larger one of a pair are there");
   CHECK_CLOSE(SetupSum(sum), volume, 1e-9 * volume, "the particles share the volume of the body");
   CHECK_CLOSE(-SetupMax(-sizes[0]), 1, 1e-9, "the finest have the spacing");
   CHECK(SetupMax(sizes[1]) < DomainSizeMost(s.domain), "the largest are not larger than allowed");
