@@ -10,11 +10,11 @@
 #define DEEP                                                                                                           \
   "-spacing 1 -spacing_coarse 2.5 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 10,10,20 -box_x periodic "           \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 10,10,15 -fine core -core_shape sphere -core_radius 2 "     \
-  "-core_center 5,5,15 -tension_type none "
+  "-core_center 5,5,15 -halo_slack 0.1 -tension_type none "
 #define STEEP                                                                                                          \
   "-spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 20,20,20 -box_x symmetry "             \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 20,20,16 -fine core -core_shape sphere -core_radius 2 "     \
-  "-core_center 0,0,16 -tension_type none "
+  "-core_center 0,0,16 -halo_slack 0.1 -tension_type none "
 #define NEAR_LIMIT 1e-5 /* of the support: pairs so close to it may be on either side in single precision */
 
 /* The pairs of a row that should be there and are not, or are there and should not. */
