@@ -278,6 +278,57 @@ static PetscErrorCode TestPair(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A fine particle between those of a coarse lattice lacks no neighbours: its row is not closed as if it did. The
+   closure of all rows, over the rest of the diagonal. */
+static PetscErrorCode TestClosure(void)
+{
+  const PetscInt n     = 9;
+  const char options[] = "-spacing 1 -spacing_coarse 3 -box_lower -15,-15,-15 -box_upper 15,15,15 -bodies a -fine core "
+                         "-core_shape sphere -core_radius 1 -pressure_closure_lambda 2 -tension_type none ";
+  Setup      s;
+  ParticleArrays arrays;
+  Mat            A;
+  Vec            b, sum, diagonal;
+  PetscReal      closed = -1;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(options, &s));
+  PetscCall(ParticlesAppend(s.particles, n * n * n + 1));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    const PetscInt place[DIM] = {a % n - n / 2, a / n % n - n / 2, a / (n * n) - n / 2};
+
+    for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_POSITION][DIM * a + d] = a < n * n * n ? 3 * place[d] : 1.5;
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+    arrays.real[FIELD_VOLUME][a]                              = a < n * n * n ? 27 : 1;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PressureCreate(s.cloud, &s.pressure));
+  PetscCall(PressureSetFromOptions(s.pressure));
+  PetscCall(PressureAssemble(s.pressure, 1e-3, &A, &b));
+  PetscCall(MatCreateVecs(A, &sum, &diagonal));
+  PetscCall(VecSet(diagonal, 1));
+  PetscCall(MatMult(A, diagonal, sum));
+  PetscCall(MatGetDiagonal(A, diagonal));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscScalar *part, *whole;
+
+    if (s.cloud->size[a] > 2) continue;
+    PetscCall(VecGetArrayRead(sum, &part));
+    PetscCall(VecGetArrayRead(diagonal, &whole));
+    closed = PetscRealPart(part[a] / (whole[a] - part[a]));
+    PetscCall(VecRestoreArrayRead(sum, &part));
+    PetscCall(VecRestoreArrayRead(diagonal, &whole));
+  }
+  CHECK_CLOSE(closed, 0, 0.2, "a fine particle among coarse ones is not closed like one of the surface");
+  PetscCall(VecDestroy(&sum));
+  PetscCall(VecDestroy(&diagonal));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The pressure of surface tension of a drop whose particles are fine on one side and coarse on the other. */
 static PetscErrorCode TestTension(void)
 {
@@ -376,6 +427,7 @@ int main(int argc, char **argv)
   PetscCall(TestTension());
   PetscCall(TestSheet());
   if (size == 1) PetscCall(TestPair());
+  if (size == 1) PetscCall(TestClosure());
   Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 4 times -spacing");
   Refused(FLAT "-spacing_coarse 5 ", "must be one to 4 times");
   Refused("-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower 0,0 -box_upper 9,9 -bodies a ", "-fine");
