@@ -22,9 +22,9 @@ PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
    2 n.B n p/rho. If such a row is closed by less than half of it, each projection over-corrects and the velocity grows
    from step to step, 5 to 15 times where the row is not closed at all, whatever the size of the step. At rest density
    the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than closure_least. */
-/* The square of the size that graded particles have around a (1): the mean over its pairs, as they weigh in its row. The
-   diagonal of a full row follows from it and not from the particle's own size: that of a fine particle among coarse
-   ones, as mixing brings them there, is small. */
+/* The square of the size that graded particles have around a (1): the mean over its pairs, as they weigh in its row.
+   The diagonal of a full row follows from it and not from the particle's own size: that of a fine particle which mixing
+   has brought among coarse ones is small. */
 static PetscReal SizeAround2(Cloud cloud, PetscInt a)
 {
   PetscReal sum = 0, weighted = 0;
@@ -46,8 +46,8 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
   if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
   mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
   if (cloud->field[FIELD_LAMBDA][a] < pressure->closure_lambda)
-    filling = pressure->closure_factor *
-              PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * mass - diagonal);
+    filling =
+      pressure->closure_factor * PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * mass - diagonal);
   if (!cloud->integer[INT_SURFACE][a]) return filling;
   normal = cloud->field[FIELD_NORMAL] + DIM * a;
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);

@@ -214,6 +214,10 @@ struct _p_Tension {
   PetscInt64 weight_capacity;
 };
 
+/* TensionSort - finds where the particles of each level are near the surface (BandMark), and sorts the liquid for these
+   (LiquidSort), with its weights. Collective. */
+PetscErrorCode TensionSort(Tension tension, Cloud cloud);
+
 #define CHUNK 512 /* collected candidates that a loop takes at once: their arrays fit into the first cache */
 
 /* Distances - s[k] = |x - c_k|^2/H^2 of the m <= CHUNK collected candidates c_k from 'begin' on. */

@@ -1,4 +1,4 @@
-/* What is near some particles, in cells: the levels of graded particles look at the liquid around their own only. */
+/* What is near some particles, in cells; the levels of graded particles look at the liquid around their own only. */
 #include "tension_impl.h"
 
 #define MAX_CELLS   (1 << 22) /* more cells than this would take too much memory: they are made larger */
@@ -69,5 +69,83 @@ PetscErrorCode VicinityDestroy(Vicinity *vicinity)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree(vicinity->near));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sorts the local indices of the fluid particles by level: those of level l are own[first[l] .. first[l+1]). */
+static void SortByLevel(Cloud cloud, PetscInt levels, PetscInt own[], PetscInt first[])
+{
+  PetscInt count[SIZE_LEVELS] = {0};
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) count[CloudLevel(cloud, a)]++;
+  first[0] = 0;
+  for (PetscInt l = 0; l < levels; l++) {
+    first[l + 1] = first[l] + count[l];
+    count[l]     = first[l];
+  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) own[count[CloudLevel(cloud, a)]++] = a;
+}
+
+/* Sets the bit of each level in the keep flags ([n_total]) of the fluid particles, or those of them on the surface,
+   that are near what was found for it. */
+static void MarkNear(Tension tension, Cloud cloud, PetscBool surface, const Vicinity vicinity[], unsigned char keep[])
+{
+  const PetscInt *layer = cloud->integer[INT_LAYER], *on_surface = cloud->integer[INT_SURFACE];
+
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    keep[a] = 0;
+    if (layer[a] != 0 || (surface && on_surface[a] != 1)) continue;
+    for (PetscInt l = 0; l < tension->levels; l++)
+      keep[a] |= (unsigned char)(VicinityHas(&vicinity[l], cloud->field[FIELD_POSITION] + DIM * a) << l);
+  }
+}
+
+/* BandMark and LiquidSort for each level of graded particles, of what is around its own. */
+static PetscErrorCode SortLevels(Tension tension, Cloud cloud)
+{
+  const PetscReal H = KernelSmoothingLength(tension->kernel), support = KernelSupport(tension->kernel);
+  const PetscInt  levels = tension->levels;
+  Vicinity        vicinity[SIZE_LEVELS];
+  PetscInt       *own, first[SIZE_LEVELS + 1];
+  unsigned char  *keep;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(cloud->n_fluid, &own, cloud->n_total, &keep));
+  SortByLevel(cloud, levels, own, first);
+  for (PetscInt l = 0; l < levels; l++)
+    PetscCall(VicinityCreate(cloud, tension->largest[l] * H, first[l + 1] - first[l], own + first[l], &vicinity[l]));
+  MarkNear(tension, cloud, PETSC_TRUE, vicinity, keep);
+  for (PetscInt l = 0; l < levels; l++) {
+    PetscInt near = first[l];
+
+    PetscCall(VicinityDestroy(&vicinity[l]));
+    PetscCall(BandMark(&tension->bands[l], cloud, tension->largest[l] * H, tension->size_most * support, keep, 1 << l));
+    for (PetscInt k = first[l]; k < first[l + 1]; k++)
+      if (BandNear(&tension->bands[l], cloud->field[FIELD_POSITION] + DIM * own[k])) own[near++] = own[k];
+    PetscCall(VicinityCreate(cloud, tension->largest[l] * support, near - first[l], own + first[l], &vicinity[l]));
+  }
+  MarkNear(tension, cloud, PETSC_FALSE, vicinity, keep);
+  for (PetscInt l = 0; l < levels; l++) {
+    PetscCall(VicinityDestroy(&vicinity[l]));
+    PetscCall(LiquidSort(TensionLevel(tension, l), cloud, support, tension->largest[l], keep, 1 << l));
+  }
+  PetscCall(PetscFree2(own, keep));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionSort(Tension tension, Cloud cloud)
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+
+  PetscFunctionBegin;
+  /* |grad phi| H is below the default threshold 0.9 H deep; surface particles are half a spacing deep */
+  if (tension->graded)
+    PetscCall(SortLevels(tension, cloud));
+  else {
+    PetscCall(BandMark(&tension->bands[0], cloud, KernelSmoothingLength(tension->kernel), support, NULL, 0));
+    PetscCall(LiquidSort(TensionLevel(tension, 0), cloud, support, 1, NULL, 0));
+  }
+  for (PetscInt l = 0; l < tension->levels && cloud->weight; l++)
+    LiquidLoad(TensionLevel(tension, l), WEIGHT_COLUMN, 1, cloud->weight);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
