@@ -395,6 +395,15 @@ void DomainWrap(Domain domain, PetscReal x[DIM])
   }
 }
 
+void DomainNearest(Domain domain, PetscReal difference[DIM])
+{
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal width = domain->upper[d] - domain->lower[d];
+
+    if (domain->face[d][0] == FACE_PERIODIC) difference[d] -= width * PetscFloorReal(difference[d] / width + 0.5);
+  }
+}
+
 void DomainConfine(Domain domain, PetscReal x[DIM])
 {
   const PetscReal margin = POINT_TOLERANCE * domain->spacing;

@@ -103,6 +103,9 @@ static inline PetscReal DomainPairLength(Domain domain, const PetscReal x[DIM], 
 PetscInt DomainCell(Domain domain, const PetscReal x[DIM]);
 /* DomainWrap - takes x (m) back into the box through periodic faces. Not collective. */
 void DomainWrap(Domain domain, PetscReal x[DIM]);
+/* DomainNearest - makes a difference of two places (m) that between the nearest of their periodic images. Not
+   collective. */
+void DomainNearest(Domain domain, PetscReal difference[DIM]);
 /* DomainConfine - takes x (m) back into the box: through periodic faces, mirrored at symmetry faces, just inside an
    open face or a wall. Not collective. */
 void DomainConfine(Domain domain, PetscReal x[DIM]);

@@ -89,7 +89,7 @@ static PetscErrorCode AddDrag(Gauges gauges, PetscReal force[])
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   PetscCall(CloudGetWork(cloud, DIM, &drag));
-  PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, drag));
+  PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, cloud->field[FIELD_VELOCITY], drag));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     PetscInt to;
 

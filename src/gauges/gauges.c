@@ -7,8 +7,8 @@
 #define CONNECTION_MOST 2.0
 
 /* In the order of their columns in the series; those of the crater have a place of their own there. */
-static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights,
-                                         &GaugeForces, &GaugeDroplets, &GaugeLines};
+static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
+                                         &GaugeBodies, &GaugeDroplets, &GaugeLines};
 
 #define KINDS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(kinds))
 
@@ -56,7 +56,8 @@ PetscErrorCode GaugesSetFromOptions(Gauges gauges)
   PetscCall(PetscOptionsReal("-gauge_connection",
                              "Particles closer than this hang together, for crown, jet and droplets (spacings)",
                              "GaugesMeasure", gauges->connection, &gauges->connection, NULL));
-  for (PetscInt k = 0; k < KINDS; k++) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject));
+  for (PetscInt k = 0; k < KINDS; k++)
+    if (kinds[k]->setfromoptions) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject));
   PetscOptionsEnd();
   gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
   PetscCheckUser(gauges->connection > 0 && gauges->connection <= CONNECTION_MOST, gauges->comm,

@@ -22,7 +22,7 @@ typedef struct {
   PetscErrorCode (*rows)(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values);
 } GaugeKind;
 
-extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeDroplets, GaugeLines;
+extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines;
 
 /* Where and how crown, crater and jet are measured. */
 typedef struct {

@@ -154,6 +154,45 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The part of a velocity of b normal to the wall is n (n.u), so that this is a sum of (B r_ab . n) n.u. */
+void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
+                              PetscReal slope[FREE_MOTIONS])
+{
+  const PetscBool  dummy = (PetscBool)(cloud->integer[INT_LAYER][a] > 0);
+  const PetscReal *x = cloud->field[FIELD_POSITION], *B = cloud->field[FIELD_CORRECTION] + 6 * a;
+  PetscReal        scale_w, scale_f, inverse_h2;
+  PairRow          row;
+
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt k = 0; k < FREE_MOTIONS; k++) slope[k] = 0;
+  PairRowLoadFactors(cloud, a, &row);
+  for (PetscInt k = 0; k < row.n; k++) {
+    const PetscInt   b = row.index[k], of = dummy ? a : b;
+    const PetscReal *n = cloud->solid_normal + DIM * of;
+    PetscReal        r[DIM], arm[DIM], through[DIM], turning[DIM], flux;
+
+    if (dummy ? cloud->integer[INT_LAYER][b] > 0 : cloud->integer[INT_BODY][b] != body) continue;
+    for (PetscInt d = 0; d < DIM; d++) {
+      r[d]   = x[DIM * a + d] - x[DIM * b + d];
+      arm[d] = x[DIM * of + d] - center[d];
+    }
+    DomainNearest(cloud->domain, arm);
+    if (!dummy) {
+      PetscReal corrected[DIM];
+
+      TensorApply(B, r[0], r[1], r[2], corrected);
+      for (PetscInt d = 0; d < DIM; d++) r[d] = corrected[d];
+    }
+    flux = (dummy ? -1 : 1) * cloud->domain->volume * scale_f * row.f[k] * Dot(n, r);
+    for (PetscInt d = 0; d < DIM; d++) through[d] = flux * n[d];
+    Cross(arm, through, turning);
+    for (PetscInt d = 0; d < DIM; d++) {
+      slope[d] += through[d];
+      slope[DIM + d] += turning[d];
+    }
+  }
+}
+
 void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE],

@@ -118,9 +118,15 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
    have their own velocity and the viscosity of their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and
    in the linear operator. Not collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[]);
-/* OperatorsWallDrag - the viscous force of the fluid of this rank on each dummy particle of walls, drag[]
-   ([n_total][3], N), ghosts too: what the pairs with it take from the fluid, at rest density. Not collective. */
-PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, PetscReal drag[]);
+/* OperatorsWallDrag - the viscous force of the fluid of this rank at these velocities ([n_total][3], m/s) on each dummy
+   particle of walls, drag[] ([n_total][3], N), ghosts too: what the pairs with it take from the fluid, at rest density.
+   Not collective. */
+PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const PetscReal velocity[], PetscReal drag[]);
+/* OperatorsSolidDivergence - by how much each velocity of a solid (FREE_MOTIONS, about 'center', m) changes the
+   divergence (1/s) of OperatorsDivergence of the owned particle a, of the fluid or a dummy of the solid. body: of its
+   dummy particles. Not collective. */
+void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
+                              PetscReal slope[FREE_MOTIONS]);
 /* OperatorsWallPressure - the force (N; N/m in two dimensions) of the fluid's pressure on the dummy particle b of this
    rank: -sum V_a V_b (p_a + p_b) grad W over the fluid a, as Adami, Hu and Adams (2012) have it for the fluid, and the
    force whose work is what the velocity of b adds to sum V p div v. Of rings, the part away from the axis is summed all

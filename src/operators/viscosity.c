@@ -254,13 +254,12 @@ static inline void LoadViscousRow(Cloud cloud, const Viscosity *viscosity, Petsc
   if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings) MultiplyLengths(cloud, a, row);
 }
 
-PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, PetscReal drag[])
+PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const PetscReal velocity[], PetscReal drag[])
 {
   const Domain     domain = cloud->domain;
-  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY],
-                  zeta = FormFactor(cloud, viscosity->form);
-  PetscReal *mu, scale_w, scale_f, inverse_h2;
-  PairRow    row;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = velocity, zeta = FormFactor(cloud, viscosity->form);
+  PetscReal       *mu, scale_w, scale_f, inverse_h2;
+  PairRow          row;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);

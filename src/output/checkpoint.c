@@ -6,6 +6,7 @@
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
 #define CHECKPOINT_VERSION 3
+#define FREE_BODIES        "free_bodies"
 #define HEAD_TEXT          65536 /* room for a text: the most that HDF5 keeps in an attribute */
 
 /* The head of the file: real and whole numbers, by name. */
@@ -126,6 +127,45 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The numbers of all free bodies, a row each: written, or read into the scene. *good: as many as there must be, and
+   finite. Nothing without free bodies. */
+static PetscErrorCode FreeBodies(Output output, H5File *h5, PetscBool write, PetscBool *good)
+{
+  const Scene scene = output->cloud->scene;
+  Rows        rows  = {.n = 0, .start = 0, .total = 0, .width = 0};
+  PetscReal  *all, *own;
+
+  PetscFunctionBegin;
+  if (!SceneHasFree(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0) {
+      (void)FreeNumbers(SceneSolid(scene, b), &rows.width);
+      rows.total++;
+    }
+  rows.n = output->rank ? 0 : rows.total;
+  PetscCall(PetscCalloc1(rows.total * rows.width, &all));
+  if (!write) {
+    PetscCall(H5FileRead(h5, FREE_BODIES, H5T_NATIVE_DOUBLE, &rows, all));
+    PetscCallMPI(MPI_Bcast(all, (PetscMPIInt)(rows.total * rows.width), MPIU_REAL, 0, output->comm));
+  }
+  for (PetscInt b = 0, k = 0; b < SceneSolidCount(scene); b++) {
+    if (BodyMass(SceneSolid(scene, b)) == 0) continue;
+    own = FreeNumbers(SceneSolid(scene, b), &rows.width);
+    for (PetscInt i = 0; i < rows.width; i++, k++) {
+      if (write)
+        all[k] = own[i];
+      else
+        own[i] = all[k];
+      *good = (PetscBool)(*good && !PetscIsInfOrNanReal(own[i]));
+    }
+  }
+  if (write)
+    PetscCall(H5FileWrite(h5, FREE_BODIES, H5T_NATIVE_DOUBLE, &rows, all, "SI",
+                          "of each solid with a mass: time, shift, turn, velocity, rate, spin, force, excess"));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH])
 {
   (void)snprintf(name, OUTPUT_NAME_LENGTH, "checkpoint_%06d.h5", (int)step);
@@ -159,7 +199,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   H5File         h5;
   Rows           rows;
   Head           head;
-  PetscBool      failed;
+  PetscBool      failed, good = PETSC_TRUE;
   char           name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN], *scene;
 
   PetscFunctionBegin;
@@ -177,6 +217,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   HeadPut(&h5, &head, scene, output->options ? output->options : "");
   PetscCall(PetscFree(scene));
   PetscCall(FieldsPut(output, &h5, &arrays, rows));
+  PetscCall(FreeBodies(output, &h5, PETSC_TRUE, &good));
   PetscCall(H5FileClose(&h5, &failed));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   if (!failed) PetscCall(FileSeal(output->comm, path, &failed));
@@ -424,6 +465,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(RestartSceneCheck(output, file, texts->scene));
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
+  PetscCall(FreeBodies(output, &h5, PETSC_FALSE, &good));
   strays = h5.strays;
   PetscCall(H5FileClose(&h5, &failed));
   PetscCheckUser(

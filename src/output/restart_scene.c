@@ -95,6 +95,10 @@ static PetscErrorCode AddMotion(Lines *lines, Domain domain, Body solid)
 
   PetscFunctionBegin;
   if (!BodyMoves(solid)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (BodyMass(solid) > 0) {
+    PetscCall(AddLine(lines, "-%s_mass = %.9g", BodyName(solid), (double)BodyMass(solid)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt k = 0; k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(times); k++) {
     PetscReal x[2][DIM];
 
@@ -155,7 +159,7 @@ PetscErrorCode RestartSceneText(Output output, char **text)
             (double)(KernelSupport(cloud->kernel) / KernelSmoothingLength(cloud->kernel)),
             (double)(KernelSelf(cloud->kernel) * PetscPowRealInt(KernelSmoothingLength(cloud->kernel), domain->dim))));
   PetscCall(AddBodies(&lines, domain, scene));
-  SceneMoveSolids(scene, 0);
+  SceneSolidsAtStart(scene);
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
     PetscCall(AddLine(&lines, "solid %d of -solids = %s", (int)b + 1, BodyName(SceneSolid(scene, b))));
     PetscCall(AddShape(&lines, domain, SceneSolid(scene, b)));

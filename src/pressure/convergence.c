@@ -76,7 +76,7 @@ PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
   PetscCall(ResidualVectors(pressure));
   r = pressure->scratch[0];
-  PetscCall(MatMult(pressure->operator, pressure->x, r)); /* whatever matrix the solver had, and did to it */
+  PetscCall(MatMult(EquationOf(pressure), pressure->x, r)); /* whatever matrix the solver had, and did to it */
   PetscCall(VecAYPX(r, -1, pressure->b));
   PetscCall(Measure(pressure, r, pressure->x, &size));
   if (pressure->density_tolerance > 0) {

@@ -266,6 +266,28 @@ static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* With free bodies. If all pressures may be raised alike, that pushes no body: the part of the constant that rounding
+   and disorder leave is taken out. */
+static PetscErrorCode MatMult_Coupled(Mat A, Vec x, Vec y)
+{
+  Pressure           pressure;
+  MatNullSpace       constant;
+  const PetscScalar *p;
+  PetscScalar       *sum;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &pressure));
+  PetscCall(VecGetArrayRead(x, &p));
+  PetscCall(VecGetArrayWrite(y, &sum));
+  PetscCall(PressureMultiply(pressure, p, sum));
+  PetscCall(CouplingAdd(pressure, p, sum));
+  PetscCall(VecRestoreArrayWrite(y, &sum));
+  PetscCall(VecRestoreArrayRead(x, &p));
+  PetscCall(MatGetNullSpace(A, &constant));
+  if (constant) PetscCall(MatNullSpaceRemove(constant, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
 {
   Pressure     pressure;
@@ -279,21 +301,27 @@ static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode CreateShell(Pressure pressure, PetscErrorCode (*multiply)(Mat, Vec, Vec), Mat *A)
+{
+  const PetscInt n = pressure->cloud->n_rows, all = pressure->rows_global;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateShell(pressure->cloud->comm, n, n, all, all, pressure, A));
+  PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))multiply));
+  PetscCall(MatShellSetOperation(*A, MATOP_MULT_TRANSPOSE, (void (*)(void))multiply));
+  PetscCall(MatShellSetOperation(*A, MATOP_GET_DIAGONAL, (void (*)(void))MatGetDiagonal_Pairs));
+  PetscCall(MatSetOption(*A, MAT_SPD, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OperatorSetUp(Pressure pressure)
 {
-  Cloud cloud = pressure->cloud;
-
   PetscFunctionBegin;
   PetscCall(FindFreeSurface(pressure));
   PetscCall(SetWeights(pressure));
   PetscCall(SetDiagonal(pressure));
-  if (!pressure->operator) {
-    PetscCall(MatCreateShell(cloud->comm, cloud->n_rows, cloud->n_rows, pressure->rows_global, pressure->rows_global,
-                             pressure, &pressure->operator));
-    PetscCall(MatShellSetOperation(pressure->operator, MATOP_MULT, (void (*)(void))MatMult_Pairs));
-    PetscCall(MatShellSetOperation(pressure->operator, MATOP_MULT_TRANSPOSE, (void (*)(void))MatMult_Pairs));
-    PetscCall(MatShellSetOperation(pressure->operator, MATOP_GET_DIAGONAL, (void (*)(void))MatGetDiagonal_Pairs));
-    PetscCall(MatSetOption(pressure->operator, MAT_SPD, PETSC_TRUE));
-  }
+  PetscCall(CouplingSetUp(pressure));
+  if (!pressure->operator) PetscCall(CreateShell(pressure, MatMult_Pairs, &pressure->operator));
+  if (!pressure->coupled && pressure->couplings) PetscCall(CreateShell(pressure, MatMult_Coupled, &pressure->coupled));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -87,6 +87,11 @@ PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscReal PressureRelaxationTime(Pressure pressure)
+{
+  return pressure->relaxation_time;
+}
+
 /* Makes -help list the options of the preconditioner, which the solver reads when it is made. */
 static PetscErrorCode PreconditionerHelp(MPI_Comm comm)
 {
@@ -276,6 +281,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PetscFree(p->pair_weight));
   PetscCall(PetscFree(p->parent_row));
   PetscCall(ColumnsReset(&p->columns));
+  PetscCall(CouplingReset(p));
   PetscCall(PetscFree(*pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -88,6 +88,11 @@ PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
 PetscBool PressureTakesDivergence(Pressure pressure);
 /* PressureAcceleration - acceleration ([n_fluid][3], m/s2) -grad p/rho of the fluid. Collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
+/* PressureRelaxationTime - the time (s) in which density errors are repaired. Not collective. */
+PetscReal PressureRelaxationTime(Pressure pressure);
+/* PressureFreeForces - force and torque [free bodies][FREE_MOTIONS] (N, N m) that the pressure of the cloud has on each
+   free body, in the order of -solids, in the equation. Collective. */
+PetscErrorCode PressureFreeForces(Pressure pressure, PetscReal force[]);
 /* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
 /* PressureLattice - of a full lattice: diagonal, Lambda_0 of Nair & Tomar, that of Eq. (8) for V = d0^dim and density 1

@@ -87,10 +87,15 @@ struct _p_Pressure {
   PetscInt *parent_row;             /* [n_owned - n_rows] local row of the parent of deeper wall particles */
   Columns   columns;
 
+  /* free bodies, coupling.c */
+  PetscInt            couplings;
+  struct _p_Coupling *coupling; /* [couplings]; NULL: none, or not made yet */
+
   /* the matrix */
   char        mat_type[TYPE_LENGTH];
   PetscBool   assembled;   /* the preconditioner needs entries: A is a matrix, not the operator */
   Mat         operator, A; /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from it or from a store */
+  Mat         coupled;     /* the operator with free bodies, as a MATSHELL; NULL without */
   MatrixStore store[2];
   PetscInt    current, kept; /* store of this step's matrix; the preconditioner's, KEPT_NONE or KEPT_OPERATOR */
 
@@ -121,6 +126,12 @@ static inline PetscInt ParentRow(Pressure pressure, PetscInt a)
 
 /* RowsNumber - numbers the rows if the cloud's layout is new. Collective. */
 PetscErrorCode RowsNumber(Pressure pressure);
+/* EquationOf - the operator that the equation of a step has: with free bodies, or without. Not collective. */
+static inline Mat EquationOf(Pressure pressure)
+{
+  return pressure->couplings ? pressure->coupled : pressure->operator;
+}
+
 /* MatrixStarts - turns the numbers of entries of the n rows, start[1 .. n], into their starts and the end of the last.
    PETSc keeps them as PetscInt, so more entries on a rank are refused (UserError): have_room is false. Not collective.
  */
@@ -133,6 +144,11 @@ PetscErrorCode ColumnsReset(Columns *columns);
    the operator if there is none. Collective. */
 PetscErrorCode OperatorSetUp(Pressure pressure);
 
+/* CouplingSetUp - what free bodies do to the rows, after OperatorSetUp. Collective. CouplingAdd - adds to the product y
+   with the pressures p (both [n_rows], Pa) what the bodies they push do. Collective. */
+PetscErrorCode CouplingSetUp(Pressure pressure);
+PetscErrorCode CouplingAdd(Pressure pressure, const PetscScalar p[], PetscScalar y[]);
+PetscErrorCode CouplingReset(Pressure pressure);
 /* SetConvergence - after the solver's options have been read: it stops at density_tolerance, or else at -ksp_rtol and
    -ksp_atol in the 2-norm of the residual. Collective. */
 PetscErrorCode SetConvergence(Pressure pressure);

@@ -27,6 +27,7 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscCall(VecDestroy(&pressure->x));
   for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
   PetscCall(MatDestroy(&pressure->operator));
+  PetscCall(MatDestroy(&pressure->coupled));
   pressure->kept      = KEPT_NONE;
   pressure->rebuild   = PETSC_TRUE;
   pressure->from_zero = PETSC_FALSE;
@@ -143,6 +144,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(OperatorSetUp(pressure));
   PetscCall(SetNullSpace(pressure, pressure->operator));
+  if (pressure->couplings) PetscCall(SetNullSpace(pressure, pressure->coupled));
   pressure->A = pressure->operator;
   if (entries || pressure->assembled) {
     pressure->current = pressure->kept == 0 ? 1 : 0;
@@ -196,7 +198,7 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(LocateRows(pressure));
-  PetscCall(KSPSetOperators(pressure->ksp, pressure->A, pressure->A));
+  PetscCall(KSPSetOperators(pressure->ksp, pressure->couplings ? pressure->coupled : pressure->A, pressure->A));
   SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUp(pressure->ksp));
   SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUpOnBlocks(pressure->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -226,8 +228,8 @@ static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
     }
   }
   PetscCall(KSPSetReusePreconditioner(pressure->ksp, (PetscBool)!renew));
-  PetscCall(
-    KSPSetOperators(pressure->ksp, pressure->A, pressure->assembled ? pressure->store[pressure->kept].A : pressure->A));
+  PetscCall(KSPSetOperators(pressure->ksp, pressure->couplings ? pressure->coupled : pressure->A,
+                            pressure->assembled ? pressure->store[pressure->kept].A : pressure->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

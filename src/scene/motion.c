@@ -23,6 +23,7 @@ struct _p_Motion {
   PetscInt   rates;                      /* numbers given */
   char       file[PETSC_MAX_PATH_LEN];   /* of the table; empty: none */
   PetscReal  shift[DIM], turn[DIM][DIM]; /* s and R at the time set last */
+  PetscBool  centered;                   /* the centre was given */
   PetscInt   rows;                       /* of the table */
   PetscReal *table;                      /* [rows][1 + 3]: time (s), displacement (m) */
 };
@@ -71,7 +72,7 @@ static void AddTable(const struct _p_Motion *m, PetscReal time, PetscReal shift[
   }
 }
 
-/* s (m) and, if wanted, its rate (m/s) at the time (s). */
+/* s (m) and, if wanted, its rate (m/s) at the time (s), of a motion as the options say. */
 static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
@@ -82,20 +83,15 @@ static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM
   AddTable(m, time, shift, rate);
 }
 
-/* The matrix of a rotation with this rate (rad/s) for a time (s), after Rodrigues. */
-static void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM])
+/* s and R of a solid at the time. */
+static void Place(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM])
 {
-  const PetscReal size = Norm(rate), c = PetscCosReal(size * time), s = PetscSinReal(size * time);
-  PetscReal       n[DIM] = {0, 0, 0};
-
-  for (PetscInt d = 0; d < DIM && size > 0; d++) n[d] = rate[d] / size;
-  for (PetscInt i = 0; i < DIM; i++)
-    for (PetscInt j = 0; j < DIM; j++) {
-      const PetscInt k = DIM - i - j; /* the third direction, where i and j differ */
-
-      turn[i][j] = (1 - c) * n[i] * n[j] + (i == j ? c : 0);
-      if (i != j) turn[i][j] += ((j - i + DIM) % DIM == 1 ? -1 : 1) * s * n[k];
-    }
+  if (body->free)
+    FreePlace(body, time, shift, turn);
+  else {
+    Shift(body->motion, time, shift, NULL);
+    RotationMatrix(body->motion->rate, time, turn);
+  }
 }
 
 /* y = c + R^T (x - c - s): the place at the time 0 of the point that is at x. */
@@ -130,15 +126,18 @@ PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
                                   "Angular velocity of the solid about an axis of this direction; in two dimensions "
                                   "one number will do (rad/s)",
                                   "SceneSetFromOptions", m->rate, &m->rates, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
-                                "Point on that axis (m); it moves with the solid", "SceneSetFromOptions", m->center,
-                                NULL));
+  PetscCall(
+    DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
+                        "Point on that axis (m), which moves with the solid; of a solid of a mass its centre, by "
+                        "default that of its shape",
+                        "SceneSetFromOptions", m->center, &m->centered));
   PetscCall(PetscOptionsString("-motion_file",
                                "File of lines t,x,y or t,x,y,z: how far the solid is from its place (m) at rising "
                                "times (s); a smooth curve between them",
                                "SceneSetFromOptions", m->file, m->file, sizeof(m->file), NULL));
   m->w     = 2 * PETSC_PI * frequency;
   m->phase = DEGREE * phase;
+  PetscCall(FreeSetFromOptions(body, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,6 +244,7 @@ PetscErrorCode MotionDestroy(Body body)
 {
   PetscFunctionBegin;
   if (body->motion) PetscCall(PetscFree(body->motion->table));
+  PetscCall(PetscFree(body->free));
   PetscCall(PetscFree(body->motion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -261,7 +261,11 @@ PetscErrorCode MotionSetUp(Body body)
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
   PetscCheckUser(!domain->rings || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0), domain->comm,
                  "with -dimension axisymmetric the solid %s can move along the axis only, and not turn", body->name);
-  if (Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0 && m->rows == 0)
+  PetscCheckUser(BodyMass(body) == 0 || (Norm(m->amplitude) == 0 && m->rows == 0), domain->comm,
+                 "-%smass: a solid that moves freely cannot have -%soscillation_amplitude or -%smotion_file too",
+                 body->prefix, body->prefix, body->prefix);
+  PetscCall(FreeSetUp(body, m->centered, m->center, m->velocity, m->rate));
+  if (!body->free && Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0 && m->rows == 0)
     PetscCall(MotionDestroy(body));
   else
     MotionSetTime(body, 0);
@@ -270,9 +274,11 @@ PetscErrorCode MotionSetUp(Body body)
 
 void MotionSetTime(Body body, PetscReal time)
 {
-  if (!body->motion) return;
-  Shift(body->motion, time, body->motion->shift, NULL);
-  RotationMatrix(body->motion->rate, time, body->motion->turn);
+  struct _p_Motion *m = body->motion;
+
+  if (!m) return;
+  Place(body, time, m->shift, m->turn);
+  if (body->free) FreeSetTime(body, m->shift, m->turn);
 }
 
 void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
@@ -285,7 +291,8 @@ PetscErrorCode MotionView(Body body, PetscViewer viewer)
   const struct _p_Motion *m = body->motion;
 
   PetscFunctionBegin;
-  if (!m) PetscFunctionReturn(PETSC_SUCCESS);
+  if (body->free) PetscCall(FreeView(body, viewer));
+  if (!m || body->free) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "moves: velocity %g, %g, %g m/s, oscillation %g, %g, %g m at %g Hz, rotation %g, "
@@ -307,7 +314,8 @@ PetscBool BodyMoves(Body solid)
 /* Motions start as zeros, and are compared up to their table, whose file has a name. */
 PetscBool BodyMovesAs(Body solid, Body other)
 {
-  if (!solid->motion || !other->motion) return (PetscBool)(solid->motion == other->motion);
+  if (!solid->motion || !other->motion || solid->free || other->free)
+    return (PetscBool)(solid->motion == other->motion);
   return (PetscBool)!memcmp(solid->motion, other->motion, offsetof(struct _p_Motion, rows));
 }
 
@@ -316,11 +324,9 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
   const struct _p_Motion *m = solid->motion;
   PetscReal               shift[DIM], turn[DIM][DIM], y[DIM];
 
-  Shift(m, from, shift, NULL);
-  RotationMatrix(m->rate, from, turn);
+  Place(solid, from, shift, turn);
   Back(m, shift, turn, x, y);
-  Shift(m, to, shift, NULL);
-  RotationMatrix(m->rate, to, turn);
+  Place(solid, to, shift, turn);
   for (PetscInt i = 0; i < DIM; i++) {
     x[i] = m->center[i] + shift[i];
     for (PetscInt j = 0; j < DIM; j++) x[i] += turn[i][j] * (y[j] - m->center[j]);
@@ -330,13 +336,18 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
 void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const struct _p_Motion *m = solid->motion;
-  PetscReal               shift[DIM], r[DIM], turned[DIM];
+  PetscReal               shift[DIM], turn[DIM][DIM], rate[DIM], r[DIM], turned[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
   if (!m) return;
-  Shift(m, time, shift, v);
+  for (PetscInt d = 0; d < DIM; d++) rate[d] = m->rate[d];
+  if (solid->free) {
+    FreePlace(solid, time, shift, turn);
+    FreeVelocity(solid, v, rate);
+  } else
+    Shift(m, time, shift, v);
   for (PetscInt d = 0; d < DIM; d++) r[d] = x[d] - m->center[d] - shift[d];
-  Cross(m->rate, r, turned);
+  Cross(rate, r, turned);
   for (PetscInt d = 0; d < DIM; d++) v[d] += turned[d];
 }
 
@@ -351,6 +362,19 @@ void SceneMoveSolids(Scene scene, PetscReal time)
 {
   scene->solid_time = time;
   for (PetscInt b = 0; b < scene->solids; b++) MotionSetTime(scene->solid[b], time);
+}
+
+void SceneSolidsAtStart(Scene scene)
+{
+  SceneMoveSolids(scene, 0);
+  for (PetscInt b = 0; b < scene->solids; b++) {
+    struct _p_Motion *m = scene->solid[b]->motion;
+
+    for (PetscInt i = 0; i < DIM && scene->solid[b]->free; i++) {
+      m->shift[i] = 0;
+      for (PetscInt j = 0; j < DIM; j++) m->turn[i][j] = i == j;
+    }
+  }
 }
 
 PetscReal SceneSolidTime(Scene scene)
@@ -378,10 +402,14 @@ static PetscReal TableSpeed(const struct _p_Motion *m)
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
   const struct _p_Motion *m        = body->motion;
-  PetscReal               arm[DIM] = {0, 0, 0};
+  PetscReal               arm[DIM] = {0, 0, 0}, velocity[DIM], rate[DIM];
 
   if (!m) return 0;
   for (PetscInt d = 0; d < body->domain->dim; d++)
     arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
+  if (body->free) {
+    FreeVelocity(body, velocity, rate);
+    return Norm(velocity) + Norm(rate) * Norm(arm);
+  }
   return Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm) + TableSpeed(m);
 }

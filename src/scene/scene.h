@@ -17,7 +17,8 @@
    -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: obstacles, no-slip as far as the viscous form
    makes the walls of the box so. They may touch and overlap each other and the faces of the box. They are fixed or move
    as their options say (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
-   _rotation_center, _motion_file; what is asked about them is so at the time set last (SceneMoveSolids).
+   _rotation_center, _motion_file; what is asked about them is so at the time set last (SceneMoveSolids). Or they are
+   free bodies, which the liquid moves (free.c): -<s>_mass, _inertia, _turns.
 
    -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: where the spacing is -spacing, with
    -spacing_coarse farther away (SceneSpacing).
@@ -50,6 +51,8 @@ typedef struct {
   PetscReal viscosity; /* mu, Pa s; of a model that varies what it starts from, see BodyViscosity */
   PetscReal tension;   /* sigma, N/m */
 } Material;
+
+#define FREE_MOTIONS (2 * DIM) /* of a free body: velocity (m/s), then angular velocity (rad/s) */
 
 typedef struct _p_Body  *Body;
 typedef struct _p_Scene *Scene;
@@ -104,6 +107,32 @@ PetscBool SceneSolidsMove(Scene scene);
 void      SceneMoveSolids(Scene scene, PetscReal time);
 PetscReal SceneSolidTime(Scene scene);
 PetscReal SceneSolidSpeed(Scene scene);
+/* Free bodies, solids with -<s>_mass. SceneHasFree - whether there is one. BodyMass - its mass (kg; kg/m in two
+   dimensions), 0 of any other solid. FreeMotion - centre of mass (m) and velocities of a free body, at the time set
+   last by SceneMoveSolids. FreeResponse - by how much an impulse (N s; behind it N m s, about the centre) changes them,
+   as the body lies at that time. FreePush - gives it that impulse at the time, which must be that one: from then on it
+   moves on with its new velocity. FreeForces - room for the force (N) and torque (N m) of the liquid's pressure in the
+   step before, and by how much they exceeded those of the projection: the stepper's, kept with the body. FreeTurned -
+   axis times angle (rad) by which it has turned at its last push. FreeKinetic - its kinetic energy (J).
+   FreeNumbers - all that changes of it, as numbers, for a checkpoint.
+   SceneSolidsAtStart - puts all solids where they were at the start. SceneReleaseFree - the time (s) of the start, at
+   which free bodies begin to move. SceneHoldFree - whether they are held where they are for now. SceneDriven - whether
+   a solid moves that is not free. SceneKeepFree, SceneReturnFree - keeps their state, and returns to it. */
+PetscBool  SceneHasFree(Scene scene);
+PetscReal  BodyMass(Body solid);
+void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS]);
+void       FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal change[FREE_MOTIONS]);
+void       FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS]);
+void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
+void       FreeTurned(Body solid, PetscReal angle[DIM]);
+PetscReal  FreeKinetic(Body solid);
+PetscReal *FreeNumbers(Body solid, PetscInt *count);
+void       SceneSolidsAtStart(Scene scene);
+void       SceneReleaseFree(Scene scene, PetscReal time);
+void       SceneHoldFree(Scene scene, PetscBool held);
+PetscBool  SceneDriven(Scene scene);
+void       SceneKeepFree(Scene scene);
+void       SceneReturnFree(Scene scene);
 /* SceneSpacing - the particle spacing (m) that is wanted at x (m): -spacing in the regions of -fine, growing with the
    distance from them by -spacing_growth, at most -spacing_coarse. Not collective. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);

@@ -66,6 +66,7 @@ struct _p_Body {
   void               *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
   PetscInt            color;
   struct _p_Motion   *motion; /* of a solid that moves; else NULL */
+  struct _p_Free     *free;   /* of a solid that moves freely; else NULL */
 };
 
 struct _p_Scene {
@@ -130,6 +131,27 @@ PetscErrorCode FrameCheck(Scene scene);
 void           FrameAdd(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
 PetscErrorCode FrameView(Scene scene, PetscViewer viewer);
+/* FreeSetFromOptions - reads -<s>_mass and what belongs to it; FreeSetUp - refuses (UserError) what does not fit, and
+   removes the free body if there is no mass. center (m): of mass, given if 'centered', else found here; velocity (m/s)
+   and rate (rad/s): at the start. Collective. FreePlace - shift (m) and turn at the time (s) of a free body;
+   FreeVelocity - its velocity (m/s) and rate (rad/s) since it was pushed last; FreeSetTime - where it is from here on.
+   FreeView - prints it. Collective.
+ */
+PetscErrorCode FreeSetFromOptions(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], const PetscReal velocity[DIM],
+                         const PetscReal rate[DIM]);
+PetscErrorCode FreeView(Body body, PetscViewer viewer);
+void           FreePlace(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
+void           FreeVelocity(Body body, PetscReal velocity[DIM], PetscReal rate[DIM]);
+void           FreeSetTime(Body body, const PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
+/* RotationMatrix - of a rotation with this rate (rad/s) for a time (s). RotationMultiply - out = A B. RotationInverse -
+   of A. RotationStraighten - makes a matrix that rounding has bent one of a rotation again. RotationVector - its axis
+   times its angle (rad), between -pi and pi. */
+void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM]);
+void RotationMultiply(PetscReal A[DIM][DIM], PetscReal B[DIM][DIM], PetscReal out[DIM][DIM]);
+void RotationInverse(PetscReal A[DIM][DIM], PetscReal out[DIM][DIM]);
+void RotationStraighten(PetscReal turn[DIM][DIM]);
+void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
 /* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);

@@ -155,6 +155,30 @@ static PetscErrorCode ReportEnergy(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The energy of free bodies. The budget is that of the liquid: what they took from it is in the work of the pressure of
+   solids that move, and in that of viscosity. */
+static PetscErrorCode ReportFree(Sim sim)
+{
+  PetscReal kinetic = 0, potential = 0;
+
+  PetscFunctionBegin;
+  if (!SceneHasFree(sim->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < SceneSolidCount(sim->scene); b++) {
+    const Body solid = SceneSolid(sim->scene, b);
+    PetscReal  center[DIM], motion[FREE_MOTIONS];
+
+    if (BodyMass(solid) == 0) continue;
+    FreeMotion(solid, center, motion);
+    kinetic += FreeKinetic(solid);
+    potential += BodyMass(solid) * SceneForcePotential(sim->scene, center);
+  }
+  PetscCall(PetscPrintf(sim->comm,
+                        "  solids      those with a mass: kinetic %.4g, potential %.4g %s, not part of the liquid's "
+                        "energy above\n",
+                        (double)kinetic, (double)potential, GaugeUnit(sim->domain, "J")));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode BudgetReport(Sim sim)
 {
   const StepState *state = &sim->state;
@@ -177,5 +201,6 @@ PetscErrorCode BudgetReport(Sim sim)
                           state->joined, state->split, (double)(totals.multiplicity * state->resampling_loss),
                           GaugeUnit(sim->domain, "J")));
   PetscCall(ReportEnergy(sim));
+  PetscCall(ReportFree(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

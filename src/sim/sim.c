@@ -142,7 +142,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   PetscCheckUser(
-    sim->relaxation_time == 0 || !SceneSolidsMove(sim->scene), comm,
+    sim->relaxation_time == 0 || !SceneDriven(sim->scene), comm,
     "-packing_relaxation_time cannot be used with solids that move: they would during the relaxation, too");
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
   PetscCall(DumpFinish(sim));
@@ -157,6 +157,7 @@ PetscErrorCode SimSetUp(Sim sim)
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
+  SceneReleaseFree(sim->scene, sim->state.time);
   SceneMoveSolids(sim->scene, sim->state.time);
   PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
   if (restarting) {

@@ -35,12 +35,14 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(TrialDiagnose(stepper, trial));
   PetscCall(StepForces(stepper, dt, cloud->rest_density, viscous, trial));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FreePredict(stepper, dt));
   if (scheme->shifting.active || PressureTakesDivergence(stepper->pressure))
     PetscCall(StepDivergence(stepper, scheme->divergence_offset * dt));
   PetscCall(scheme->project(stepper, dt, &trial->pressure));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
   if (SceneSolidsMove(cloud->scene)) SolidsWork(cloud, dt, trial);
   PetscCall(StepKick(stepper, dt));
+  PetscCall(FreeKick(stepper, dt, trial));
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));
   PetscCall(StepGuard(stepper, dt, cloud->field[FIELD_POSITION], trial));

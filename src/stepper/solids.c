@@ -84,9 +84,10 @@ PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[]
 void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 {
   for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
-    PetscReal force[DIM];
+    const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
+    PetscReal  force[DIM];
 
-    if (!MovingSolid(cloud->scene, cloud->integer[INT_BODY][b])) continue;
+    if (!solid || BodyMass(solid) > 0) continue; /* free bodies: FreeKick */
     OperatorsWallPressure(cloud, b, force);
     trial->sum[SUM_SOLID_WORK] -= dt * Dot(force, cloud->field[FIELD_VELOCITY] + DIM * b);
   }

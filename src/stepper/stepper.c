@@ -190,6 +190,10 @@ static PetscErrorCode CheckSolids(Stepper s)
   PetscCheckUser(!SceneSolidsMove(s->cloud->scene) || (consistent && s->force_time > 0), s->cloud->comm,
                  "a solid of the scene moves, which needs -scheme " SCHEME_CONSISTENT " with -time_centered, the "
                  "default");
+  PetscCheckUser(!SceneHasFree(s->cloud->scene) || PressureTakesDivergence(s->pressure), s->cloud->comm,
+                 "a solid with a mass needs -pressure_source " SOURCE_DIVERGENCE ", the default");
+  PetscCheckUser(!SceneHasFree(s->cloud->scene) || !SceneFrameTurns(s->cloud->scene), s->cloud->comm,
+                 "a solid with a mass cannot be used with -frame_rotation_rate yet");
   PetscCheckUser(!DomainWallsSwing(s->cloud->domain) || (consistent && s->force_time > 0), s->cloud->comm,
                  "a wall of the box swings, which needs -scheme " SCHEME_CONSISTENT
                  " with -time_centered, the default");
@@ -254,6 +258,7 @@ PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscRe
   stepper->relaxing        = relaxing;
   stepper->damping         = relaxing ? damping : 1;
   stepper->relaxation_step = relaxing ? step : 0;
+  SceneHoldFree(stepper->cloud->scene, relaxing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -359,8 +364,10 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscCall(SolidsCheck(cloud, state->time, state->time + dt, why, length));
     if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   }
+  SceneKeepFree(cloud->scene);
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     trial = (StepTrial){.diagnose = diagnose};
+    SceneReturnFree(cloud->scene);
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     SceneMoveSolids(cloud->scene, state->time);
     DomainSetTime(cloud->domain, state->time + dt);

@@ -107,14 +107,16 @@ struct _p_Stepper {
   SurfaceTest    surface_test;
   Resampling     resampling;
   Viscous        viscous;
-  PetscReal      guard;              /* spacings that particles keep from walls */
-  PetscReal      density_ratio_max;  /* of the densities of two bodies */
-  PetscReal      reference_velocity; /* m/s */
-  PetscBool      relaxing;           /* StepperSetRelaxation: no body force */
-  PetscReal      damping;            /* velocities are multiplied with it in each step */
-  PetscReal      relaxation_step;    /* s; 0: as in the run */
-  PetscReal      time;               /* s, at the start of the step */
-  PetscBool      first;              /* the step is the first of a run */
+  PetscReal      guard;                                      /* spacings that particles keep from walls */
+  PetscReal      density_ratio_max;                          /* of the densities of two bodies */
+  PetscReal      reference_velocity;                         /* m/s */
+  PetscBool      relaxing;                                   /* StepperSetRelaxation: no body force */
+  PetscReal      damping;                                    /* velocities are multiplied with it in each step */
+  PetscReal      relaxation_step;                            /* s; 0: as in the run */
+  PetscReal      time;                                       /* s, at the start of the step */
+  PetscBool      first;                                      /* the step is the first of a run */
+  PetscReal      free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* of each solid that is free, N, N m */
+  PetscReal     *free_follow; /* [solids][FREE_MOTIONS][FREE_MOTIONS] of free_viscous.c; NULL: not needed so far */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
@@ -185,6 +187,23 @@ PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[]
 /* SolidsWork - adds to the trial what the pressure of solids that move does on the fluid in a step of dt (s), after
    StepProject. Not collective. */
 void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial);
+
+/* --- free.c, free_viscous.c: free bodies; nothing without --- */
+
+/* FreeSetVelocities - the dummy particles of a free solid, by its index, get the velocities of a motion: velocity[]
+   ([n_owned][3], m/s). FreeDrag - viscous force and torque (N, N m) on each free solid, drag[solids][FREE_MOTIONS], at
+   velocities [n_total][3] (m/s), 0 for others. FreeViscousSetUp - before FreeViscousFollow, in a step of dt (s).
+   FreeViscousFollow - free bodies follow the liquid, whose velocities are in u ([n_total][3], m/s): those of their
+   dummies there become what its viscosity makes of a body at rest in dt, 'own': of a body with its velocity, weight
+   and pressure. */
+void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
+PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[]);
+PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt);
+PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
+/* FreePredict - after StepForces: FIELD_VELOCITY_STAR of their dummy particles, ghosts too. FreeKick - after StepKick:
+   their new velocities; adds what they did on the fluid to the trial. Collective. */
+PetscErrorCode FreePredict(Stepper stepper, PetscReal dt);
+PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial);
 
 /* --- forces.c --- */
 

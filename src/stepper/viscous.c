@@ -78,6 +78,7 @@ static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls, PetscReal u[
       PetscArraycpy(u + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
   for (PetscInt h = 0; h < viscous->held_count; h++)
     for (PetscInt k = DIM * viscous->held[h]; k < DIM * (viscous->held[h] + 1); k++) u[k] = walls ? v[k] : 0;
+  PetscCall(FreeViscousFollow(stepper, walls, viscous->dt, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -174,6 +175,7 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscCall(Reset(&stepper->viscous));
   PetscCall(PetscFree(stepper->viscous.pair));
   PetscCall(PetscFree(stepper->viscous.held));
+  PetscCall(PetscFree(stepper->free_follow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -317,6 +319,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   viscous->dt = dt;
   PetscCall(FindHeld(stepper));
   PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
+  PetscCall(FreeViscousSetUp(stepper, dt));
   PetscCall(RightHandSide(stepper));
   report->iterations = 0;
   PetscCall(Attempt(viscous, report));
@@ -326,6 +329,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   }
   PetscCall(Load(stepper, viscous->x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
+  if (SceneHasFree(cloud->scene)) PetscCall(FreeDrag(stepper, cloud->field[FIELD_VELOCITY_STAR], stepper->free_drag));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

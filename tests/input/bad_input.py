@@ -125,6 +125,12 @@ refused("solid_moves_with_printed_scheme", PLANE + "-part_velocity 1,0 -scheme d
         ["-scheme consistent"])
 refused("solid_moves_while_packing_relaxes", PLANE + "-part_velocity 1,0 -packing_relaxation_time 1",
         ["-packing_relaxation_time"])
+FLOAT = PLANE.replace("part,post", "part") + "-part_mass 50 "
+for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-scheme consistent"]),
+                             ("density_source", "-pressure_source density", ["-pressure_source divergence"]),
+                             ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
+                             ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
+    refused("free_body_and_" + name, FLOAT + options, words)
 refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
 refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
 refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])

@@ -26,6 +26,11 @@ PAPER = SPLASH + """-box_xmax symmetry -box_ymax symmetry -scheme density_invari
 PERIODIC_2D = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall
  -gravity 0,-9.81 -bodies film,drop -film_upper 1,0.12 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15
  -drop_center 0.5,0.33 -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -time_step 1e-3 """
+# Two bodies that float, in thick liquid, over the borders of ranks.
+FLOATING = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies film -film_upper 1,0.5 -film_viscosity 0.1 -solids float,other -float_lower 0.3,0.4 -float_upper 0.5,0.6
+ -float_mass 15 -float_rotation_rate 2 -other_shape sphere -other_radius 0.08 -other_center 0.7,0.45 -other_mass 10
+ -viscosity_solver implicit -viscous_ksp_rtol 1e-13 -time_step 1e-3 """
 # One drop in a large box: three of four ranks have nothing to do at first.
 LONELY = """-spacing 1e-3 -box_lower -40e-3,-40e-3,-40e-3 -box_upper 40e-3,40e-3,40e-3 -bodies drop -drop_shape sphere
  -drop_radius 1.2e-3 -drop_center 20e-3,20e-3,20e-3 -drop_velocity 0,0,-1 -gravity 0,0,-9.81 -drop_tension 0.067
@@ -78,5 +83,6 @@ compare("rings", RINGS, (2, 4), 0.8e-3, 3, TOLERANCE)
 compare("tori", TORI, (2, 4), 1e-3, 3, TOLERANCE)
 compare("graded", GRADED, (2, 4), 1e-3, 3, TOLERANCE)
 compare("periodic_2d", PERIODIC_2D, (2, 3, 4), 0.02, 4, TOLERANCE)
+compare("floating", FLOATING, (2, 3, 4), 0.02, 1, TOLERANCE)
 compare("lonely", LONELY, (2, 4), 1e-3, 1, TOLERANCE)
 runs.done()

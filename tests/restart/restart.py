@@ -16,7 +16,8 @@ IMPACT = """-spacing 1e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box
 PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall -gravity 0,-9.81
  -bodies film,drop -film_upper 1,0.4 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.62
  -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -snapshot_double -checkpoint_interval 1e-2
- -sort_interval 7 -solids paddle
+ -sort_interval 7 -solids paddle,float
+ -float_shape sphere -float_radius 0.08 -float_center 0.12,0.28 -float_mass 15 -float_rotation_rate 3
  -paddle_lower 0.3,0.1 -paddle_upper 0.7,0.2 -paddle_rotation_rate 9 -paddle_rotation_center 0.5,0.2
  -paddle_velocity 0.5,0.2 -paddle_oscillation_amplitude 0,0.01 -paddle_oscillation_frequency 9 """
 RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 14e-3,12e-3 -box_xmax wall -box_ymin wall

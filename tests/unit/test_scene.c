@@ -541,6 +541,74 @@ static PetscErrorCode TestMotion(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define FLOAT CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_lower -0.3,-0.2,-0.1 -s_upper 0.3,0.4,0.3 "
+
+/* A free box turns about its centre with its own moments of inertia: without a torque it keeps its angular momentum
+   and, to the order of the step, its energy; the place of a point and its velocity agree; a state that was kept comes
+   back.
+ */
+static PetscErrorCode TestFree(void)
+{
+  const PetscReal dt = 1e-3, push[FREE_MOTIONS] = {1.2, 0, 2.4, 0, 0.5, 0}, none[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  PetscReal       center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], x[DIM], high[DIM], v[DIM], kinetic, time = 0,
+                                                                                                         error = 0;
+  PetscInt   count;
+  PetscReal *numbers;
+  Domain     domain;
+  Scene      scene;
+  Body       solid;
+
+  PetscFunctionBegin;
+  PetscCall(Read(FLOAT "-s_mass 12 -s_velocity 0.1,0,0 -s_rotation_rate 0.3,4,0.2", &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  CHECK(SceneHasFree(scene) && BodyMass(solid) == 12 && !SceneDriven(scene), "free_body");
+  FreeMotion(solid, center, motion);
+  CHECK(PetscAbsReal(center[0]) < 1e-12 && PetscAbsReal(center[1] - 0.1) < 1e-12 &&
+          PetscAbsReal(center[2] - 0.1) < 1e-12,
+        "centre_of_a_box");
+  /* 12 kg, 0.6 m by 0.6 m by 0.4 m: (0.36 + 0.16), twice, and (0.36 + 0.36) kg m2 */
+  FreeResponse(solid, push, change);
+  CHECK_CLOSE(change[0], 0.1, 1e-12, "push_of_a_mass");
+  CHECK_CLOSE(change[4], 0.5 / 0.52, 1e-3, "inertia_of_a_box");
+  SceneKeepFree(scene);
+  kinetic = FreeKinetic(solid);
+  numbers = FreeNumbers(solid, &count);
+  for (PetscInt k = 0; k < 2000; k++) {
+    time += dt;
+    SceneMoveSolids(scene, time);
+    FreePush(solid, time, none);
+  }
+  CHECK_CLOSE(FreeKinetic(solid) / kinetic, 1, 1e-3, "free_energy");
+  FreeMotion(solid, center, motion);
+  CHECK_CLOSE(center[0], 0.2, 1e-9, "free_drift");
+  for (PetscInt d = 0; d < DIM; d++) x[d] = center[d] + 0.1 * (d + 1);
+  for (PetscInt d = 0; d < DIM; d++) high[d] = x[d];
+  BodyMotion(solid, time, x, v);
+  BodyMove(solid, time, time + 1e-5, high);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal((high[d] - x[d]) / 1e-5 - v[d]));
+  CHECK_CLOSE(error, 0, 1e-4, "velocity_of_a_free_body");
+  SceneHoldFree(scene, PETSC_TRUE);
+  BodyMotion(solid, time, x, v);
+  CHECK(Norm(v) == 0, "free_body_held");
+  SceneHoldFree(scene, PETSC_FALSE);
+  SceneReturnFree(scene);
+  CHECK(FreeKinetic(solid) == kinetic && numbers[0] == 0, "free_body_returns");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(Refused(FLOAT "-s_mass -1", "-s_mass", "refuse_negative_mass"));
+  PetscCall(Refused(FLOAT "-s_inertia 1", "need -s_mass", "refuse_inertia_without_mass"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_inertia 1,2", "one number or three", "refuse_two_moments"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_inertia 0", "positive", "refuse_no_inertia"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_turns 0 -s_rotation_rate 1,0,0", "-s_turns 0", "refuse_rate_of_no_turn"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_oscillation_amplitude 1,0,0 -s_oscillation_frequency 1", "moves freely",
+                    "refuse_two_ways_of_moving"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_upper 0.3,0.4,1.3", "wholly in the box", "refuse_free_body_outside"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -box_xmin symmetry", "symmetry face -box_xmin", "refuse_free_body_and_mirror"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
+                    "-a_radius 0.2 -solids s -s_upper 1,-0.8 -s_lower 0,-0.9 -s_mass 1 -s_inertia 1",
+                    "along the axis only", "refuse_turning_rings"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TestRefusals(void)
 {
   PetscFunctionBegin;
@@ -645,6 +713,7 @@ int main(int argc, char **argv)
   PetscCall(TestScene());
   PetscCall(TestRefusals());
   PetscCall(TestMotion());
+  PetscCall(TestFree());
   PetscCall(TestViscosityModels());
   PetscCall(TestHelp());
   PetscCall(PetscOptionsClear(NULL));

@@ -1,0 +1,139 @@
+/* Viscosity on free bodies. In an implicit step the liquid drags a body that follows at once, which an explicit one
+   could not where the liquid is thick: with U its velocity, M its inertia, f the drag on it were it at rest and C what
+   its own velocity adds,
+
+     U = U_0 + dt/M (f - C U),
+
+   which the operator of the liquid's velocities solves on its way for each f. */
+#include "stepper_impl.h"
+
+void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[])
+{
+  PetscReal center[DIM], now[FREE_MOTIONS];
+
+  FreeMotion(SceneSolid(cloud->scene, solid), center, now);
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const PetscReal *x        = cloud->field[FIELD_POSITION] + DIM * a;
+    const PetscReal  arm[DIM] = {x[0] - center[0], x[1] - center[1], x[2] - center[2]};
+
+    if (cloud->integer[INT_BODY][a] != BODY_SOLID - solid) continue;
+    Cross(motion + DIM, arm, velocity + DIM * a);
+    for (PetscInt d = 0; d < DIM; d++) velocity[DIM * a + d] += motion[d];
+  }
+}
+
+PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
+{
+  Cloud          cloud  = stepper->cloud;
+  const PetscInt solids = SceneSolidCount(cloud->scene);
+  PetscReal     *each;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(drag, FREE_MOTIONS * solids));
+  if (!SceneHasViscosity(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, DIM, &each));
+  PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, each));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
+    const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
+    PetscReal      center[DIM], motion[FREE_MOTIONS], arm[DIM], torque[DIM];
+
+    if (!cloud->integer[INT_LAYER][b] || solid < 0 || BodyMass(SceneSolid(cloud->scene, solid)) == 0) continue;
+    FreeMotion(SceneSolid(cloud->scene, solid), center, motion);
+    for (PetscInt d = 0; d < DIM; d++) arm[d] = cloud->field[FIELD_POSITION][DIM * b + d] - center[d];
+    DomainNearest(cloud->domain, arm);
+    Cross(arm, each + DIM * b, torque);
+    for (PetscInt d = 0; d < DIM; d++) {
+      drag[FREE_MOTIONS * solid + d] += each[DIM * b + d];
+      drag[FREE_MOTIONS * solid + DIM + d] += torque[d];
+    }
+  }
+  PetscCall(CloudRestoreWork(cloud, &each));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, drag, (PetscMPIInt)(FREE_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The inverse of 1 + dt/M C of each body, by the drag of each of its velocities alone. */
+PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt)
+{
+  Cloud          cloud  = stepper->cloud;
+  const PetscInt solids = SceneSolidCount(cloud->scene);
+  PetscReal     *u, drag[FREE_MOTIONS * SCENE_MAX_BODIES];
+
+  PetscFunctionBegin;
+  if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!stepper->free_follow) PetscCall(PetscMalloc1(solids * FREE_MOTIONS * FREE_MOTIONS, &stepper->free_follow));
+  PetscCall(CloudGetWork(cloud, DIM, &u));
+  for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
+    PetscReal motion[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+
+    motion[k] = 1;
+    PetscCall(PetscArrayzero(u, DIM * cloud->n_total));
+    for (PetscInt b = 0; b < solids; b++)
+      if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, motion, u);
+    PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+    PetscCall(FreeDrag(stepper, u, drag));
+    for (PetscInt b = 0; b < solids; b++) {
+      PetscReal *matrix = stepper->free_follow + FREE_MOTIONS * FREE_MOTIONS * b, change[FREE_MOTIONS];
+
+      if (BodyMass(SceneSolid(cloud->scene, b)) == 0) continue;
+      FreeResponse(SceneSolid(cloud->scene, b), drag + FREE_MOTIONS * b, change);
+      for (PetscInt i = 0; i < FREE_MOTIONS; i++) matrix[FREE_MOTIONS * i + k] = (i == k) - dt * change[i];
+    }
+  }
+  PetscCall(CloudRestoreWork(cloud, &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x = A^-1 x by elimination; A is the identity plus the product of two positive matrices, and needs no pivots. */
+static void Solve(const PetscReal A[FREE_MOTIONS * FREE_MOTIONS], PetscReal x[FREE_MOTIONS])
+{
+  PetscReal m[FREE_MOTIONS][FREE_MOTIONS];
+
+  for (PetscInt i = 0; i < FREE_MOTIONS; i++)
+    for (PetscInt j = 0; j < FREE_MOTIONS; j++) m[i][j] = A[FREE_MOTIONS * i + j];
+  for (PetscInt k = 0; k < FREE_MOTIONS; k++)
+    for (PetscInt i = k + 1; i < FREE_MOTIONS; i++) {
+      const PetscReal factor = m[i][k] / m[k][k];
+
+      for (PetscInt j = k; j < FREE_MOTIONS; j++) m[i][j] -= factor * m[k][j];
+      x[i] -= factor * x[k];
+    }
+  for (PetscInt i = FREE_MOTIONS - 1; i >= 0; i--) {
+    for (PetscInt j = i + 1; j < FREE_MOTIONS; j++) x[i] -= m[i][j] * x[j];
+    x[i] /= m[i][i];
+  }
+}
+
+PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[])
+{
+  Cloud           cloud              = stepper->cloud;
+  const PetscReal rest[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  PetscReal       drag[FREE_MOTIONS * SCENE_MAX_BODIES];
+
+  PetscFunctionBegin;
+  if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
+    if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, rest, u);
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+  PetscCall(FreeDrag(stepper, u, drag));
+  for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
+    const Body solid = SceneSolid(cloud->scene, b);
+    PetscReal  center[DIM], start[FREE_MOTIONS], impulse[FREE_MOTIONS], motion[FREE_MOTIONS], change[FREE_MOTIONS],
+      g[DIM], *force, *excess;
+
+    if (BodyMass(solid) == 0) continue;
+    FreeMotion(solid, center, start);
+    FreeForces(solid, &force, &excess);
+    SceneAcceleration(cloud->scene, center, g);
+    for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
+      impulse[k] = dt * drag[FREE_MOTIONS * b + k];
+      if (own) impulse[k] += dt * (force[k] + (k < DIM ? BodyMass(solid) * g[k] : 0));
+    }
+    FreeResponse(solid, impulse, change);
+    for (PetscInt k = 0; k < FREE_MOTIONS; k++) motion[k] = (own ? start[k] : 0) + change[k];
+    Solve(stepper->free_follow + FREE_MOTIONS * FREE_MOTIONS * b, motion);
+    FreeSetVelocities(cloud, b, motion, u);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
