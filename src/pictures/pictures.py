@@ -158,7 +158,7 @@ def title(name, dim):
     unit = tables.UNITS.get(name)
     if unit:
         unit = {"J": "J/m", "m3": "m2"}.get(unit, unit) if dim == 2 else unit
-    elif re.search(r"_(m|m/s|Pa|N|N/m|m2|m3|J|J/m|kg)$", name):
+    elif re.search(r"_(m|m/s|Pa|N|N/m|m2|m3|J|J/m|kg|rad|rad/s)$", name):
         name, _, unit = name.rpartition("_")
     return WORDS.get(name, name.replace("_", " ")), unit
 

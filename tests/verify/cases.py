@@ -90,7 +90,8 @@ for model, numbers in MODELS.items():
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
-ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
+ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"), Entry("floating_box"),
+            Entry("floating_box", "sphere", file="sphere.opts"),
             Entry("coated_plate"), Entry("rotating_cup"),
             Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 
@@ -194,7 +195,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup",
-                "coated_plate"}
+                "coated_plate", "floating_box"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
