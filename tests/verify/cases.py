@@ -90,8 +90,8 @@ for model, numbers in MODELS.items():
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
-ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"), Entry("floating_box"),
-            Entry("floating_box", "sphere", file="sphere.opts"),
+ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
+            Entry("floating_box"), Entry("floating_box", "sphere", file="sphere.opts"),
             Entry("coated_plate"), Entry("rotating_cup"),
             Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 

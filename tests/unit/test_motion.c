@@ -1,0 +1,204 @@
+/* Solids that move, as their options say and freely. */
+#include "read_scene.h"
+
+#define TABLE "output/test_scene_motion.csv"
+#define MOVING                                                                                                         \
+  SQUARE BALL "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 -s_motion_file " TABLE
+
+static PetscErrorCode WriteTable(const char text[])
+{
+  PetscMPIInt rank;
+  FILE       *file;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank) {
+    file = fopen(TABLE, "w");
+    PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "cannot write " TABLE);
+    fputs(text, file);
+    (void)fclose(file);
+  }
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A solid that moves as a table says: through its rows, in between as a parabola does where the rows are one, at rest
+   before and after; its velocity is that of its places. */
+static PetscErrorCode TestTable(void)
+{
+  const PetscReal times[] = {-1, 0, 0.5, 1, 1.5, 2, 3, 4, 9}, due[] = {0.1, 0.1, 0.1, 0, 0, 0.3, 0.8, 0.9, 0.9};
+  PetscReal       error = 0, slope = 0, fastest = 0;
+  Domain          domain;
+  Scene           scene;
+  Body            solid;
+
+  PetscFunctionBegin;
+  PetscCall(WriteTable("time,x,y\n# a comment\n0,0.1,0\n1,0,0.2\n2,0.3,0\n3, 0.8, 0\n4 0.9 0.1\n"));
+  PetscCall(Read(MOVING, &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(times); k++) {
+    PetscReal x[DIM] = {0.1, 0, 0}, low[DIM], high[DIM], v[DIM];
+
+    if (times[k] == 0.5 || times[k] == 1.5) continue;
+    BodyMove(solid, 0, times[k], x);
+    error = PetscMax(error, PetscAbsReal(x[0] - due[k]));
+    BodyMotion(solid, times[k] + 0.3, x, v);
+    fastest = PetscMax(fastest, Norm(v));
+    for (PetscInt d = 0; d < DIM; d++) low[d] = high[d] = x[d];
+    BodyMove(solid, times[k], times[k] + 0.3 - 1e-5, low);
+    BodyMove(solid, times[k], times[k] + 0.3 + 1e-5, high);
+    for (PetscInt d = 0; d < DIM; d++) slope = PetscMax(slope, PetscAbsReal((high[d] - low[d]) / 2e-5 - v[d]));
+  }
+  CHECK_CLOSE(error, 0, 1e-12, "table_of_places");
+  CHECK_CLOSE(slope, 0, 1e-8, "velocity_of_a_table");
+  CHECK(fastest > 0.3 && fastest <= 1.02 * SceneSolidSpeed(scene), "speed_of_a_table");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(WriteTable("0,0,0\n0.5,1,0\n0.5,2,0\n"));
+  PetscCall(Refused(MOVING, "line 3", "refuse_times_that_do_not_rise"));
+  PetscCall(WriteTable("0,0,0\n0.5,1\n"));
+  PetscCall(Refused(MOVING, "line 2", "refuse_a_short_line"));
+  PetscCall(WriteTable("0,0,0\n"));
+  PetscCall(Refused(MOVING, "two lines or more", "refuse_one_row"));
+  PetscCall(Refused(MOVING "x", "cannot be read", "refuse_missing_table"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A solid that moves in every way: its points stay the same distance apart, come back, and have the velocity of the
+   differences of their places; the distance to it goes with it. */
+static PetscErrorCode TestMotion(void)
+{
+  const char *const options = CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_lower -0.3,-0.2,-0.1 -s_upper 0.3,0.2,0.1 "
+                                   "-s_velocity 0.1,0,0 -s_oscillation_amplitude 0,0.2,0 -s_oscillation_frequency 2 "
+                                   "-s_oscillation_phase -90 -s_rotation_rate 1,2,-2 -s_rotation_center 0.1,0,0";
+  const PetscReal   t = 0.37, step = 1e-5, corner[DIM] = {0.3, 0.2, 0.1};
+  PetscReal x[DIM] = {0.3, 0.2, 0.1}, low[DIM], high[DIM], v[DIM], out[DIM] = {0.5, 0.2, 0.1}, error = 0, r2 = 0;
+  Domain    domain;
+  Scene     scene;
+  Body      solid;
+
+  PetscFunctionBegin;
+  PetscCall(Read(options, &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  CHECK(BodyMoves(solid) && SceneSolidsMove(scene), "solid_moves");
+  BodyMove(solid, 0, t, x);
+  for (PetscInt d = 0; d < DIM; d++) {
+    low[d] = high[d]          = x[d];
+    const PetscReal from_axis = x[d] - (d == 0   ? 0.1 + 0.1 * t
+                                        : d == 1 ? 0.2 * (1 - PetscCosReal(4 * PETSC_PI * t))
+                                                 : 0);
+
+    r2 += from_axis * from_axis;
+  }
+  CHECK_CLOSE(r2, 0.04 + 0.04 + 0.01, 1e-12, "motion_is_rigid");
+  BodyMove(solid, t, t - step, low);
+  BodyMove(solid, t, t + step, high);
+  BodyMotion(solid, t, x, v);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal((high[d] - low[d]) / (2 * step) - v[d]));
+  CHECK_CLOSE(error, 0, 1e-7, "velocity_of_a_motion");
+  CHECK(Norm(v) <= SceneSolidSpeed(scene) && Norm(v) > 0.1 * SceneSolidSpeed(scene), "speed_bounds_a_motion");
+  SceneMoveSolids(scene, t);
+  BodyMove(solid, 0, t, out);
+  CHECK_CLOSE(SceneSolidDistance(scene, x, NULL), 0, 1e-12, "distance_goes_with_a_solid");
+  CHECK_CLOSE(SceneSolidDistance(scene, out, NULL), 0.2, 1e-12, "distance_from_a_solid");
+  BodyMove(solid, t, 0, x);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(x[d] - corner[d]) * 1e5);
+  CHECK_CLOSE(error, 0, 1e-7, "motion_back");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(TestTable());
+  /* a quarter turn about z in the plane: x goes to y */
+  PetscCall(Read(SQUARE BALL "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 -s_rotation_rate "
+                             "3.14159265358979",
+                 &domain, &scene));
+  x[0] = 0.3;
+  x[1] = x[2] = 0;
+  BodyMove(SceneSolid(scene, 0), 0, 0.5, x);
+  CHECK(PetscAbsReal(x[0]) < 1e-12 && PetscAbsReal(x[1] - 0.3) < 1e-12, "turn_of_a_quarter");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(
+    Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_rotation_rate 3", "three numbers", "refuse_rate_of_solid"));
+  PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_oscillation_amplitude 1,0,0", "-s_oscillation_frequency",
+                    "refuse_no_frequency"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
+                    "-a_radius 0.2 -solids s -s_upper 1,-0.9 -s_velocity 1,0",
+                    "along the axis only", "refuse_motion_of_rings"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define FLOAT CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_lower -0.3,-0.2,-0.1 -s_upper 0.3,0.4,0.3 "
+
+/* A free box turns about its centre with its own moments of inertia: without a torque it keeps its angular momentum
+   and, to the order of the step, its energy; the place of a point and its velocity agree; a state that was kept comes
+   back.
+ */
+static PetscErrorCode TestFree(void)
+{
+  const PetscReal dt = 1e-3, push[FREE_MOTIONS] = {1.2, 0, 2.4, 0, 0.5, 0}, none[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  PetscReal       center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], x[DIM], high[DIM], v[DIM], kinetic, time = 0,
+                                                                                                         error = 0;
+  PetscInt   count;
+  PetscReal *numbers;
+  Domain     domain;
+  Scene      scene;
+  Body       solid;
+
+  PetscFunctionBegin;
+  PetscCall(Read(FLOAT "-s_mass 12 -s_velocity 0.1,0,0 -s_rotation_rate 0.3,4,0.2", &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  CHECK(SceneHasFree(scene) && BodyMass(solid) == 12 && !SceneDriven(scene), "free_body");
+  FreeMotion(solid, center, motion);
+  CHECK(PetscAbsReal(center[0]) < 1e-12 && PetscAbsReal(center[1] - 0.1) < 1e-12 &&
+          PetscAbsReal(center[2] - 0.1) < 1e-12,
+        "centre_of_a_box");
+  /* 12 kg, 0.6 m by 0.6 m by 0.4 m: (0.36 + 0.16), twice, and (0.36 + 0.36) kg m2 */
+  FreeResponse(solid, push, change);
+  CHECK_CLOSE(change[0], 0.1, 1e-12, "push_of_a_mass");
+  CHECK_CLOSE(change[4], 0.5 / 0.52, 1e-3, "inertia_of_a_box");
+  SceneKeepFree(scene);
+  kinetic = FreeKinetic(solid);
+  numbers = FreeNumbers(solid, &count);
+  for (PetscInt k = 0; k < 2000; k++) {
+    time += dt;
+    SceneMoveSolids(scene, time);
+    FreePush(solid, time, none);
+  }
+  CHECK_CLOSE(FreeKinetic(solid) / kinetic, 1, 1e-3, "free_energy");
+  FreeMotion(solid, center, motion);
+  CHECK_CLOSE(center[0], 0.2, 1e-9, "free_drift");
+  for (PetscInt d = 0; d < DIM; d++) x[d] = center[d] + 0.1 * (d + 1);
+  for (PetscInt d = 0; d < DIM; d++) high[d] = x[d];
+  BodyMotion(solid, time, x, v);
+  BodyMove(solid, time, time + 1e-5, high);
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal((high[d] - x[d]) / 1e-5 - v[d]));
+  CHECK_CLOSE(error, 0, 1e-4, "velocity_of_a_free_body");
+  SceneHoldFree(scene, PETSC_TRUE);
+  BodyMotion(solid, time, x, v);
+  CHECK(Norm(v) == 0, "free_body_held");
+  SceneHoldFree(scene, PETSC_FALSE);
+  SceneReturnFree(scene);
+  CHECK(FreeKinetic(solid) == kinetic && numbers[0] == 0, "free_body_returns");
+  PetscCall(Free(&domain, &scene));
+  PetscCall(Refused(FLOAT "-s_mass -1", "-s_mass", "refuse_negative_mass"));
+  PetscCall(Refused(FLOAT "-s_inertia 1", "need -s_mass", "refuse_inertia_without_mass"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_inertia 1,2", "one number or three", "refuse_two_moments"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_inertia 0", "positive", "refuse_no_inertia"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_turns 0 -s_rotation_rate 1,0,0", "-s_turns 0", "refuse_rate_of_no_turn"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_oscillation_amplitude 1,0,0 -s_oscillation_frequency 1", "moves freely",
+                    "refuse_two_ways_of_moving"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_upper 0.3,0.4,1.3", "wholly in the box", "refuse_free_body_outside"));
+  PetscCall(Refused(FLOAT "-s_mass 1 -box_xmin symmetry", "symmetry face -box_xmin", "refuse_free_body_and_mirror"));
+  PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
+                    "-a_radius 0.2 -solids s -s_upper 1,-0.8 -s_lower 0,-0.9 -s_mass 1 -s_inertia 1",
+                    "along the axis only", "refuse_turning_rings"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(UserErrorHandlerPush());
+  PetscCall(TestMotion());
+  PetscCall(TestFree());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
