@@ -44,9 +44,9 @@ def check(folder):
     times, height = [], []
     for t, head, f in physics.snapshots(folder):
         given = physics.options(head)
-        volume = float(np.ravel(head["spacing"])[0])**2
+        mode = (physics.volumes(head, f) * np.cos(k * f["position"][:, 0])).sum()
         times.append(t)
-        height.append(2 / LENGTH * volume * np.cos(k * f["position"][:, 0]).sum())  # first mode of the column's height
+        height.append(2 / LENGTH * mode)  # first mode of the column's height
     rho, mu, sigma, a0 = (float(given["-water_" + name]) for name in ("density", "viscosity", "tension",
                                                                        "wave_amplitude"))
     rate = np.sqrt(sigma * k**3 / rho)

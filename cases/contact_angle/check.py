@@ -13,25 +13,26 @@ REACH = 1.5  # spacings: the width of the smoothing that draws the outline
 LOW = 2  # spacings: the outline is fitted above this height
 
 
-def phase(points, x, y, d0):
-    """The liquid's share around the points (x, y), from particles and their mirror images in the wall."""
-    both = np.vstack([points, points * (1, -1)])
+def phase(points, d, x, y):
+    """The liquid's share around the points (x, y), from particles, d apart, and their mirror images in the wall."""
+    both, d = np.vstack([points, points * (1, -1)]), np.concatenate([d, d])
     w = np.empty_like(x)
     for k in range(len(x)):
-        r2 = ((both - (x[k], y[k]))**2).sum(axis=1) / (REACH * d0)**2
+        r2 = ((both - (x[k], y[k]))**2).sum(axis=1) / (REACH * d)**2
         w[k] = np.exp(-r2).sum() / (np.pi * REACH**2)
     return w
 
 
-def outline(points, d0, rays=90):
+def outline(points, d, rays=90):
     """Where the share passes a half on rays from the middle of the drop's foot."""
-    middle = points[:, 0].mean()
+    d0 = d.min()
+    middle = (points[:, 0] * d**2).sum() / (d**2).sum()
     angles = np.pi * (np.arange(rays) + 0.5) / rays
     c, s = np.cos(angles), np.sin(angles)
     low, high = np.full(rays, 2 * d0), np.full(rays, 2 * np.ptp(points[:, 0]))
     for _ in range(40):
         r = 0.5 * (low + high)
-        inside = phase(points, middle + r * c, r * s, d0) > 0.5
+        inside = phase(points, d, middle + r * c, r * s) > 0.5
         low, high = np.where(inside, r, low), np.where(inside, high, r)
     return np.column_stack([middle + low * c, low * s])
 
@@ -59,8 +60,8 @@ def check(folder):
     head, f = states[-1][1:]
     wanted = float(physics.options(head).get("-wall_contact_angle", 90))
     d0 = float(np.ravel(head["spacing"])[0])
-    area, t = len(end) * d0**2, np.radians(wanted)
-    edge = outline(end, d0)
+    area, t = physics.volumes(head, f).sum(), np.radians(wanted)
+    edge = outline(end, d0 * physics.sizes(head, f))
     centre, radius = circle(edge[edge[:, 1] > LOW * d0])
     angle = np.arccos(np.clip(-centre[1] / radius, -1, 1))
     exact = np.sqrt(area / (t - np.sin(t) * np.cos(t)))

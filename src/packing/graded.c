@@ -18,29 +18,6 @@ static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a body whose shape displaces its lattice: only the lattices could follow. */
-static PetscErrorCode CheckShape(Packing packing, PetscInt b, const Lattice *lattice)
-{
-  const Domain domain = packing->cloud->domain;
-  const Body   body   = SceneBody(packing->cloud->scene, b);
-  PetscBool    moved  = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    PetscReal x[DIM], y[DIM];
-
-    LatticePoint(lattice, point, x);
-    LatticePoint(lattice, point, y);
-    BodyDisplace(body, y);
-    for (PetscInt d = 0; d < DIM; d++) moved = (PetscBool)(moved || x[d] != y[d]);
-  }
-  PetscCheckUser(!moved, domain->comm,
-                 "the body %s is a wave or a thread, which cannot be used with -spacing_coarse yet: its lattice is "
-                 "displaced",
-                 BodyName(body));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Whether lattices between two closed faces fit the coarse spacing. */
 static PetscErrorCode CheckPitch(Packing packing, const Region *region)
 {
@@ -72,7 +49,6 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
   BodyBounds(body, region.lower, region.upper);
   LatticeOfBody(domain, domain->spacing, body, &region.fine);
   LatticeOfBody(domain, domain->spacing_coarse, body, &region.coarse);
-  PetscCall(CheckShape(packing, b, &region.fine));
   PetscCall(CheckPitch(packing, &region));
   PetscCall(RegionFill(&region));
   for (PetscInt k = 0; k < region.n; k++) {
@@ -81,8 +57,9 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
     Sample             sample = {.body = b, .area = point->measure / domain->volume};
 
     sample.id = sample.parent = (*id)++;
+    PetscCall(PetscArraycpy(sample.x, point->x, DIM));
+    BodyDisplace(body, sample.x);
     for (PetscInt d = 0; d < DIM; d++) {
-      sample.x[d] = point->x[d];
       if (point->fixed && region.along[d])
         sample.x[d] +=
           jitter * s * (2 * RandomUnit(seed, (unsigned long long)sample.id * DIM + (unsigned long long)d) - 1);

@@ -31,6 +31,7 @@ static PetscBool CoarseEnough(const Region *region, const PetscReal x[DIM])
 
     for (PetscInt d = 0; d < DIM; d++)
       if (region->along[d]) y[d] += (corner >> d & 1 ? 0.5 : -0.5) * (1 - CORNER_SHRINK) * region->coarse.pitch[d];
+    BodyDisplace(SceneBody(scene, region->body), y);
     if (!BodyContains(SceneBody(scene, region->body), y)) return PETSC_FALSE;
     for (PetscInt other = 0; other < region->body; other++)
       if (BodyContains(SceneBody(scene, other), y)) return PETSC_FALSE;
@@ -121,7 +122,12 @@ static PetscErrorCode AddFine(const Region *region, PetscSegBuffer points, const
     PetscInt   at[DIM];
 
     LatticePoint(&region->fine, point, x);
-    if (region->body >= 0 && !LatticeBelongs(packing, region->level, region->body, point, x)) continue;
+    if (region->body >= 0) {
+      PetscReal placed[DIM] = {x[0], x[1], x[2]};
+
+      BodyDisplace(SceneBody(packing->cloud->scene, region->body), placed);
+      if (!LatticeBelongs(packing, region->level, region->body, point, placed)) continue;
+    }
     *left += cell;
     if (Covered(region, taken, x)) continue;
     if (SceneSpacing(packing->cloud->scene, x) <= (1 + POINT_TOLERANCE) * domain->spacing) {

@@ -80,6 +80,15 @@ static PetscErrorCode FindNear(Spread *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Signed distance (m) of a point of the region to the surface of a body that displaces it. */
+static PetscReal Distance(Body body, const PetscReal x[DIM])
+{
+  PetscReal y[DIM] = {x[0], x[1], x[2]};
+
+  BodyDisplace(body, y);
+  return BodyDistance(body, y);
+}
+
 /* The normal of the body's surface at x, out of it. */
 static void SurfaceNormal(const Spread *p, Body body, const PetscReal x[DIM], PetscReal normal[DIM])
 {
@@ -91,7 +100,7 @@ static void SurfaceNormal(const Spread *p, Body body, const PetscReal x[DIM], Pe
 
     low[d] -= step;
     high[d] += step;
-    normal[d] = p->region->along[d] ? BodyDistance(body, high) - BodyDistance(body, low) : 0;
+    normal[d] = p->region->along[d] ? Distance(body, high) - Distance(body, low) : 0;
   }
   length = Norm(normal);
   for (PetscInt d = 0; d < DIM && length > 0; d++) normal[d] /= length;
@@ -113,6 +122,7 @@ static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal re
       if (!region->along[d] || PetscAbsReal(x[d] - face) > reach) continue;
       if (n && plane[n - 1].normal[d] != 0) continue; /* the region is thin: the nearer face is enough */
       y[d] = face + (side ? -1 : 1) * PROBE * p->domain->spacing;
+      if (body) BodyDisplace(body, y);
       if (body && !BodyContains(body, y)) continue;
       plane[n]           = (Plane){{x[0], x[1], x[2]}, {0, 0, 0}};
       plane[n].at[d]     = face;
@@ -120,7 +130,7 @@ static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal re
       n++;
     }
   if (!body) return n;
-  deep = -BodyDistance(body, x);
+  deep = -Distance(body, x);
   if (deep > reach) return n;
   SurfaceNormal(p, body, x, normal);
   for (PetscInt k = 0; k < n; k++)
@@ -197,7 +207,7 @@ static PetscBool MayBe(const Spread *p, const PetscReal x[DIM], const PetscReal 
     const Body      body    = SceneBody(p->scene, b);
     const PetscReal outward = b < region->body ? 1 : -1;
 
-    if (!MayMove(outward * BodyDistance(body, x), outward * BodyDistance(body, y), s)) return PETSC_FALSE;
+    if (!MayMove(outward * Distance(body, x), outward * Distance(body, y), s)) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }

@@ -13,7 +13,8 @@ class Scene(NamedTuple):
     spacings factors on the spacing of the scene
     file     options file of the case
     dear     leave out what would take minutes
-    ways     (label, options) of other ways to compute the same scene, with all the options of such a run"""
+    ways     (label, options) of other ways to compute the same scene, with all the options of such a run
+    graded   (label, options) of graded spacings"""
     options: str = ""
     lattice: str = ""
     error: tuple = ()
@@ -22,8 +23,10 @@ class Scene(NamedTuple):
     file: str = "case.opts"
     dear: bool = False
     ways: tuple = ()
+    graded: tuple = ()
 
 
+CORE = "-fine core -core_shape sphere -core_radius 6e-3 -core_center 0,0,0"
 WHOLE = "-options_file cases/drop_impact/case.opts -time_end 20.05e-3 -checkpoint_interval 0"
 RINGS = "-options_file cases/drop_impact/axisymmetric.opts -time_end 20.05e-3 -checkpoint_interval 0"
 IMPACT = tuple(f"{name} at {t} ms" for t in (5, 10, 15, 20) for name in ("D", "phi"))
@@ -44,7 +47,10 @@ SCENES = {
                          ways=(("whole box", f"{WHOLE} -spacing 0.7e-3"), ("rings", f"{RINGS} -spacing 0.7e-3"),
                                ("rings, 0.5 d0", f"{RINGS} -spacing 0.35e-3"),
                                ("rings, 0.36 d0", f"{RINGS} -spacing 0.25e-3"),
-                               ("rings, 0.25 d0", f"{RINGS} -spacing 0.175e-3")))}
+                               ("rings, 0.25 d0", f"{RINGS} -spacing 0.175e-3")),
+                         graded=tuple((f"{fine:.2g} to {coarse:.2g} d0", f"-spacing {0.7e-3 * fine:.4g} "
+                                       f"-spacing_coarse {0.7e-3 * coarse:.4g} {CORE}")
+                                      for fine, coarse in ((1, 2), (0.7, 2), (0.5, 1), (0.5, 2))))}
 
 DIMENSION = "dimension"  # the axis of Scene.ways
 WCSPH = "-scheme weakly_compressible"
@@ -73,6 +79,7 @@ def axes(scene, spacing, step, tension, viscosity):
     tension, viscosity: whether it has any."""
     few = slice(None, None, 2 if scene.dear else 1)
     runs = [("spacing", f"{factor:.3g} d0", f"-spacing {factor * spacing:.8g}") for factor in scene.spacings]
+    runs += [("grading", *choice) for choice in scene.graded]
     runs += [("tolerance", f"rtol {r}", f"-ksp_rtol {r}") for r in ("0.3", "1e-1", "1e-2", "1e-5", "1e-8")[few]]
     runs += [("density tolerance", d, f"-pressure_density_tolerance {d}") for d in ("1e-3", "1e-4", "1e-5", "1e-6")]
     runs += [("time step", f"CFL {c}", f"-time_cfl {c}") for c in ("0.1", "0.05", "0.4", "0.6")[few]]

@@ -422,6 +422,7 @@ int main(int argc, char **argv)
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(TestScene(FLAT, 48 * 16));
+  PetscCall(TestScene(FLAT "-film_shape wave -film_wave_amplitude 1 -film_wave_length 48 ", 48 * 16));
   PetscCall(TestScene(DEEP, 10 * 10 * 15));
   PetscCall(TestScene(STEEP, 20 * 20 * 16));
   PetscCall(TestTension());
@@ -438,7 +439,6 @@ int main(int argc, char **argv)
   Refused(FLAT "-film_type emitter -film_velocity 1,0 ", "emitter cannot be used with");
   Refused(FLAT "-film_tension 1 -tension_type cahn_hilliard ", "cahn_hilliard cannot be used with");
   Refused(FLAT "-packing_type poisson ", "poisson cannot be used with -spacing_coarse");
-  Refused(FLAT "-film_shape wave -film_wave_amplitude 1 -film_wave_length 48 ", "is a wave or a thread");
   Refused(FLAT "-box_lower -1.4,0 -box_upper 1.4,20 -box_x wall -film_lower -1.4,0 -film_upper 1.4,16 ",
           "does not fit the box");
   PetscCall(PetscOptionsClear(NULL));

@@ -115,7 +115,8 @@ ENTRIES += [Entry("film_at_rest", "tank, 0.05", REGULAR + " -spacing 0.05", TEST
             Entry("film_at_rest", "tank, 0.05, 60 s", REGULAR + " -spacing 0.05 -time_end 60", file="tank.opts")]
 ENTRIES += both("film_at_rest", "tank", REGULAR, shared="-spacing 0.025", file="tank.opts", twin_size=TEST,
                 spacings=(0.1, 0.05, 0.025))
-ENTRIES += [Entry("film_at_rest", "rings", size=TEST, file=RINGS)]
+ENTRIES += [Entry("film_at_rest", "rings", size=TEST, file=RINGS),
+            Entry("film_at_rest", "graded, 0.5 to 1 mm", file="graded.opts")]
 
 # free surface without gravity: negative pressure, large deformation, long runs
 FIRST = "-steps_max 6 -snapshot_interval 1e-5 -ksp_rtol 1e-8"
@@ -135,6 +136,8 @@ ENTRIES += [Entry("standing_wave", "40 spacings", WAVE + " -spacing 0.025 -time_
 ENTRIES += [Entry("standing_wave", "50 spacings", WAVE + " -spacing 0.02", spacings=(0.04, 0.02, 0.0125)),
             Entry("standing_wave", "50 spacings", PRINTED + "-spacing 0.02", printed=True),
             Entry("standing_wave", "rings", WAVE, file=RINGS)]
+PATCH = "-fine patch -patch_shape box -patch_lower 0.25,0.2 -patch_upper 0.75,0.6"
+ENTRIES += [Entry("standing_wave", "graded, 50 spacings, 100 in a patch", f"-spacing_coarse 0.02 {PATCH}")]
 ENTRIES += [Entry("dam_break", "collapse", REGULAR, TEST, spacings=(5.715e-3, 2.8575e-3, 1.42875e-3)),
             Entry("dam_break", "collapse", PRINTED, TEST, printed=True),
             Entry("dam_break", "collapse, 3-d", REGULAR, file="case_3d.opts"),
@@ -174,6 +177,9 @@ ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3),
 ENTRIES += [Entry("rayleigh_plateau", "rings", file=RINGS)]
 ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {angle}",
                   spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
+FOOT = "-fine foot -foot_shape box -foot_lower -4e-3,0 -foot_upper 4e-3,0.6e-3"
+ENTRIES += [Entry("contact_angle", "60 degrees, graded", f"-spacing 0.2e-3 -spacing_coarse 0.4e-3 {FOOT} -time_end 0.1",
+                  TEST)]
 ENTRIES += [Entry("contact_angle", "edge of a film, 12 spacings thick", file="edge.opts"),
             Entry("contact_angle", "edge of a film, 3 spacings thick", "-film_upper 5e-3,0.3e-3", TEST,
                   file="edge.opts")]
@@ -207,6 +213,8 @@ ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.5e-3", LONG, ranks=2),
             Entry("drop_impact", "0.25 mm, 2.42 m/s",
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.25e-3", LONG, ranks=2)]
+ENTRIES += [Entry("drop_impact", "0.25 to 1 mm", "-options_file options/quarter.opts "
+                  "-options_file cases/drop_impact/graded.opts", LONG, ranks=2)]
 QUICK = "-options_file options/quarter.opts -options_file options/quick.opts"
 ENTRIES += [Entry("drop_impact", "quick", QUICK, LONG, ranks=2),
             Entry("drop_impact", "quick, 2.42 m/s", "-options_file cases/drop_impact/speed_242.opts " + QUICK, LONG,
