@@ -36,7 +36,7 @@ def __getattr__(name):
         return Any(**given)
     return make
 '''
-SCRIPT = os.path.join(runs.TOP, "src", "pictures", "open_in_paraview.py")
+SCRIPT = os.path.join(runs.ROOT, "src", "pictures", "open_in_paraview.py")
 folder = runs.run(SCENE, "run")
 place = runs.scratch("stand_in")
 os.makedirs(os.path.join(place, "paraview"))
