@@ -18,6 +18,39 @@ static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool GradedIsFine(Domain domain, Scene scene, const PetscReal x[DIM])
+{
+  const PetscReal fine = (1 + POINT_TOLERANCE) * domain->spacing;
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt side = -1; side <= 1; side += 2) {
+      PetscReal y[DIM] = {x[0], x[1], x[2]};
+
+      y[d] = PetscMax(domain->lower[d], PetscMin(domain->upper[d], y[d] + side * FINE_MARGIN * domain->spacing));
+      if (SceneSpacing(scene, y) > fine) return PETSC_FALSE;
+    }
+  return PETSC_TRUE;
+}
+
+/* Refuses an emitter whose bounds are not well within what is fine, for its particles are fine. */
+static PetscErrorCode CheckEmitter(Domain domain, Scene scene, Body body)
+{
+  PetscReal lower[DIM], upper[DIM];
+
+  PetscFunctionBegin;
+  BodyBounds(body, lower, upper);
+  for (PetscInt corner = 0; corner < 1 << domain->dim; corner++) {
+    PetscReal x[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) x[d] = corner >> d & 1 ? upper[d] : lower[d];
+    PetscCheckUser(GradedIsFine(domain, scene, x), domain->comm,
+                   "the emitter %s must lie in a region of -fine that goes on for %g fine spacings beyond it: with "
+                   "-spacing_coarse what it brings is fine",
+                   BodyName(body), (double)FINE_MARGIN);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Whether lattices between two closed faces fit the coarse spacing. */
 static PetscErrorCode CheckPitch(Packing packing, const Region *region)
 {
@@ -169,6 +202,7 @@ static PetscErrorCode KeepSamples(Packing packing, PetscInt kind, PetscSegBuffer
 
 PetscErrorCode GradedSetUp(Packing packing)
 {
+  const Scene    scene = packing->cloud->scene;
   PetscReal      level[SCENE_MAX_BODIES];
   PetscSegBuffer samples;
   PetscInt       id = 0;
@@ -176,7 +210,13 @@ PetscErrorCode GradedSetUp(Packing packing)
   PetscFunctionBegin;
   PetscCall(LatticeFit(packing, level));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
-  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++) PetscCall(AddBody(packing, b, level, samples, &id));
+  PetscCall(SolidCheckFine(packing->cloud->domain, scene));
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    if (BodyEmits(SceneBody(scene, b)))
+      PetscCall(CheckEmitter(packing->cloud->domain, scene, SceneBody(scene, b)));
+    else
+      PetscCall(AddBody(packing, b, level, samples, &id));
+  }
   PetscCall(KeepSamples(packing, 0, samples));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
   PetscCall(AddWalls(packing, samples));

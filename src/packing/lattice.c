@@ -327,6 +327,8 @@ PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES])
     PetscReal length;
     Lattice   lattice;
 
+    level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
+    if (BodyEmits(SceneBody(scene, b))) continue;
     LatticeOfBody(domain, domain->spacing, SceneBody(scene, b), &lattice);
     PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
   }

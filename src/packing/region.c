@@ -32,9 +32,9 @@ static PetscBool CoarseEnough(const Region *region, const PetscReal x[DIM])
     for (PetscInt d = 0; d < DIM; d++)
       if (region->along[d]) y[d] += (corner >> d & 1 ? 0.5 : -0.5) * (1 - CORNER_SHRINK) * region->coarse.pitch[d];
     BodyDisplace(SceneBody(scene, region->body), y);
-    if (!BodyContains(SceneBody(scene, region->body), y)) return PETSC_FALSE;
+    if (!BodyContains(SceneBody(scene, region->body), y) || SceneSolidDistance(scene, y, NULL) <= 0) return PETSC_FALSE;
     for (PetscInt other = 0; other < region->body; other++)
-      if (BodyContains(SceneBody(scene, other), y)) return PETSC_FALSE;
+      if (!BodyEmits(SceneBody(scene, other)) && BodyContains(SceneBody(scene, other), y)) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }

@@ -19,7 +19,8 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
   if (!SceneSolidCount(solids->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   LatticeOfBox(solids->domain, solids->domain->spacing, &box);
   for (PetscInt point = 0; point < LatticeCount(&box); point++) {
-    Sample    sample = {.layer = 1, .area = box.pitch[0] * box.pitch[1] / solids->domain->volume};
+    Sample    sample = {.layer = 1,
+                        .area  = solids->domain->graded ? 1 : box.pitch[0] * box.pitch[1] / solids->domain->volume};
     PetscReal s;
 
     LatticePoint(&box, point, sample.x);
@@ -33,9 +34,37 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode SolidCheckFine(Domain domain, Scene scene)
+{
+  Lattice  box;
+  PetscInt solid = 0;
+
+  PetscFunctionBegin;
+  if (!SceneSolidCount(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  LatticeOfBox(domain, domain->spacing, &box);
+  for (PetscInt point = 0; point < LatticeCount(&box); point++) {
+    PetscReal x[DIM], s;
+
+    LatticePoint(&box, point, x);
+    s = SceneSolidDistance(scene, x, &solid);
+    PetscCheckUser(
+      PetscAbsReal(s) > domain->spacing || GradedIsFine(domain, scene, x), domain->comm,
+      "the solid %s must lie in a region of -fine that goes on for %g fine spacings beyond its surface, but "
+      "at (%g, %g, %g) m the spacing grows: with -spacing_coarse its particles are fine",
+      BodyName(SceneSolid(scene, solid)), (double)FINE_MARGIN, (double)x[0], (double)x[1], (double)x[2]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How deep (m) solids are filled: as far as the pair of a fine particle with the coarsest reaches. */
+static PetscReal Depth(Domain domain, PetscInt layers)
+{
+  return layers * domain->spacing * (domain->graded ? 0.5 * (1 + DomainSizeMost(domain)) : 1);
+}
+
 PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[])
 {
-  Solids   solids = {.domain = domain, .scene = scene, .depth = layers * domain->spacing};
+  Solids   solids = {.domain = domain, .scene = scene, .depth = Depth(domain, layers)};
   PetscInt count;
 
   PetscFunctionBegin;
@@ -46,7 +75,7 @@ PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt 
 PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
                                     PetscInt *count)
 {
-  Solids solids = {.domain = domain, .scene = scene, .depth = layers * domain->spacing, .first_id = first_id};
+  Solids solids = {.domain = domain, .scene = scene, .depth = Depth(domain, layers), .first_id = first_id};
 
   PetscFunctionBegin;
   PetscCall(SamplesAppend(particles, domain, VisitSolids, &solids, count));

@@ -187,13 +187,10 @@ static PetscErrorCode CheckGrading(Scene scene)
                  domain->graded ? "-fine, the names of the regions that have the fine spacing," : "-spacing_coarse (m)",
                  OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
   if (!domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheckUser(scene->solids == 0, domain->comm,
-                 "-solids cannot be used with -spacing_coarse yet: their particles have one size only");
+  PetscCheckUser(!SceneSolidsMove(scene), domain->comm,
+                 "solids that move cannot be used with -spacing_coarse yet: they would leave what is fine");
   PetscCheckUser(!SceneViscosityVaries(scene), domain->comm,
                  "a viscosity that depends on the shear rate cannot be used with -spacing_coarse yet");
-  PetscCheckUser(!SceneEmits(scene), domain->comm,
-                 "-%stype emitter cannot be used with -spacing_coarse yet: its particles have one size only",
-                 scene->body[0]->prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

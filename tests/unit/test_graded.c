@@ -15,6 +15,7 @@
   "-spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 20,20,20 -box_x symmetry "             \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 20,20,16 -fine core -core_shape sphere -core_radius 2 "     \
   "-core_center 0,0,16 -halo_slack 0.1 -tension_type none "
+#define SOLID      "-core_lower -8,5 -core_upper 8,20 -solids b -b_shape sphere -b_radius 2 -b_center 0,11 "
 #define NEAR_LIMIT 1e-5 /* of the support: pairs so close to it may be on either side in single precision */
 
 /* The pairs of a row that should be there and are not, or are there and should not. */
@@ -404,6 +405,35 @@ static PetscErrorCode TestSheet(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What an emitter within the fine region brings are particles of the fine size. */
+static PetscErrorCode TestEmitter(void)
+{
+  Setup          s;
+  Packing        packing;
+  PackingReport  report;
+  ParticleArrays arrays;
+  PetscInt       emitted;
+  PetscReal      wrong = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(FLAT "-box_upper 24,30 -core_lower -8,5 -core_upper 8,30 -bodies film,e -e_type emitter "
+                           "-e_velocity 0,-1 -e_lower -2,22 -e_upper 2,25 ",
+                      &s));
+  PetscCall(PackingCreate(s.cloud, &packing));
+  PetscCall(PackingSetFromOptions(packing));
+  PetscCall(PackingRun(packing, &report));
+  PetscCall(PackingEmit(packing, 0.1, PETSC_FALSE, &emitted));
+  CHECK_CLOSE(emitted, 4 * 3, 0, "an emitter beside graded liquid");
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.integer[INT_BODY][a] == 1) wrong += PetscAbsReal(arrays.real[FIELD_VOLUME][a] - 1);
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  CHECK_CLOSE(SetupSum(wrong), 0, 1e-9, "what it brings is fine");
+  PetscCall(PackingDestroy(&packing));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static void Refused(const char options[], const char word[])
 {
   Setup          s;
@@ -423,10 +453,12 @@ int main(int argc, char **argv)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(TestScene(FLAT, 48 * 16));
   PetscCall(TestScene(FLAT "-film_shape wave -film_wave_amplitude 1 -film_wave_length 48 ", 48 * 16));
+  PetscCall(TestScene(FLAT SOLID, 48 * 16 - 12)); /* 12 points of the lattice are in the solid */
   PetscCall(TestScene(DEEP, 10 * 10 * 15));
   PetscCall(TestScene(STEEP, 20 * 20 * 16));
   PetscCall(TestTension());
   PetscCall(TestSheet());
+  PetscCall(TestEmitter());
   if (size == 1) PetscCall(TestPair());
   if (size == 1) PetscCall(TestClosure());
   Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 4 times -spacing");
@@ -435,8 +467,10 @@ int main(int argc, char **argv)
   Refused("-dimension 2 -spacing 1 -fine c -box_lower 0,0 -box_upper 9,9 -bodies a ", "-spacing_coarse (m) is missing");
   Refused("-dimension axisymmetric -spacing 1 -spacing_coarse 2 -box_lower 0,0 -box_upper 9,9 -bodies a ",
           "-dimension axisymmetric yet");
-  Refused(FLAT "-solids b -b_shape sphere -b_radius 3 -b_center 0,5 ", "-solids cannot be used with");
-  Refused(FLAT "-film_type emitter -film_velocity 1,0 ", "emitter cannot be used with");
+  Refused(FLAT "-solids b -b_shape sphere -b_radius 3 -b_center 0,5 ", "the solid b must lie in a region of -fine");
+  Refused(FLAT SOLID "-b_velocity 1,0 ", "solids that move cannot be used with -spacing_coarse");
+  Refused(FLAT "-bodies film,e -e_type emitter -e_velocity 0,-1 -e_lower -2,17 -e_upper 2,19 ",
+          "the emitter e must lie in a region of -fine");
   Refused(FLAT "-film_tension 1 -tension_type cahn_hilliard ", "cahn_hilliard cannot be used with");
   Refused(FLAT "-packing_type poisson ", "poisson cannot be used with -spacing_coarse");
   Refused(FLAT "-box_lower -1.4,0 -box_upper 1.4,20 -box_x wall -film_lower -1.4,0 -film_upper 1.4,16 ",
