@@ -18,7 +18,10 @@ static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool GradedIsFine(Domain domain, Scene scene, const PetscReal x[DIM])
+#define FINE_MARGIN 3. /* fine spacings, by which a fine region must go on beyond solids and emitters */
+
+/* Whether all within that margin of x (m) along the axes is fine. */
+static PetscBool IsFine(Domain domain, Scene scene, const PetscReal x[DIM])
 {
   const PetscReal fine = (1 + POINT_TOLERANCE) * domain->spacing;
 
@@ -32,6 +35,29 @@ PetscBool GradedIsFine(Domain domain, Scene scene, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
+/* Refuses solids whose surface is not well within what is fine, for their particles are fine. */
+static PetscErrorCode CheckSolids(Domain domain, Scene scene)
+{
+  Lattice  box;
+  PetscInt solid = 0;
+
+  PetscFunctionBegin;
+  if (!SceneSolidCount(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  LatticeOfBox(domain, domain->spacing, &box);
+  for (PetscInt point = 0; point < LatticeCount(&box); point++) {
+    PetscReal x[DIM], s;
+
+    LatticePoint(&box, point, x);
+    s = SceneSolidDistance(scene, x, &solid);
+    PetscCheckUser(
+      PetscAbsReal(s) > domain->spacing || IsFine(domain, scene, x), domain->comm,
+      "the solid %s must lie in a region of -fine that goes on for %g fine spacings beyond its surface, but "
+      "at (%g, %g, %g) m the spacing grows: with -spacing_coarse its particles are fine",
+      BodyName(SceneSolid(scene, solid)), (double)FINE_MARGIN, (double)x[0], (double)x[1], (double)x[2]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Refuses an emitter whose bounds are not well within what is fine, for its particles are fine. */
 static PetscErrorCode CheckEmitter(Domain domain, Scene scene, Body body)
 {
@@ -43,7 +69,7 @@ static PetscErrorCode CheckEmitter(Domain domain, Scene scene, Body body)
     PetscReal x[DIM];
 
     for (PetscInt d = 0; d < DIM; d++) x[d] = corner >> d & 1 ? upper[d] : lower[d];
-    PetscCheckUser(GradedIsFine(domain, scene, x), domain->comm,
+    PetscCheckUser(IsFine(domain, scene, x), domain->comm,
                    "the emitter %s must lie in a region of -fine that goes on for %g fine spacings beyond it: with "
                    "-spacing_coarse what it brings is fine",
                    BodyName(body), (double)FINE_MARGIN);
@@ -210,7 +236,7 @@ PetscErrorCode GradedSetUp(Packing packing)
   PetscFunctionBegin;
   PetscCall(LatticeFit(packing, level));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
-  PetscCall(SolidCheckFine(packing->cloud->domain, scene));
+  PetscCall(CheckSolids(packing->cloud->domain, scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     if (BodyEmits(SceneBody(scene, b)))
       PetscCall(CheckEmitter(packing->cloud->domain, scene, SceneBody(scene, b)));

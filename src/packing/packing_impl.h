@@ -103,9 +103,6 @@ PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
 PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
 PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
                                     PetscInt *count);
-/* SolidCheckFine - refuses (UserError), with -spacing_coarse, solids whose surface is not well within what is fine, for
-   their particles are fine. Collective. */
-PetscErrorCode SolidCheckFine(Domain domain, Scene scene);
 /* A part of space to be filled with particles of the spacing SceneSpacing: a body, or a face, edge or corner of the
    box, which its walls continue. */
 typedef struct {
@@ -130,9 +127,6 @@ PetscErrorCode RegionFill(Region *region);
 /* RegionSpread - spreads the points that are not fixed evenly. Not collective. */
 PetscErrorCode RegionSpread(Region *region);
 
-/* GradedIsFine - whether all within FINE_MARGIN fine spacings of x (m) along the axes is fine. Not collective. */
-#define FINE_MARGIN 3.
-PetscBool GradedIsFine(Domain domain, Scene scene, const PetscReal x[DIM]);
 /* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit - a
    SampleSource of the liquid (source: the packing); GradedWeighWalls, GradedCreateWalls - as WallWeigh and
    WallCreateParticles. GradedDestroy - frees them. */

@@ -19,10 +19,10 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
   if (!SceneSolidCount(solids->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   LatticeOfBox(solids->domain, solids->domain->spacing, &box);
   for (PetscInt point = 0; point < LatticeCount(&box); point++) {
-    Sample    sample = {.layer = 1,
-                        .area  = solids->domain->graded ? 1 : box.pitch[0] * box.pitch[1] / solids->domain->volume};
+    Sample    sample = {.layer = 1, .area = box.pitch[0] * box.pitch[1] / solids->domain->volume};
     PetscReal s;
 
+    if (solids->domain->graded) sample.area = 1;
     LatticePoint(&box, point, sample.x);
     s = SceneSolidDistance(solids->scene, sample.x, &solid);
     if (s > 0 || s <= -solids->depth) continue;
@@ -30,28 +30,6 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
     sample.body               = BODY_SOLID - solid;
     BodyMotion(SceneSolid(solids->scene, solid), SceneSolidTime(solids->scene), sample.x, sample.v);
     PetscCall(visitor(context, &sample));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode SolidCheckFine(Domain domain, Scene scene)
-{
-  Lattice  box;
-  PetscInt solid = 0;
-
-  PetscFunctionBegin;
-  if (!SceneSolidCount(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  LatticeOfBox(domain, domain->spacing, &box);
-  for (PetscInt point = 0; point < LatticeCount(&box); point++) {
-    PetscReal x[DIM], s;
-
-    LatticePoint(&box, point, x);
-    s = SceneSolidDistance(scene, x, &solid);
-    PetscCheckUser(
-      PetscAbsReal(s) > domain->spacing || GradedIsFine(domain, scene, x), domain->comm,
-      "the solid %s must lie in a region of -fine that goes on for %g fine spacings beyond its surface, but "
-      "at (%g, %g, %g) m the spacing grows: with -spacing_coarse its particles are fine",
-      BodyName(SceneSolid(scene, solid)), (double)FINE_MARGIN, (double)x[0], (double)x[1], (double)x[2]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
