@@ -8,7 +8,16 @@
 #define DRAWN        4     /* numbers of a particle in the picture */
 #define SIZE_STEPS   4     /* classes of sizes of graded particles, a fine spacing */
 #define SIZE_CLASSES 20    /* of them at most */
-#define TRIAL_STEPS  3     /* that are computed to tell the time; the first, which sets everything up, is left out */
+#define TRIAL_LEAST  3     /* steps that are computed to tell the time */
+#define TRIAL_MOST   10000 /* of them */
+#define TRIAL_TIME   2.0   /* s, that they take at least, if they are quick */
+#define TRIAL_LONG   10.   /* s, at most */
+#define TRIAL_SHARE  0.1   /* of the whole run's time, in between */
+#define STEEPEST     1.5   /* times in proportion */
+#define WRITE_TIME   7e-3  /* s, of a snapshot with its lines of the series, whatever its size */
+#define WRITE_RATE   50e6  /* bytes/s, compressed and written */
+#define MANY         30    /* of so many steps the mean counts, of fewer what bounds them: they may still be growing */
+#define SPREAD_LEAST 0.1   /* standard deviation of the numbers of particles in them that shows what one costs */
 #define PICTURE      800.0 /* larger side of the picture, pixels */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
 #define MEGABYTE     1e6
@@ -115,8 +124,6 @@ static PetscErrorCode PrintSizes(Sim sim)
 static PetscErrorCode PrintParticles(Sim sim)
 {
   PetscInt       count[3] = {0, 0, 0}; /* liquid, walls, solids */
-  double         memory[2];            /* bytes, all ranks, and the largest */
-  PetscLogDouble resident;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
@@ -128,16 +135,25 @@ static PetscErrorCode PrintParticles(Sim sim)
   }
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 3, MPIU_INT, MPI_SUM, sim->comm));
-  PetscCall(PetscMemoryGetCurrentUsage(&resident));
-  memory[0] = memory[1] = (double)resident;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[0], 1, MPI_DOUBLE, MPI_SUM, sim->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[1], 1, MPI_DOUBLE, MPI_MAX, sim->comm));
   PetscCall(PetscPrintf(sim->comm,
                         "Dry run\n  particles: %" PetscInt_FMT " of liquid, %" PetscInt_FMT
                         " of the box's walls, %" PetscInt_FMT " of solids\n",
                         count[0], count[1], count[2]));
   PetscCall(PrintBodies(sim));
   PetscCall(PrintSizes(sim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintMemory(Sim sim)
+{
+  double         memory[2]; /* bytes, all ranks, and the largest */
+  PetscLogDouble resident;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemoryGetCurrentUsage(&resident));
+  memory[0] = memory[1] = (double)resident;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[0], 1, MPI_DOUBLE, MPI_SUM, sim->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &memory[1], 1, MPI_DOUBLE, MPI_MAX, sim->comm));
   PetscCall(PetscPrintf(sim->comm, "  memory: %.0f MB in all, %.0f MB on the largest rank, after the trial steps\n",
                         memory[0] / MEGABYTE, memory[1] / MEGABYTE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -150,58 +166,122 @@ static PetscErrorCode PrintBound(Sim sim, const char what[], PetscReal bound)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes some steps for their time. */
-static PetscErrorCode Try(Sim sim, PetscReal *step_time)
+/* Particles of liquid, of all ranks. */
+static PetscErrorCode CountLiquid(Sim sim, PetscInt *n)
 {
-  StepState state = sim->state;
-  double    start = 0, now;
-  PetscBool failed;
-  PetscInt  done = 0;
-  char      why[512];
+  ParticleArrays arrays;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < TRIAL_STEPS && state.time < sim->time_end; k++) {
-    if (k == 1) PetscCall(PetscTime(&start));
-    PetscCall(ProgressWork(sim->comm, (PetscReal)k / TRIAL_STEPS, "trial step"));
-    PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &state, &failed, why, sizeof(why)));
-    PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
-    done = k;
-  }
-  PetscCall(PetscTime(&now));
-  *step_time = done ? (PetscReal)(now - start) / done : 0;
-  PetscCallMPI(MPI_Bcast(step_time, 1, MPIU_REAL, 0, sim->comm));
+  *n = 0;
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) *n += arrays.integer[INT_LAYER][a] == 0;
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, n, 1, MPIU_INT, MPI_SUM, sim->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The mean number of particles of the run over that of now, walls included, if what emitters bring stays. */
-static PetscReal MeanParticles(Sim sim)
-{
-  const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
-  PetscInt        now;
+/* What steps took, with n particles of liquid: sums over those that were timed. */
+typedef struct {
+  PetscReal steps, n, n2, time, time_n; /* 1, 1, 1, s, s */
+  PetscReal late_steps, late;           /* steps of the second half of them, and how far they went, s */
+} Times;
 
-  if (!SceneEmits(sim->scene) || ParticlesGlobalSize(sim->particles, &now) || now == 0) return 1;
-  return 1 + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time)) / now;
+/* How long (s) steps are tried of which k have taken 'all' (s), since the time 'start' of the run (s). */
+static double TrialTime(Sim sim, PetscReal start, double all, PetscInt k)
+{
+  const PetscReal share = sim->time_end < PETSC_MAX_REAL ? (sim->state.time - start) / (sim->time_end - start)
+                                                         : (PetscReal)k / sim->steps_max; /* of the run that is done */
+
+  return PetscMin(TRIAL_LONG, PetscMax(TRIAL_TIME, TRIAL_SHARE * all / share));
 }
 
-static PetscErrorCode PrintTime(Sim sim, PetscReal step_time)
+/* Computes some steps for their time, with what emitters bring. */
+static PetscErrorCode Try(Sim sim, Times *times)
 {
-  const StepBounds bounds   = StepperBounds(sim->stepper);
-  const PetscReal  smallest = StepperSteadyStep(sim->stepper), growth = MeanParticles(sim);
+  const StepState before = sim->state;
+  const PetscInt  most   = sim->steps_max ? PetscMax(TRIAL_LEAST, PetscMin(TRIAL_MOST, sim->steps_max)) : TRIAL_MOST;
+
+  double    all = 0, start, now;
+  PetscBool failed;
+  PetscReal step[TRIAL_MOST + 1];
+  char      why[512];
+
+  PetscFunctionBegin;
+  *times = (Times){0};
+  for (PetscInt k = 0; k < most && sim->state.time < sim->time_end; k++) {
+    PetscInt  n;
+    PetscReal took;
+
+    if (k >= TRIAL_LEAST && all > TrialTime(sim, before.time, all, k)) break;
+    PetscCall(ProgressWork(sim->comm, PetscMin(1, (PetscReal)all / TRIAL_LONG), "trial step"));
+    PetscCall(PetscTime(&start));
+    PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &sim->state, &failed, why, sizeof(why)));
+    PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
+    PetscCall(SimEmit(sim));
+    PetscCall(PetscTime(&now));
+    took = (PetscReal)(now - start);
+    PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, sim->comm));
+    PetscCall(CountLiquid(sim, &n));
+    all += (double)took;
+    if (k == 0) continue; /* it sets everything up */
+    times->steps++;
+    times->n += n;
+    times->n2 += (PetscReal)n * n;
+    times->time += took;
+    times->time_n += took * n;
+    step[k] = sim->state.time_step;
+  }
+  for (PetscInt k = (PetscInt)times->steps / 2 + 1; k <= (PetscInt)times->steps; k++) {
+    times->late_steps++;
+    times->late += step[k];
+  }
+  sim->state = before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The time (s) of a step with n particles of liquid: along the straight line through the steps that were timed, if
+   emitters have made their numbers differ enough, but not much steeper than in proportion; else in proportion. */
+static PetscReal StepTime(const Times *t, PetscReal n)
+{
+  const PetscReal mean = t->steps > 0 ? t->n / t->steps : 0, time = t->steps > 0 ? t->time / t->steps : 0,
+                  spread = t->steps > 0 ? t->n2 / t->steps - mean * mean : 0;
+  PetscReal slope;
+
+  if (mean == 0) return 0;
+  slope = spread > PetscSqr(SPREAD_LEAST * mean) ? (t->time_n / t->steps - mean * time) / spread : time / mean;
+  return time + PetscMin(PetscMax(slope, 0), STEEPEST * time / mean) * (n - mean);
+}
+
+/* The mean number of particles of liquid in the run, if what emitters bring stays; now: at its start. */
+static PetscReal MeanParticles(Sim sim, PetscInt now)
+{
+  const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
+
+  if (!SceneEmits(sim->scene)) return now;
+  return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
+}
+
+/* writing: s, in all. */
+static PetscErrorCode PrintTime(Sim sim, const Times *times, PetscReal step_time, PetscReal writing)
+{
+  const StepBounds bounds = StepperBounds(sim->stepper);
+  const PetscReal  smallest =
+    times->late_steps >= MANY ? times->late / times->late_steps : StepperSteadyStep(sim->stepper);
   PetscReal steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / smallest : sim->steps_max;
   char      text[64];
 
   PetscFunctionBegin;
   if (sim->steps_max) steps = PetscMin(steps, (PetscReal)sim->steps_max);
-  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step at the start:\n"));
+  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step after the trial steps:\n"));
   PetscCall(PrintBound(sim, "speed", bounds.speed));
   PetscCall(PrintBound(sim, "force", bounds.force));
   PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
   PetscCall(PrintBound(sim, "surface tension", bounds.tension));
-  PetscCall(FormatDuration((double)(steps * step_time * growth), text, sizeof(text)));
+  PetscCall(FormatDuration((double)(steps * step_time + writing), text, sizeof(text)));
   PetscCall(PetscPrintf(sim->comm,
                         "  time: about %s: %.0f steps of %.3g s (trial steps on this machine); liquid that gets faster "
                         "needs more\n",
-                        text, (double)steps, (double)(step_time * growth)));
+                        text, (double)steps, (double)step_time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,15 +366,21 @@ static PetscErrorCode Picture(Sim sim)
 PetscErrorCode SimDryRun(Sim sim)
 {
   PetscInt64 snapshots, bytes, checkpoint;
-  PetscReal  step_time = 0;
+  PetscInt   particles;
+  PetscReal  mean;
+  Times      times;
 
   PetscFunctionBegin;
   ProgressBegin("the dry run", "nothing is lost");
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
   PetscCall(Picture(sim));
-  PetscCall(Try(sim, &step_time));
   PetscCall(PrintParticles(sim));
-  PetscCall(PrintTime(sim, step_time));
+  PetscCall(CountLiquid(sim, &particles));
+  mean = MeanParticles(sim, particles);
+  PetscCall(Try(sim, &times));
+  PetscCall(PrintMemory(sim));
+  PetscCall(PrintTime(sim, &times, StepTime(&times, mean),
+                      (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE)));
   PetscCall(
     PetscPrintf(sim->comm,
                 "  output: about %" PetscInt64_FMT

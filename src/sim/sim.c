@@ -227,8 +227,8 @@ static PetscErrorCode Checkpoint(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Liquid of emitters for the time of the state; what it brings is counted, with what keeps it going inside them. */
-static PetscErrorCode Emit(Sim sim)
+/* What keeps it going inside them is counted, too. */
+PetscErrorCode SimEmit(Sim sim)
 {
   GaugeTotals before, after;
   PetscInt    emitted;
@@ -303,7 +303,7 @@ PetscErrorCode SimRun(Sim sim)
                      "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s",
                      (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
-    PetscCall(Emit(sim));
+    PetscCall(SimEmit(sim));
     PetscCall(InterruptCheck(sim->comm, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));

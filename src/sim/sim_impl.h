@@ -60,6 +60,8 @@ PetscErrorCode HelpCaught(char **text);
    they are written to the file. Collective. */
 PetscErrorCode DumpStart(Sim sim);
 PetscErrorCode DumpFinish(Sim sim);
+/* SimEmit - liquid of emitters for the time of the state, whose energy is counted. Collective. */
+PetscErrorCode SimEmit(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);
