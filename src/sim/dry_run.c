@@ -261,26 +261,33 @@ static PetscReal MeanParticles(Sim sim, PetscInt now)
   return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
 }
 
+static PetscErrorCode PrintBounds(Sim sim)
+{
+  const StepBounds bounds = StepperBounds(sim->stepper);
+
+  PetscFunctionBegin;
+  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step at the start:\n"));
+  PetscCall(PrintBound(sim, "speed", bounds.speed));
+  PetscCall(PrintBound(sim, "force", bounds.force));
+  PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
+  PetscCall(PrintBound(sim, "surface tension", bounds.tension));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* writing: s, in all. */
 static PetscErrorCode PrintTime(Sim sim, const Times *times, PetscReal step_time, PetscReal writing)
 {
-  const StepBounds bounds = StepperBounds(sim->stepper);
-  const PetscReal  smallest =
+  const PetscReal smallest =
     times->late_steps >= MANY ? times->late / times->late_steps : StepperSteadyStep(sim->stepper);
   PetscReal steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / smallest : sim->steps_max;
   char      text[64];
 
   PetscFunctionBegin;
   if (sim->steps_max) steps = PetscMin(steps, (PetscReal)sim->steps_max);
-  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step after the trial steps:\n"));
-  PetscCall(PrintBound(sim, "speed", bounds.speed));
-  PetscCall(PrintBound(sim, "force", bounds.force));
-  PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
-  PetscCall(PrintBound(sim, "surface tension", bounds.tension));
   PetscCall(FormatDuration((double)(steps * step_time + writing), text, sizeof(text)));
   PetscCall(PetscPrintf(sim->comm,
                         "  time: about %s: %.0f steps of %.3g s (trial steps on this machine); liquid that gets faster "
-                        "needs more\n",
+                        "needs more, slower liquid less\n",
                         text, (double)steps, (double)step_time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -375,6 +382,7 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
   PetscCall(Picture(sim));
   PetscCall(PrintParticles(sim));
+  PetscCall(PrintBounds(sim));
   PetscCall(CountLiquid(sim, &particles));
   mean = MeanParticles(sim, particles);
   PetscCall(Try(sim, &times));
