@@ -117,6 +117,11 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
   for (PetscInt b = 0; b < scene->solids; b++) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "solid "));
     PetscCall(BodyView(scene->solid[b], viewer));
+    if (BodyMass(scene->solid[b]) > 0 && SceneHasTension(scene))
+      PetscCall(PetscViewerASCIIPrintf(viewer,
+                                       "  warning: surface tension does not pull at %s where a surface meets it: what "
+                                       "that would carry, 2 sigma in a plane, must be little against its weight\n",
+                                       scene->solid[b]->name));
   }
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
