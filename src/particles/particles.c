@@ -254,6 +254,14 @@ PetscErrorCode ParticlesBalanceSurface(Particles particles, PetscBool surface)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a particle counts for the work at the surface with graded spacing. Of how many layers the cells near it hold
+   depends on their size, so those of the surface stand for all; a larger one has about twice the neighbours. */
+static PetscInt SurfaceWork(Domain domain, const ParticleArrays *arrays, PetscInt a)
+{
+  if (!arrays->integer[INT_SURFACE][a]) return 0;
+  return ParticleSize(domain, arrays, a) > 1 + POINT_TOLERANCE ? 2 : 1;
+}
+
 PetscErrorCode ParticlesImbalance(Particles particles, PetscReal *imbalance)
 {
   ParticleArrays arrays;
@@ -264,7 +272,9 @@ PetscErrorCode ParticlesImbalance(Particles particles, PetscReal *imbalance)
   PetscCallMPI(MPI_Comm_size(particles->comm, &size));
   PetscCall(ParticlesOpen(particles, &arrays));
   count[0] = (PetscReal)arrays.n;
-  for (PetscInt a = 0; a < arrays.n && particles->balance_surface; a++) count[1] += arrays.integer[INT_SURFACE][a] != 0;
+  for (PetscInt a = 0; a < arrays.n && particles->balance_surface; a++)
+    count[1] += particles->domain->graded ? (PetscReal)SurfaceWork(particles->domain, &arrays, a)
+                                          : (PetscReal)(arrays.integer[INT_SURFACE][a] != 0);
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCallMPI(MPI_Allreduce(count, largest, 2, MPIU_REAL, MPIU_MAX, particles->comm));
   PetscCallMPI(MPI_Allreduce(count, total, 2, MPIU_REAL, MPIU_SUM, particles->comm));
@@ -325,7 +335,7 @@ PetscErrorCode ParticlesRepartition(Particles particles)
     const PetscInt c = DomainCell(domain, arrays.real[FIELD_POSITION] + DIM * a);
 
     weight[constraints * c]++;
-    if (near[c]) weight[constraints * c + 1]++;
+    if (near[c]) weight[constraints * c + 1] += domain->graded ? SurfaceWork(domain, &arrays, a) : 1;
   }
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCall(DomainPartition(domain, constraints, weight));

@@ -405,6 +405,31 @@ static PetscErrorCode TestSheet(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where the surface is fine on one side and coarse on the other, the ranks share its particles too, of which coarse
+   ones, for their more neighbours, count twice. */
+static PetscErrorCode TestBalance(void)
+{
+  Setup       s;
+  PetscInt    lost = 0;
+  PetscReal   work = 0;
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(SetupPack(STEEP "-box_upper 40,40,20 -film_upper 40,40,16 -core_radius 6 ", &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(CloudCommit(s.cloud, &lost, NULL));
+  PetscCall(ParticlesBalanceSurface(s.particles, PETSC_TRUE));
+  PetscCall(CloudResync(s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_owned; a++)
+    if (s.cloud->integer[INT_SURFACE][a]) work += s.cloud->size[a] > 1.001 ? 2 : 1;
+  CHECK(SetupMax(work) < 1.3 * SetupSum(work) / ranks, "the ranks share the work at the surface");
+  CHECK(SetupMax((PetscReal)s.cloud->n_owned) < 1.2 * SetupSum((PetscReal)s.cloud->n_owned) / ranks,
+        "and the particles");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What an emitter within the fine region brings are particles of the fine size. */
 static PetscErrorCode TestEmitter(void)
 {
@@ -459,6 +484,7 @@ int main(int argc, char **argv)
   PetscCall(TestTension());
   PetscCall(TestSheet());
   PetscCall(TestEmitter());
+  PetscCall(TestBalance());
   if (size == 1) PetscCall(TestPair());
   if (size == 1) PetscCall(TestClosure());
   Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 4 times -spacing");
