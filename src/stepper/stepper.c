@@ -37,7 +37,6 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->density_ratio_max = 2;
   s->damping           = 1;
   s->surface_test      = SurfaceTestDefault();
-  TimeStepDefaults(&s->limits);
   PetscCall(StepperSetScheme(s, SCHEME_CONSISTENT));
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -53,6 +52,7 @@ PetscErrorCode StepperSetScheme(Stepper s, const char name[])
   PetscCall(ListNames(SchemeList, names));
   PetscCheckUser(create, s->cloud->comm, "-scheme %s is not a scheme; there are %s", name, names);
   if (s->ops.destroy) PetscCall(s->ops.destroy(s));
+  TimeStepDefaults(&s->limits);
   PetscCall(PetscStrncpy(s->scheme_type, name, sizeof(s->scheme_type)));
   PetscCall(create(s));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -28,9 +28,11 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
   PetscCall(OptionReal("-time_viscous_limit",
                        "time step of explicit viscosity over h^2/nu (1); 0.125 is marginal for -viscosity_form morris",
                        "(0, inf)", &limits->viscous_limit));
-  PetscCall(OptionReal("-time_capillary_limit",
-                       "time step over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 (1)", "(0, inf)",
-                       &limits->capillary_limit));
+  PetscCall(
+    OptionReal("-time_capillary_limit",
+               "time step over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 (1); half as much by default with "
+               "other schemes and models of tension",
+               "(0, inf)", &limits->capillary_limit));
   PetscCall(OptionReal("-time_force_limit",
                        "time step over sqrt(h/|g|) (1); a film at rest is stable at 0.03, not at 0.045", "(0, inf)",
                        &limits->force_limit));

@@ -30,6 +30,7 @@ static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 
   PetscFunctionBegin;
   PetscCall(ConsistentSetFromOptions(stepper, PetscOptionsObject));
+  TimeStepDefaults(&stepper->limits); /* none is known to be larger here */
   PetscCall(
     OptionReal("-sound_speed", "artificial speed of sound (m/s); 0: from the scene's velocity", "[0, inf)", &s->speed));
   PetscCall(OptionReal("-sound_mach", "the scene's velocity over the speed of sound (1)", "(0, 1]", &s->mach));

@@ -1,6 +1,8 @@
 /* The class: the registered models, the options and tables they share. */
 #include "tension_impl.h"
 
+#define STEP_LIMIT 0.25 /* with twice this a capillary wave of cahn_hilliard grows */
+
 #define ANGLE_LEAST 20. /* degrees: contact angles nearer to 0 or 180 were not tried */
 
 static PetscFunctionList TensionList = NULL;
@@ -83,6 +85,7 @@ static PetscErrorCode ReadModel(void *object, const char type[])
   PetscCall(ListNames(TensionList, names));
   PetscCall(PetscFunctionListFind(TensionList, type, &create));
   PetscCheckUser(create, tension->comm, "-tension_type %s is not a surface tension model; there are %s", type, names);
+  tension->step_limit = STEP_LIMIT;
   PetscCall(create(tension));
   if (tension->setfromoptions) {
     PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
@@ -128,6 +131,11 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active && tension->setup) PetscCall(tension->setup(tension));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal TensionStepLimit(Tension tension)
+{
+  return tension->step_limit;
 }
 
 PetscReal TensionReach(Tension tension)

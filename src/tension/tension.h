@@ -27,6 +27,9 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);
+/* TensionStepLimit - the default of -time_capillary_limit in a scheme with forces at the middle of the step. Not
+   collective. */
+PetscReal TensionStepLimit(Tension tension);
 /* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to
    FIELD_ACCELERATION or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero
    otherwise). Only near a surface particle is anything evaluated. Collective. */

@@ -178,6 +178,7 @@ struct _p_Tension {
   PetscBool rings, graded; /* of graded particles each has the H of its size, and its neighbours weigh their volumes */
   PetscReal size, size_most; /* of the particle whose sums are made, 1; largest of all */
   char      type[64];
+  PetscReal step_limit; /* see TensionStepLimit */
   /* Of the model: its options, those of the advanced group, its tables, and what TensionApply does. May be NULL. */
   PetscErrorCode (*setfromoptions)(Tension, OptionItems);
   PetscErrorCode (*setadvanced)(Tension, OptionItems);

@@ -8,11 +8,11 @@
 
    P interpolates (bi/tri)linearly from a background grid, its cells 'ratio' particle spacings wide, to the points. C is
    one cycle of an inner solver (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type; by default one V-cycle of
-   algebraic multigrid with SOR smoothing, a direct solver for tiny grids) for the REDISCRETISED problem: the 5/7-point
-   Laplacian, each cell weighted with its fill by particles and no more than full, plus P^T S P with S the surplus of
-   the diagonal over the row's pair sum (what the closure at the free surface added). For smooth functions that is the
-   Galerkin product P^T A P, without the product. Edges of the fill are natural Neumann boundaries, so walls and
-   symmetry faces need nothing, and a free surface enters through S alone.
+   algebraic multigrid with SOR smoothing, a direct solver for grids in the plane and tiny ones) for the REDISCRETISED
+   problem: the 5/7-point Laplacian, each cell weighted with its fill by particles and no more than full, plus P^T S P
+   with S the surplus of the diagonal over the row's pair sum (what the closure at the free surface added). For smooth
+   functions that is the Galerkin product P^T A P, without the product. Edges of the fill are natural Neumann
+   boundaries, so walls and symmetry faces need nothing, and a free surface enters through S alone.
 
    Why it works: the kernel's Fourier transform is close to nothing at wavelengths below two cells, so D^-1 A is nearly
    the identity there and Jacobi needs no second sweep; the grid takes the long waves. Both parts simply add (Bramble,
@@ -31,10 +31,13 @@
 
 #define DEFAULT_OMEGA 1.4
 #define DEFAULT_RATIO (8 / 3.)
-#define TINY_GRID     500   /* nodes below which the coarse problem is solved directly */
-#define NO_PAIR       1e-10 /* part of the diagonal below which a row's pairs count as none */
-#define FULL_ROW      0.75  /* part of the largest pair sum above which a row counts as inside the liquid */
-#define WAVELENGTH    20.   /* spacings, of the wave that measures the matrix */
+/* Nodes up to which the coarse problem is solved directly, by every rank for itself: in the plane a factorisation costs
+   less than what a cycle of multigrid takes to set up, and saves an iteration or two. */
+#define DIRECT_PLANE 20000
+#define DIRECT_SPACE 500
+#define NO_PAIR      1e-10 /* part of the diagonal below which a row's pairs count as none */
+#define FULL_ROW     0.75  /* part of the largest pair sum above which a row counts as inside the liquid */
+#define WAVELENGTH   20.   /* spacings, of the wave that measures the matrix */
 
 typedef struct {
   PetscReal  omega, ratio, spacing, lower[DIM], upper[DIM];
@@ -244,7 +247,7 @@ static PetscErrorCode CreateCoarseSolver(PC pc, TwoLevel *two, PetscInt nodes)
 
   PetscFunctionBegin;
   PetscCall(MatGetNullSpace(pc->pmat, &constant));
-  direct = (PetscBool)(nodes <= TINY_GRID && !constant);
+  direct = (PetscBool)(nodes <= (two->dim == 2 ? DIRECT_PLANE : DIRECT_SPACE) && !constant);
   if (constant) {
     PetscCall(MatNullSpaceCreate(PetscObjectComm((PetscObject)pc), PETSC_TRUE, 0, NULL, &constant));
     PetscCall(MatSetNullSpace(two->A, constant));
@@ -260,6 +263,7 @@ static PetscErrorCode CreateCoarseSolver(PC pc, TwoLevel *two, PetscInt nodes)
   PetscCall(KSPSetOperators(two->ksp, two->A, two->A));
   PetscCall(KSPGetPC(two->ksp, &inner));
   PetscCall(PCSetType(inner, direct ? PCREDUNDANT : PCGAMG));
+  PetscCall(CoarseDefault(two->ksp, "redundant_pc_type", PCCHOLESKY));
   PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_type", KSPRICHARDSON));
   PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_max_it", "1"));
   PetscCall(CoarseDefault(two->ksp, "mg_levels_pc_type", PCSOR));
