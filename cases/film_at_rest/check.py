@@ -7,6 +7,16 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
+import runs  # noqa: E402
+
+
+def weight(folder, due, relaxed):
+    """The force on the floor, if the run measured it, in the mean of what is at rest."""
+    s = runs.series(folder)
+    name = next((n for n in s.dtype.names if n in ("force_zmin_z_N", "force_ymin_y_N", "force_ymin_y_Nm")), None)
+    if not name:
+        return []
+    return [physics.relative("force on the floor", -s[name][s["time"] >= relaxed].mean(), due, 0.01, "N")]
 
 
 def check(folder):
@@ -19,7 +29,7 @@ def check(folder):
             n, start = len(f["id"]), f
             rho, g, low, high = (1100.0, 9.81, -0.01, 0.0) if up == 2 or rings else (1000.0, 1.0, 0.0, 0.9)
             depth, relaxed = high - low, 3 * np.sqrt((high - low) / g)
-            first = np.average(z, weights=volume)
+            first, start_volume = np.average(z, weights=volume), volume.sum()
         if time < relaxed or len(z) != n:
             continue
         e = f["pressure"] / (rho * g * depth) - (high - z) / depth
@@ -43,7 +53,7 @@ def check(folder):
             physics.at_most("largest instantaneous rms pressure error over rho g H", max(instant), 0.05),
             physics.at_most("rms speed over sqrt(g H), second half", np.mean(speed[len(speed) // 2:]), 2e-3),
             physics.relative("depth, from the centre of mass", level - low, depth, 0.005, "m"),
-            lost] + axis
+            lost] + axis + weight(folder, rho * g * start_volume, relaxed)
 
 
 if __name__ == "__main__":

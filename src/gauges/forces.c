@@ -79,48 +79,60 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
   return best;
 }
 
-/* Adds what viscosity does to the walls, this rank. */
-static PetscErrorCode AddDrag(Gauges gauges, PetscReal force[])
+/* Which wall takes the pressure along direction d of a dummy particle behind an edge: that whose normal it is. */
+static PetscInt Across(Gauges gauges, PetscInt body, PetscInt d, const PetscReal x[DIM], PetscInt receiver)
+{
+  const Domain   domain = gauges->cloud->domain;
+  const PetscInt faces  = WallFace(domain, -1, NULL, NULL);
+
+  for (PetscInt f = 0; f < faces && body > BODY_SOLID; f++) {
+    PetscInt direction = 0, side = 0;
+
+    (void)WallFace(domain, f, &direction, &side);
+    if (direction == d && (side ? x[d] > domain->upper[d] : x[d] < domain->lower[d])) return f;
+  }
+  return receiver;
+}
+
+/* Adds what the dummy particles, ghosts too, hold of the fluid of this rank ([n_total][3], N) to their receivers. */
+static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal held[], PetscReal force[])
 {
   Cloud          cloud = gauges->cloud;
   const PetscInt dim   = cloud->domain->dim;
-  PetscReal     *drag;
 
-  PetscFunctionBegin;
-  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-  PetscCall(CloudGetWork(cloud, DIM, &drag));
-  PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, cloud->field[FIELD_VELOCITY], drag));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
-    PetscInt to;
+    const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * b;
+    const PetscInt   body = cloud->integer[INT_BODY][b];
+    PetscInt         to;
 
     if (!cloud->integer[INT_LAYER][b]) continue;
-    to = Receiver(gauges, cloud->integer[INT_BODY][b], cloud->field[FIELD_POSITION] + DIM * b);
-    for (PetscInt d = 0; d < dim; d++) force[dim * to + d] += drag[DIM * b + d];
+    to = Receiver(gauges, body, x);
+    for (PetscInt d = 0; d < dim; d++)
+      force[dim * (pressure ? Across(gauges, body, d, x, to) : to) + d] += held[DIM * b + d];
   }
-  PetscCall(CloudRestoreWork(cloud, &drag));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Force [receivers][dim] of the liquid's pressure and viscosity, N (N/m in two dimensions). */
 static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 {
-  Cloud            cloud = gauges->cloud;
-  const PetscInt   dim = cloud->domain->dim, count = ReceiverCount(gauges);
-  const PetscReal *x = cloud->field[FIELD_POSITION];
+  Cloud          cloud   = gauges->cloud;
+  const PetscInt columns = ReceiverCount(gauges) * cloud->domain->dim;
+  PetscReal     *held;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
-  PetscCall(PetscArrayzero(force, count * dim));
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
-    const PetscInt to = Receiver(gauges, cloud->integer[INT_BODY][b], x + DIM * b);
-    PetscReal      sum[DIM];
-
-    OperatorsWallPressure(cloud, b, sum);
-    for (PetscInt d = 0; d < dim; d++) force[dim * to + d] += sum[d];
+  PetscCall(PetscArrayzero(force, columns));
+  PetscCall(CloudGetWork(cloud, DIM, &held));
+  PetscCall(OperatorsWallForce(cloud, gauges->corrected, held));
+  AddToReceivers(gauges, PETSC_TRUE, held, force);
+  if (gauges->viscosity) {
+    PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+    PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, cloud->field[FIELD_VELOCITY], held));
+    AddToReceivers(gauges, PETSC_FALSE, held, force);
   }
-  if (gauges->viscosity) PetscCall(AddDrag(gauges, force));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)(count * dim), MPIU_REAL, MPIU_SUM, gauges->comm));
+  PetscCall(CloudRestoreWork(cloud, &held));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)columns, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,9 +36,10 @@ PetscErrorCode GaugesDestroy(Gauges *gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void GaugesSetViscosity(Gauges gauges, const Viscosity *viscosity)
+void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected)
 {
   gauges->viscosity = viscosity;
+  gauges->corrected = corrected;
 }
 
 PetscErrorCode GaugesSetFromOptions(Gauges gauges)

@@ -33,8 +33,9 @@ typedef struct {
 
 /* GaugesCreate - for the particles of a cloud (borrowed), whose scene must know its bodies. Collective. */
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
-/* GaugesSetViscosity - the forces on walls hold those of this viscosity (borrowed), too. Not collective. */
-void GaugesSetViscosity(Gauges gauges, const Viscosity *viscosity);
+/* GaugesSetForces - the forces on walls hold those of this viscosity (borrowed), too, and are those of a corrected
+   gradient of pressure, or of pairs. Not collective. */
+void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected);
 /* GaugesSetFromOptions - all options -gauge_...; refuses (UserError) values that make no sense. Collective. */
 PetscErrorCode GaugesSetFromOptions(Gauges gauges);
 PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer);

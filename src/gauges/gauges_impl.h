@@ -50,6 +50,7 @@ struct _p_Gauges {
   PetscMPIInt      rank, size;
   Cloud            cloud;        /* borrowed */
   const Viscosity *viscosity;    /* borrowed; NULL: not known */
+  PetscBool        corrected;    /* the gradient of pressure is */
   PetscReal        level;        /* m; NAN: not given and not measured */
   PetscBool        level_given;  /* by -gauge_level */
   PetscReal        multiplicity; /* how many copies of the simulated part make the whole */

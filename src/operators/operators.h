@@ -132,6 +132,10 @@ void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const Pets
    force whose work is what the velocity of b adds to sum V p div v. Of rings, the part away from the axis is summed all
    around. Not collective. */
 void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM]);
+/* OperatorsWallForce - the same force on each dummy particle, force[] ([n_total][3]), ghosts too, of the fluid of this
+   rank; corrected: the gradient of pressure is corrected, and the walls hold what it takes from the fluid. After
+   OperatorsMoments; the pressures of ghosts must be current. Collective. */
+PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[]);
 /* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times the wall factor - 1,
    which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not
    collective. */

@@ -256,6 +256,11 @@ PetscErrorCode PressureCheckRings(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool PressureGradientCorrected(Pressure pressure)
+{
+  return (PetscBool)(pressure->gradient == GradientCorrected);
+}
+
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
 {
   PetscFunctionBegin;

@@ -77,6 +77,8 @@ PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
 PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
 /* PressureToCloud - FIELD_PRESSURE (Pa) of owned particles and ghosts from the rows x of a solution. Collective. */
 PetscErrorCode PressureToCloud(Pressure pressure, Vec x);
+/* PressureGradientCorrected - whether -pressure_gradient is corrected. Not collective. */
+PetscBool PressureGradientCorrected(Pressure pressure);
 /* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
  * Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);

@@ -1,0 +1,83 @@
+/* What pressure does to walls, from what it does to the fluid at them.
+
+   With equal and opposite forces of pairs, V_a V_b (p_a + p_b) grad W, walls get what their pairs with the fluid hold.
+   The corrected gradient B_a sum V_b (p_b - p_a) grad W has no such pairs. Written with p_a + p_b it has B_a in place
+   of 1 and two parts more: 2 p_a B_a sum V_b grad W, which layers of particles at a wall have, and what is left of the
+   pairs of fluid, because B_a is not B_b. Inside the liquid these add up to nothing; at a wall, where they hold 3 % of
+   the weight of a film ten spacings deep, they are the wall's, and the dummy particles around a get them in proportion
+   to their W'. */
+#include "../neighbors/pairs.h"
+#include "operators.h"
+
+/* Where the gradient is corrected: away from the free surface. */
+static PetscBool Corrected(Cloud cloud, PetscInt a)
+{
+  return (PetscBool)(cloud->integer[INT_SURFACE][a] == 0);
+}
+
+/* V_a V_b (p_a + p_b) F, and of rings the length of the pair. */
+static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  const PetscInt   b = row->index[k];
+
+  return CloudWeigh(cloud, a, CloudWeigh(cloud, b, PetscSqr(cloud->domain->volume))) *
+         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
+}
+
+/* The force on the walls of what fluid particle a has beyond its pairs with them. */
+static void FindRest(Cloud cloud, PetscInt a, const PairRow *row, PetscReal rest[DIM])
+{
+  const PetscReal *B = cloud->field[FIELD_CORRECTION], *normal = cloud->field[FIELD_NORMAL] + DIM * a;
+
+  TensorApply(B + 6 * a, normal[0], normal[1], normal[2], rest);
+  for (PetscInt d = 0; d < DIM; d++) rest[d] *= -2 * cloud->volume[a] * cloud->field[FIELD_PRESSURE][a];
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b = row->index[k];
+    const PetscReal c = 0.5 * PairForce(cloud, a, row, k);
+    PetscReal       difference[6], part[DIM];
+
+    if (cloud->integer[INT_LAYER][b]) continue;
+    for (PetscInt e = 0; e < 6; e++) difference[e] = B[6 * a + e] - B[6 * b + e];
+    TensorApply(difference, row->dx[k], row->dy[k], row->dz[k], part);
+    for (PetscInt d = 0; d < DIM; d++) rest[d] += c * part[d];
+  }
+}
+
+/* Adds what fluid particle a does to the dummy particles around it. */
+static void AddRow(Cloud cloud, PetscBool corrected, PetscInt a, const PairRow *row, PetscReal force[])
+{
+  const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
+  const PetscReal *B           = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
+  PetscReal        rest[DIM] = {0, 0, 0}, sum = 0;
+
+  for (PetscInt k = 0; k < row->n; k++) sum += cloud->integer[INT_LAYER][row->index[k]] ? row->F[k] : 0;
+  if (sum == 0) return;
+  if (corrected) FindRest(cloud, a, row, rest);
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt b = row->index[k];
+    PetscReal      c, part[DIM];
+
+    if (!cloud->integer[INT_LAYER][b]) continue;
+    c = PairForce(cloud, a, row, k);
+    TensorApply(B, row->dx[k], row->dy[k], row->dz[k], part);
+    for (PetscInt d = 0; d < DIM; d++) force[DIM * b + d] += c * part[d] + rest[d] * row->F[k] / sum;
+  }
+}
+
+PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  PairRow          row;
+
+  PetscFunctionBegin;
+  if (corrected) PetscCall(CloudUpdate(cloud, FIELD_CORRECTION));
+  PetscCall(PetscArrayzero(force, DIM * cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    if (!OperatorsNearWall(cloud, x + DIM * a)) continue;
+    PairRowLoadGeometry(cloud, x, a, &row);
+    PairRowGradient(cloud, a, &row);
+    AddRow(cloud, (PetscBool)(corrected && Corrected(cloud, a)), a, &row, force);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
