@@ -263,7 +263,6 @@ static PetscErrorCode CreateCoarseSolver(PC pc, TwoLevel *two, PetscInt nodes)
   PetscCall(KSPSetOperators(two->ksp, two->A, two->A));
   PetscCall(KSPGetPC(two->ksp, &inner));
   PetscCall(PCSetType(inner, direct ? PCREDUNDANT : PCGAMG));
-  PetscCall(CoarseDefault(two->ksp, "redundant_pc_type", PCCHOLESKY));
   PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_type", KSPRICHARDSON));
   PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_max_it", "1"));
   PetscCall(CoarseDefault(two->ksp, "mg_levels_pc_type", PCSOR));
