@@ -230,7 +230,8 @@ def main():
     run, log = data.Run(arguments.folder), beginning(arguments.folder)
     series = tables.read_series(arguments.folder)
     version = re.match(r"=== isph (\S+), (\S+)", log[0])
-    scene = [line for line in log[1:] if not line.startswith((" " * 4, "Output"))]
+    scene = [line for line in log[1:]
+             if not line.startswith((" " * 4, "Output")) or line.startswith("    moves")]
     body = ("<h2>Scene</h2>\n" + liquids(log) + f"<pre>{html.escape(chr(10).join(scene))}</pre>\n"
             + viewer(run, arguments) + pictures(arguments.folder, run.files)
             + "<h2>Where the energy went</h2>\n" + energy(series, run) + "<h2>What it cost</h2>\n" + cost(series, log)

@@ -19,7 +19,7 @@ SCENE = """-spacing 0.125 -box_lower -2,-2,-2 -box_upper 2,2,2 -bodies ball -bal
 RINGS = """-dimension axisymmetric -spacing 0.125 -box_lower 0,-2 -box_upper 2,2 -bodies ball -ball_shape sphere
  -ball_radius 1 -steps_max 1 -time_step 1e-3 -checkpoint_interval 0"""
 PLANE = """-dimension 2 -spacing 0.25 -box_lower 0,0 -box_upper 2,2 -bodies a -gravity 0,-1 -steps_max 1
- -checkpoint_interval 0"""
+ -solids part -part_lower 0.5,0.5 -part_upper 1.5,1.5 -part_mass 700 -checkpoint_interval 0"""
 JET = """-dimension 2 -spacing 0.25 -box_lower 0,0 -box_upper 2,4 -bodies jet -jet_type emitter -jet_lower 0.5,2
  -jet_upper 1.5,3 -jet_velocity 0,-1 -steps_max 1 -checkpoint_interval 0"""
 BROWSER = ["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -61,7 +61,9 @@ runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface")
 runs.check(500 < count <= 2000, "triangles are thinned", f"{count}")
 inside, _ = volume(report(runs.run(RINGS, "rings")), 0)
 runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface of rings")
-runs.check('id="surfaces"' not in report(runs.run(PLANE, "plane")), "no surface in two dimensions")
+plane = report(runs.run(PLANE, "plane"))
+runs.check('id="surfaces"' not in plane, "no surface in two dimensions")
+runs.check("moves freely: mass 700" in plane, "how a solid moves", plane[:900])
 poured = report(runs.run(JET, "poured"))
 runs.check("<td>jet</td><td class=n>emitter, box</td>" in poured and "Reynolds Re" in poured, "emitter",
            poured[:600])
