@@ -38,9 +38,19 @@ _isph() {
 %s    -options_file|-restart|-dump_options|*_file|-output_dir) COMPREPLY=($(compgen -f -- "$word")); return ;;
   esac
   case $word in
-    -*) COMPREPLY=($(compgen -W "%s" -- "$word")) ;;
+    -*) COMPREPLY=($(compgen -W "%s $(_isph_bodies)" -- "$word")) ;;
     *)  COMPREPLY=($(compgen -f -- "$word")) ;;
   esac
+}
+# The options of the bodies, solids and regions that are named on the line, or in options files on it.
+_isph_bodies() {
+  local file body own text="${COMP_WORDS[*]}"
+  for file in "${COMP_WORDS[@]}"; do
+    if [[ $file == *.opts && -f $file ]]; then text+=" $(<"$file")"; fi
+  done
+  for body in $(grep -oE -- '-(bodies|solids|fine) +[^ ]+' <<< "$text" | sed 's/.* //; s/,/ /g'); do
+    for own in %s; do echo "-${body}_$own"; done
+  done
 }
 complete -o filenames -F _isph isph
 """
@@ -77,16 +87,18 @@ def page():
 
 def completion():
     """The completion: names, and the values of options that have a list of them."""
-    names, choices = [], ""
+    names, bodies, choices = [], [], ""
     for _, rows in groups():
         for cells in rows:
             own = [name for name in re.findall(r"-[\w<>]+", cells[0]) if "<" not in name]
             names += own
+            bodies += re.findall(r"-<body>_(\w+)", cells[0])
             if own and re.fullmatch(r"\w+(, \w+)+", cells[3]):
                 words = cells[3].replace(",", "")
                 choices += f"    {'|'.join(own)}) COMPREPLY=($(compgen -W \"{words}\" -- \"$word\")); return ;;\n"
     return COMPLETION % (choices, " ".join(names + ["-options_file", "-help", "-log_view", "-ksp_type", "-pc_type",
-                                                    "-ksp_rtol", "-ksp_monitor"]))
+                                                    "-ksp_rtol", "-ksp_monitor"]),
+                         " ".join(dict.fromkeys(bodies)))
 
 
 print(completion() if "--completion" in sys.argv[1:] else page())
