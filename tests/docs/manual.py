@@ -34,7 +34,7 @@ script = runs.scratch("completion")
 with open(script, "w", encoding="utf-8") as file:
     file.write(output(sys.executable, TOOL, "--completion"))
 for words, wanted in ((["-spacin"], "-spacing"), (["-scheme", "cons"], "consistent"),
-                      (["-bodies", "a,b", "-b_vel"], "-b_velocity"), (["piston/case.opts", "-piston_m"], "-piston_mass"),
+                      (["-bodies", "a,b", "-b_ve"], "-b_velocity"), (["piston/case.opts", "-piston_m"], "-piston_mass"),
                       (["-options_file", "drop_impact/ca"], "drop_impact/case.opts"), (["README"], "README.md")):
     line = " ".join(f"'{word}'" for word in ["isph", *words])
     found = output("bash", "-c", f"source {script}; COMP_WORDS=({line}); COMP_CWORD={len(words)}; _isph; "
