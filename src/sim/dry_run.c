@@ -203,7 +203,7 @@ static PetscErrorCode Try(Sim sim, Times *times)
 
   double    all = 0, start, now;
   PetscBool failed;
-  PetscReal step[TRIAL_MOST + 1];
+  PetscReal step[TRIAL_MOST + 1] = {0};
   char      why[512];
 
   PetscFunctionBegin;
