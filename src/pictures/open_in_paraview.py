@@ -1,5 +1,6 @@
-"""Opens a run in ParaView: liquid as dots of the size of its particles, coloured by speed, solids and walls grey, the
-surface of `make mesh` if there is one, the time; a plane scene is looked at from the front, all others with z up.
+"""Opens a run in ParaView: liquid as dots of the size of its finest particles, coloured by speed, solids and walls
+grey, the surface of `make mesh` if there is one, the time; a plane scene is looked at from the front, all others with
+z up.
 
 In ParaView: Macros, Import new macro, this file; open snapshots.xdmf with the "Xdmf3 Reader S" (do not press
 Apply), and press the macro's button. In a shell: pvpython open_in_paraview.py RUN [PICTURE.png [TIME]], with a

@@ -12,16 +12,6 @@ PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
   return pressure->cloud->integer[INT_SURFACE][a] == 1 ? diagonal : 0;
 }
 
-/* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < closure_lambda) up to that of a full
-   neighbourhood, as if the missing neighbours had p = 0. That puts the zero where they would be, 0.8 spacings outside
-   the surface: the first pressure of a rotating square is then 8 % too large at 40 spacings a side. With twice the
-   filling (closure_factor) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
-
-   Where two fronts meet, rows look full but have a free side: crowded particles lack nothing that could be filled, yet
-   by Eq. (9) a pressure p drives them outwards by 2 p n/rho, n = sum V grad W, and the corrected divergence of that is
-   2 n.B n p/rho. If such a row is closed by less than half of it, each projection over-corrects and the velocity grows
-   from step to step, 5 to 15 times where the row is not closed at all, whatever the size of the step. At rest density
-   the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than closure_least. */
 /* The square of the size that graded particles have around a (1): the mean over its pairs, as they weigh in its row.
    The diagonal of a full row follows from it and not from the particle's own size: that of a fine particle which mixing
    has brought among coarse ones is small. */
@@ -37,6 +27,16 @@ static PetscReal SizeAround2(Cloud cloud, PetscInt a)
   return sum > 0 ? weighted / sum : PetscSqr(CloudSize(cloud, a));
 }
 
+/* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < closure_lambda) up to that of a full
+   neighbourhood, as if the missing neighbours had p = 0. That puts the zero where they would be, 0.8 spacings outside
+   the surface: the first pressure of a rotating square is then 8 % too large at 40 spacings a side. With twice the
+   filling (closure_factor) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
+
+   Where two fronts meet, rows look full but have a free side: crowded particles lack nothing that could be filled, yet
+   by Eq. (9) a pressure p drives them outwards by 2 p n/rho, n = sum V grad W, and the corrected divergence of that is
+   2 n.B n p/rho. If such a row is closed by less than half of it, each projection over-corrects and the velocity grows
+   from step to step, 5 to 15 times where the row is not closed at all, whatever the size of the step. At rest density
+   the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than closure_least. */
 PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
   Cloud            cloud   = pressure->cloud;

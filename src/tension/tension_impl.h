@@ -13,12 +13,12 @@
 #define LIQUID_WIDTH  9 /* columns: x, y, z, then whatever a pass sums over */
 #define WEIGHT_COLUMN 8 /* the cloud's weights, where it has any: of rings the area over V_0 */
 /* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
-   that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells. */
-#define LIQUID_CELL        1.6
-#define LIQUID_CELLS_LEAST 2
-#define LIQUID_CELLS_GRADED                                                                                            \
-  3 /* at least so many among particles of different sizes, where more are around the larger */
-#define LIQUID_CELLS_MOST 4
+   that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells, of graded
+   particles at least 3, because more are around the larger ones. */
+#define LIQUID_CELL         1.6
+#define LIQUID_CELLS_LEAST  2
+#define LIQUID_CELLS_GRADED 3
+#define LIQUID_CELLS_MOST   4
 
 /* The liquid (fluid particles, ghosts too) sorted into cells. A particle has a place in the sorted order and a local
    index in the cloud. */
@@ -96,9 +96,9 @@ typedef struct {
 
 /* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
    images, as far as own particles of this rank may be in them; only of those whose keep flags ([n_total], NULL: all)
-   have a bit of 'bits'. The rank has all particles within 'known' (m) of its own
-   ones; if that is less than the radius, the ranks share their surface particles. Begin with a zeroed band; radius and
-   known must not change. Collective. */
+   have a bit of 'bits'. The rank has all particles within 'known' (m) of its own ones, of graded particles as far as
+   their supports reach; if that is less than the radius, the ranks share their surface particles. Begin with a zeroed
+   band; radius and known must not change. Collective. */
 PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known, const unsigned char keep[],
                         PetscInt bits);
 PetscErrorCode BandDestroy(Band *band);

@@ -53,6 +53,8 @@ static PetscErrorCode Step(const char options[], PetscReal previous, PetscReal l
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define CAPILLARY PetscSqrtReal(RHO *H *H *H / (2 * PETSC_PI * 7e4)) /* s */
+
 static PetscErrorCode TestStep(void)
 {
   const struct {
@@ -72,8 +74,12 @@ static PetscErrorCode TestStep(void)
     {"implicit viscosity", BLOCK "-a_viscosity 8000 -viscosity_step_ratio 20", 1, 9, PETSC_FALSE,
      20 * 0.08 * H * H * RHO / 8000, PETSC_TRUE},
     {"viscosity that is small", BLOCK "-a_viscosity 8", 1, 9, PETSC_FALSE, 0.2 * H / 5, PETSC_FALSE},
-    {"tension", QUIET "-a_tension 7e4 -time_capillary_limit 0.5", 1, 9, PETSC_FALSE,
-     0.5 * PetscSqrtReal(RHO * H * H * H / (2 * PETSC_PI * 7e4)), PETSC_FALSE},
+    {"tension", QUIET "-a_tension 7e4 -time_capillary_limit 0.3", 1, 9, PETSC_FALSE, 0.3 * CAPILLARY, PETSC_FALSE},
+    {"tension, default", QUIET "-a_tension 7e4", 1, 9, PETSC_FALSE, 0.5 * CAPILLARY, PETSC_FALSE},
+    {"tension, not centered", QUIET "-a_tension 7e4 -time_centered 0", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
+     PETSC_FALSE},
+    {"tension, Cahn-Hilliard", QUIET "-a_tension 7e4 -tension_type cahn_hilliard", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
+     PETSC_FALSE},
     {"force", QUIET "-gravity 0,-1000 -time_force_limit 0.05", 1, 9, PETSC_FALSE, 0.05 * PetscSqrtReal(H / 1000),
      PETSC_FALSE},
     {"spray", QUIET "-displacement_max 0.4 -time_spray_share 0.5", 1, 9, PETSC_TRUE, 0.5 * 0.4 * D0 / 50, PETSC_FALSE},
