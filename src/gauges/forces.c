@@ -26,7 +26,8 @@ static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOpti
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-gauge_forces",
-                             "The series holds the force of the liquid on each wall of the box and each solid (N)",
+                             "The series holds the force of the liquid on each wall of the box and each solid (N); "
+                             "of a solid that moves freely, not exactly the one that moves it",
                              "GaugesMeasure", gauges->forces, &gauges->forces, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -86,6 +86,27 @@ static PetscErrorCode AddShape(Lines *lines, Domain domain, Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Numbers that follow from samples are rounded. */
+static PetscErrorCode AddFree(Lines *lines, Domain domain, Body solid)
+{
+  const char *name = BodyName(solid);
+  PetscReal   center[DIM], inertia[DIM];
+  PetscBool   turns;
+  char        text[LINE_LENGTH];
+
+  PetscFunctionBegin;
+  FreeStart(solid, center, inertia, &turns);
+  for (PetscInt d = 0; d < DIM; d++)
+    center[d] =
+      domain->spacing * (PetscFloorReal(center[d] / domain->spacing * SAMPLE_DECIMALS + 0.5) / SAMPLE_DECIMALS + 0.0);
+  PetscCall(AddLine(lines, "-%s_mass = %.9g", name, (double)BodyMass(solid)));
+  PetscCall(AddLine(lines, "-%s_turns = %d", name, (int)turns));
+  PetscCall(AddLine(lines, "centre of mass of %s = %s", name, Vector(domain, center, text)));
+  PetscCall(AddLine(lines, "moments of inertia of %s = %.6g,%.6g,%.6g", name, (double)inertia[0], (double)inertia[1],
+                    (double)inertia[2]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Where two corners of the box would be if they moved with a solid, at times of each scale, that no motion has a period
  * of. */
 static PetscErrorCode AddMotion(Lines *lines, Domain domain, Body solid)
@@ -96,7 +117,7 @@ static PetscErrorCode AddMotion(Lines *lines, Domain domain, Body solid)
   PetscFunctionBegin;
   if (!BodyMoves(solid)) PetscFunctionReturn(PETSC_SUCCESS);
   if (BodyMass(solid) > 0) {
-    PetscCall(AddLine(lines, "-%s_mass = %.9g", BodyName(solid), (double)BodyMass(solid)));
+    PetscCall(AddFree(lines, domain, solid));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(times); k++) {

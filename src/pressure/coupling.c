@@ -4,8 +4,9 @@
 
      A p = b(U) - c dU/dt,  M dU = dt F:   (A + c M^-1 c^T/m) p = b(U),
 
-   symmetric and positive for any mass, however light: added mass needs no iteration. The preconditioner is that of A;
-   each velocity of a body costs the solver about one iteration more. */
+   symmetric and positive for any mass, however light: added mass needs no iteration. (Between liquids of different
+   densities it would not be: the rows have masses as weights, the force volumes.) The preconditioner is that of A; each
+   velocity of a body costs the solver about one iteration more. */
 #include "pressure_impl.h"
 
 /* The rows that the motion of one body reaches. */
@@ -60,20 +61,20 @@ static PetscErrorCode AddRow(struct _p_Coupling *c, PetscInt row, PetscReal mass
 PetscErrorCode CouplingSetUp(Pressure pressure)
 {
   Cloud           cloud = pressure->cloud;
-  const PetscReal reach = KernelSupport(cloud->kernel);
+  const PetscReal reach = KernelSupport(cloud->kernel) * cloud->size_most;
 
   PetscFunctionBegin;
   PetscCall(Create(pressure));
   for (PetscInt k = 0; k < pressure->couplings; k++) {
     struct _p_Coupling *c = &pressure->coupling[k];
-    PetscReal           center[DIM], motion[FREE_MOTIONS], slope[FREE_MOTIONS];
+    PetscReal           center[DIM], motion[FREE_MOTIONS], slope[FREE_MOTIONS], y[DIM];
 
     c->count = 0;
     FreeMotion(c->solid, center, motion);
     for (PetscInt a = 0; a < cloud->n_owned; a++) {
       const PetscInt row = a < cloud->n_rows ? a : ParentRow(pressure, a);
 
-      if (a < cloud->n_fluid ? BodyDistance(c->solid, cloud->field[FIELD_POSITION] + DIM * a) > reach
+      if (a < cloud->n_fluid ? BodyNearest(c->solid, cloud->field[FIELD_POSITION] + DIM * a, y) > reach
                              : cloud->integer[INT_BODY][a] != c->body)
         continue;
       if (pressure->pair_diagonal[row] == 0) continue;

@@ -16,12 +16,7 @@ const PetscReal *PressureDensity(Pressure pressure)
 /* Whether the operators divide by one density everywhere: then the cloud's factors are the weights. */
 static PetscBool OneDensity(Pressure pressure)
 {
-  Scene scene = pressure->cloud->scene;
-
-  if (pressure->summed) return PETSC_FALSE;
-  for (PetscInt b = 1; b < SceneCount(scene); b++)
-    if (BodyMaterial(SceneBody(scene, b))->density != BodyMaterial(SceneBody(scene, 0))->density) return PETSC_FALSE;
-  return PETSC_TRUE;
+  return (PetscBool)(!pressure->summed && SceneOneDensity(pressure->cloud->scene));
 }
 
 /* Of rings: multiplies each pair's weight by the areas of both over V_0 and the length of their middle. With the exact

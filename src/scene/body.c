@@ -86,6 +86,30 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM])
   return body->shape->distance(body, y);
 }
 
+PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM])
+{
+  const Domain domain = body->domain;
+  PetscReal    least  = PETSC_MAX_REAL;
+  PetscInt     images = 1, sides[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    sides[d] = d < domain->dim && domain->face[d][0] == FACE_PERIODIC ? 3 : 1;
+    images *= sides[d];
+  }
+  for (PetscInt k = 0; k < images; k++) {
+    const PetscInt at[DIM] = {k % sides[0], k / sides[0] % sides[1], k / (sides[0] * sides[1])};
+    PetscReal      image[DIM], s;
+
+    for (PetscInt d = 0; d < DIM; d++)
+      image[d] = x[d] + (sides[d] > 1 ? (PetscReal)(at[d] - 1) * (domain->upper[d] - domain->lower[d]) : 0);
+    s = BodyDistance(body, image);
+    if (s >= least) continue;
+    least = s;
+    for (PetscInt d = 0; d < DIM; d++) y[d] = image[d];
+  }
+  return least;
+}
+
 PetscBool BodyContains(Body body, const PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < body->domain->dim; d++) {

@@ -109,7 +109,8 @@ static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, Pe
       for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] += share * (x[d] - about[d]) * (x[e] - about[e]);
     }
   }
-  for (PetscInt d = 0; d<DIM && * volume> 0; d++) middle[d] /= *volume;
+  if (*volume > 0)
+    for (PetscInt d = 0; d < DIM; d++) middle[d] /= *volume;
 }
 
 /* The moment of inertia at the start: as given, or of the shape evenly filled. */
@@ -307,6 +308,17 @@ void FreeTurned(Body solid, PetscReal angle[DIM])
   RotationVector(solid->free->now.turn, angle);
 }
 
+void FreeStart(Body solid, PetscReal center[DIM], PetscReal inertia[DIM], PetscBool *turns)
+{
+  const struct _p_Free *f = solid->free;
+
+  *turns = f->turns;
+  for (PetscInt d = 0; d < DIM; d++) {
+    center[d]  = f->start[d];
+    inertia[d] = f->inertia[d][d];
+  }
+}
+
 PetscBool SceneHasFree(Scene scene)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
@@ -323,7 +335,12 @@ void SceneReleaseFree(Scene scene, PetscReal time)
 void SceneHoldFree(Scene scene, PetscBool held)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->held = held;
+    if (BodyMass(scene->solid[b]) > 0) {
+      struct _p_Free *f = scene->solid[b]->free;
+
+      f->held = held;
+      for (PetscInt k = 0; k < FREE_MOTIONS && !held; k++) f->now.force[k] = f->now.excess[k] = 0;
+    }
 }
 
 PetscBool SceneDriven(Scene scene)

@@ -1,5 +1,6 @@
 /* Motion of solids: where a solid is at each time, as a function of the time alone, so that a run that is continued has
-   it where it was. At the time 0 it is where its shape says:
+   it where it was; free solids, whose motion a checkpoint holds, are in free.c. At the time 0 it is where its shape
+   says:
 
      x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)) + table(t),
 

@@ -367,6 +367,13 @@ PetscBool SceneHasViscosity(Scene scene)
   return PETSC_FALSE;
 }
 
+PetscBool SceneOneDensity(Scene scene)
+{
+  for (PetscInt b = 1; b < scene->count; b++)
+    if (scene->body[b]->material.density != scene->body[0]->material.density) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 PetscBool SceneHasTension(Scene scene)
 {
   for (PetscInt b = 0; b < scene->count; b++) {

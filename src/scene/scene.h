@@ -114,10 +114,12 @@ PetscReal SceneSolidSpeed(Scene scene);
    moves on with its new velocity. FreeForces - room for the force (N) and torque (N m) of the liquid's pressure in the
    step before, and by how much they exceeded those of the projection: the stepper's, kept with the body. FreeTurned -
    axis times angle (rad) by which it has turned at its last push. FreeKinetic - its kinetic energy (J).
-   FreeNumbers - all that changes of it, as numbers, for a checkpoint.
+   FreeNumbers - all that changes of it, as numbers, for a checkpoint. FreeStart - at the start: its centre (m) and
+   moments of inertia about x, y and z (kg m2, 0 if it does not turn), and whether it may turn.
    SceneSolidsAtStart - puts all solids where they were at the start. SceneReleaseFree - the time (s) of the start, at
-   which free bodies begin to move. SceneHoldFree - whether they are held where they are for now. SceneDriven - whether
-   a solid moves that is not free. SceneKeepFree, SceneReturnFree - keeps their state, and returns to it. */
+   which free bodies begin to move. SceneHoldFree - whether they are held where they are for now; let go, they begin
+   without forces of a step before. SceneDriven - whether a solid moves that is not free. SceneKeepFree, SceneReturnFree
+   - keeps their state, and returns to it. */
 PetscBool  SceneHasFree(Scene scene);
 PetscReal  BodyMass(Body solid);
 void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS]);
@@ -127,6 +129,7 @@ void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
 void       FreeTurned(Body solid, PetscReal angle[DIM]);
 PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);
+void       FreeStart(Body solid, PetscReal center[DIM], PetscReal inertia[DIM], PetscBool *turns);
 void       SceneSolidsAtStart(Scene scene);
 void       SceneReleaseFree(Scene scene, PetscReal time);
 void       SceneHoldFree(Scene scene, PetscBool held);
@@ -141,6 +144,9 @@ PetscInt    SceneNames(Scene scene);
 const char *SceneName(Scene scene, PetscInt index);
 /* BodyDistance - signed distance of x (m) to the surface of the shape, negative inside; the box is not part of it. */
 PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
+/* BodyNearest - that to the nearest of its images through periodic faces, and y (m), the image of x that is as far from
+ * the body itself. x must be in the box. */
+PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 /* BodyContains - whether x (m) is inside the shape and inside the box. */
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
 /* BodyBounds - a box (m) that holds shape and box's intersection. */
@@ -180,5 +186,7 @@ PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has one: modules nobody needs are skipped. */
 PetscBool SceneHasViscosity(Scene scene);
 PetscBool SceneHasTension(Scene scene);
+/* SceneOneDensity - whether all bodies have the same rest density. */
+PetscBool SceneOneDensity(Scene scene);
 
 #endif

@@ -22,19 +22,21 @@ static void AddWeight(PetscReal s, const PetscReal n[DIM], PetscReal least, Pets
   for (PetscInt d = 0; d < DIM; d++) slope[d] -= s > least ? 2 * own / s * n[d] : 0;
 }
 
+/* That of a solid, of its nearest image where the box is periodic: else the weight would jump across the box. */
 static void AddSolid(Cloud cloud, Body solid, const PetscReal x[DIM], PetscReal *weight, PetscReal slope[DIM])
 {
   const PetscReal step   = 0.1 * cloud->domain->spacing;
-  PetscReal       n[DIM] = {0, 0, 0};
+  PetscReal       n[DIM] = {0, 0, 0}, y[DIM];
+  const PetscReal s      = BodyNearest(solid, x, y);
 
   for (PetscInt d = 0; d < cloud->domain->dim; d++) {
-    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
+    PetscReal low[DIM] = {y[0], y[1], y[2]}, high[DIM] = {y[0], y[1], y[2]};
 
     low[d] -= step;
     high[d] += step;
     n[d] = (BodyDistance(solid, high) - BodyDistance(solid, low)) / (2 * step);
   }
-  AddWeight(BodyDistance(solid, x), n, CLOSEST * cloud->domain->spacing, weight, slope);
+  AddWeight(s, n, CLOSEST * cloud->domain->spacing, weight, slope);
 }
 
 static void AddFaces(Cloud cloud, const PetscReal x[DIM], PetscReal *weight, PetscReal slope[DIM])

@@ -192,6 +192,8 @@ static PetscErrorCode CheckSolids(Stepper s)
                  "default");
   PetscCheckUser(!SceneHasFree(s->cloud->scene) || PressureTakesDivergence(s->pressure), s->cloud->comm,
                  "a solid with a mass needs -pressure_source " SOURCE_DIVERGENCE ", the default");
+  PetscCheckUser(!SceneHasFree(s->cloud->scene) || SceneOneDensity(s->cloud->scene), s->cloud->comm,
+                 "a solid with a mass cannot be used with bodies of different -<body>_density yet");
   PetscCheckUser(!SceneHasFree(s->cloud->scene) || !SceneFrameTurns(s->cloud->scene), s->cloud->comm,
                  "a solid with a mass cannot be used with -frame_rotation_rate yet");
   PetscCheckUser(!DomainWallsSwing(s->cloud->domain) || (consistent && s->force_time > 0), s->cloud->comm,

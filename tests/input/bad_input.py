@@ -125,9 +125,12 @@ refused("solid_moves_with_printed_scheme", PLANE + "-part_velocity 1,0 -scheme d
         ["-scheme consistent"])
 refused("solid_moves_while_packing_relaxes", PLANE + "-part_velocity 1,0 -packing_relaxation_time 1",
         ["-packing_relaxation_time"])
-FLOAT = PLANE.replace("part,post", "part") + "-part_mass 50 "
+FLOAT = PLANE.replace("part,post", "part").split(" -post")[0] + " -part_mass 50 "
 for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-scheme consistent"]),
                              ("density_source", "-pressure_source density", ["-pressure_source divergence"]),
+                             ("two_densities", "-bodies film,oil -oil_density 900 -oil_lower 0,0.5 -oil_upper 0.3,0.8",
+                              ["-<body>_density"]),
+                             ("direct_solver", "-ksp_type preonly -pc_type lu", ["-ksp_type preonly", "mass"]),
                              ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
                              ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
     refused("free_body_and_" + name, FLOAT + options, words)

@@ -5,6 +5,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
 BOX = """-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall -gravity 0,-9.81
@@ -33,4 +34,10 @@ for name in NAMES:
                f"{name}_again")
     read = [change for change in (CHANGES if name == "a" else CHANGES[:2]) if cached(name, cache, change)]
     runs.check(not read, f"{name}_changed", f"the packing of another scene is read with {read}")
+# a free body is let go alike after a relaxation and from the cache
+cache = runs.scratch("relaxed_ball")
+first, again = [runs.series(runs.run("-options_file cases/floating_box/sphere.opts -spacing 0.01 -time_end 0.004 "
+                                     f"-packing_cache {cache}", f"ball_{k}")) for k in (1, 2)]
+differing = [n for n in first.dtype.names if n != "wall_time" and not np.array_equal(first[n], again[n])]
+runs.check(len(first) > 2 and not differing, "free_body_again", f"differing: {differing}")
 runs.done()

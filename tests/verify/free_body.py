@@ -25,4 +25,15 @@ for name, ratio, more in (("light", 0.3, ""), ("heavy", 10, ""), ("light in hone
     runs.check_below(abs(own + of_liquid - (mass * SPEED, 0)).max() / (mass * SPEED), 0.02, f"momentum, {name}")
     runs.check(of_liquid[0] > 0.05 * mass * SPEED, f"the liquid is pushed, {name}", of_liquid[0])
     runs.check_below(abs(s[names[0]]).max(), SPEED * 1.01, f"never faster than at the start, {name}")
+# In a box that is periodic across, a body that floats has no place of its own: a third of the box further it does the
+# same, also close to a face.
+TANK = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1.2,0.6 -box_x periodic -box_ymin wall -gravity 0,-9.81
+ -bodies water -water_upper 1.2,0.4 -packing_jitter 0 -solids float -float_mass 30 -float_turns 0 -time_end 0.1
+ -series_interval 0.02 -snapshot_interval 1 -checkpoint_interval 0 """
+away, close = [runs.series(runs.run(TANK + f"-float_lower {x},0.25 -float_upper {x + 0.2},0.45", f"tank_{x}"))
+               for x in (0.42, 0.02)]
+across, up = [n for n in away.dtype.names if n.startswith("float_velocity_")]
+runs.check(len(close) > 4 and abs(away[up][-1]) > 0.01, "the box heaves", away[up])
+runs.check_below(max(abs(away[across]).max(), abs(close[across]).max()), 1e-4, "the box is not pushed sideways")
+runs.check_below(abs(away[up] - close[up]).max(), 1e-4, "it heaves alike at two places")
 runs.done()
