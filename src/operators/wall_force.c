@@ -9,12 +9,6 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* Where the gradient is corrected: away from the free surface. */
-static PetscBool Corrected(Cloud cloud, PetscInt a)
-{
-  return (PetscBool)(cloud->integer[INT_SURFACE][a] == 0);
-}
-
 /* V_a V_b (p_a + p_b) F, and of rings the length of the pair. */
 static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
 {
@@ -77,7 +71,8 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
     if (!OperatorsNearWall(cloud, x + DIM * a)) continue;
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowGradient(cloud, a, &row);
-    AddRow(cloud, (PetscBool)(corrected && Corrected(cloud, a)), a, &row, force);
+    /* near the surface it is not corrected */
+    AddRow(cloud, (PetscBool)(corrected && cloud->integer[INT_SURFACE][a] == 0), a, &row, force);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -236,9 +236,9 @@ def main():
             + viewer(run, arguments) + pictures(arguments.folder, run.files)
             + "<h2>Where the energy went</h2>\n" + energy(series, run) + "<h2>What it cost</h2>\n" + cost(series, log)
             + "<h2>Options</h2>\n" + options(arguments.folder)
-            + f"<h2>How to cite</h2>\n<p>The program, isph {version[1]} (CITATION.cff), and Kuri, Yamaguchi, Kagawa, "
-            "Nakajima, Fujimura: <i>Simulations of Droplet Impact onto a Liquid Surface Using Incompressible Smoothed "
-            "Particle Hydrodynamics Method</i>, 2014. The view uses three.js (MIT licence).</p>\n")
+            + f"<h2>How to cite</h2>\n<p>The program, isph {version[1]} (the isph authors), and Kuri, Yamaguchi, "
+            "Kagawa, Nakajima, Fujimura: <i>Simulations of Droplet Impact onto a Liquid Surface Using Incompressible "
+            "Smoothed Particle Hydrodynamics Method</i>, 2014. The view uses three.js (MIT licence).</p>\n")
     with open(os.path.join(HERE, "report.html"), encoding="utf-8") as file:
         page = file.read()
     name = os.path.basename(os.path.abspath(arguments.folder))

@@ -245,9 +245,12 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Both operators, without and with free bodies. If all pressures may be raised alike, that pushes no body: the part of
+   the constant that rounding and disorder leave of their forces is taken out. */
 static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
 {
   Pressure           pressure;
+  MatNullSpace       constant = NULL;
   const PetscScalar *p;
   PetscScalar       *sum;
 
@@ -256,29 +259,12 @@ static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
   PetscCall(VecGetArrayRead(x, &p));
   PetscCall(VecGetArrayWrite(y, &sum));
   PetscCall(PressureMultiply(pressure, p, sum));
+  if (A == pressure->coupled) {
+    PetscCall(CouplingAdd(pressure, p, sum));
+    PetscCall(MatGetNullSpace(A, &constant));
+  }
   PetscCall(VecRestoreArrayWrite(y, &sum));
   PetscCall(VecRestoreArrayRead(x, &p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* With free bodies. If all pressures may be raised alike, that pushes no body: the part of the constant that rounding
-   and disorder leave is taken out. */
-static PetscErrorCode MatMult_Coupled(Mat A, Vec x, Vec y)
-{
-  Pressure           pressure;
-  MatNullSpace       constant;
-  const PetscScalar *p;
-  PetscScalar       *sum;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(A, &pressure));
-  PetscCall(VecGetArrayRead(x, &p));
-  PetscCall(VecGetArrayWrite(y, &sum));
-  PetscCall(PressureMultiply(pressure, p, sum));
-  PetscCall(CouplingAdd(pressure, p, sum));
-  PetscCall(VecRestoreArrayWrite(y, &sum));
-  PetscCall(VecRestoreArrayRead(x, &p));
-  PetscCall(MatGetNullSpace(A, &constant));
   if (constant) PetscCall(MatNullSpaceRemove(constant, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -296,14 +282,14 @@ static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CreateShell(Pressure pressure, PetscErrorCode (*multiply)(Mat, Vec, Vec), Mat *A)
+static PetscErrorCode CreateShell(Pressure pressure, Mat *A)
 {
   const PetscInt n = pressure->cloud->n_rows, all = pressure->rows_global;
 
   PetscFunctionBegin;
   PetscCall(MatCreateShell(pressure->cloud->comm, n, n, all, all, pressure, A));
-  PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))multiply));
-  PetscCall(MatShellSetOperation(*A, MATOP_MULT_TRANSPOSE, (void (*)(void))multiply));
+  PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))MatMult_Pairs));
+  PetscCall(MatShellSetOperation(*A, MATOP_MULT_TRANSPOSE, (void (*)(void))MatMult_Pairs));
   PetscCall(MatShellSetOperation(*A, MATOP_GET_DIAGONAL, (void (*)(void))MatGetDiagonal_Pairs));
   PetscCall(MatSetOption(*A, MAT_SPD, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -316,7 +302,7 @@ PetscErrorCode OperatorSetUp(Pressure pressure)
   PetscCall(SetWeights(pressure));
   PetscCall(SetDiagonal(pressure));
   PetscCall(CouplingSetUp(pressure));
-  if (!pressure->operator) PetscCall(CreateShell(pressure, MatMult_Pairs, &pressure->operator));
-  if (!pressure->coupled && pressure->couplings) PetscCall(CreateShell(pressure, MatMult_Coupled, &pressure->coupled));
+  if (!pressure->operator) PetscCall(CreateShell(pressure, &pressure->operator));
+  if (!pressure->coupled && pressure->couplings) PetscCall(CreateShell(pressure, &pressure->coupled));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
