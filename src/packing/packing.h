@@ -51,5 +51,9 @@ PetscErrorCode PackingDestroy(Packing *packing);
    the box there). Collective. */
 PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
                                    PetscInt *count);
+/* SolidCreateParticles - as WallCreateParticles, of the solids: points of the box's lattice inside them, at most
+   'layers' spacings deep; each is a top layer with a pressure of its own. */
+PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
+                                    PetscInt *count);
 
 #endif

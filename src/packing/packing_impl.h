@@ -6,17 +6,11 @@
 #include "packing.h"
 
 /* A particle to be made: its place x (m), velocity v (m/s) and integers as in the field table; density (kg/m3): 0 where
-   it is summed later; area: that of a ring there, or the volume of a graded particle, over V_0; size: of a graded ring,
-   0: that of the finest. */
+   it is summed later; area: that of a ring there, or the volume of a graded particle, over V_0. */
 typedef struct {
-  PetscReal x[DIM], v[DIM], density, area, size;
+  PetscReal x[DIM], v[DIM], density, area;
   PetscInt  id, parent, body, layer;
 } Sample;
-
-static inline PetscReal SampleSize(const Sample *sample)
-{
-  return sample->size > 0 ? sample->size : 1;
-}
 
 /* A source shows all its samples, one after the other and the same on every rank, to a visitor. */
 typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
@@ -92,9 +86,9 @@ void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice);
 void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice);
 /* LatticeJitter - of -packing_jitter, spacings, where the packing is a lattice. LatticeFit - the levels of all bodies'
    lattices of the spacing, for LatticeBelongs: whether point number 'point' of the lattice of body b, at x (m), is a
-   particle of it. LatticeFit also finds the volumes (m3) of bodies of rings; it is collective. */
+   particle of it. LatticeFit is collective. */
 PetscReal      LatticeJitter(Packing packing);
-PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal volume[SCENE_MAX_BODIES]);
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES]);
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);
 /* LatticeVisitBody - shows the lattice points of one body. Collective. */
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
@@ -104,11 +98,8 @@ PetscInt PackingWallLayers(Cloud cloud);
 /* WallWeigh - adds the dummy particles of the walls to the number of particles of each cell, weight [cells]. Not
    collective. */
 PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
-/* SolidWeigh, SolidCreateParticles - as WallWeigh and WallCreateParticles, of the solids: points of the box's lattice
-   inside them, at most 'layers' spacings deep; each is a top layer with a pressure of its own. */
+/* SolidWeigh - as WallWeigh, of the solids. */
 PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
-PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
-                                    PetscInt *count);
 /* A part of space to be filled with particles of the spacing SceneSpacing: a body, or a face, edge or corner of the
    box, which its walls continue. */
 typedef struct {

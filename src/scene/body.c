@@ -72,6 +72,11 @@ const Material *BodyMaterial(Body body)
   return &body->material;
 }
 
+PetscReal BodyContactAngle(Body solid)
+{
+  return solid->contact_angle;
+}
+
 PetscInt BodyColor(Body body)
 {
   return body->color;

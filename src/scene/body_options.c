@@ -187,6 +187,18 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-contact_angle",
+                       "Angle in the liquid at which its free surface meets the solid (degrees); 0: it does not wet it",
+                       "[0, 180)", &body->contact_angle));
+  PetscCheckUser(body->contact_angle == 0 || !body->free, body->domain->comm,
+                 "-%scontact_angle cannot be used with -%smass: the surface's pull on a free body is not computed",
+                 body->prefix, body->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
 {
   char title[2 * SCENE_NAME_LENGTH];
@@ -197,6 +209,7 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
   PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscCall(MotionSetUp(body));
+  PetscCall(ReadContactAngle(body, PetscOptionsObject));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -257,6 +270,9 @@ PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
   PetscCall(HelpChoices(body, choices->types, "type", &body->emitter));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
+  PetscOptionsEnd();
+  PetscOptionsBegin(comm, body->prefix, "Solid, any", "Scene");
+  PetscCall(ReadContactAngle(body, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(BodyDestroy(&body));
   PetscCall(DomainDestroy(&domain));

@@ -13,9 +13,8 @@
    the slope of n_r on the line through the axis that fits the normals best, weighted like the planar fit. Rings weigh
    as much as their volume, at the middle between two: W A |r_a + r_b|/2.
 
-   Walls are mirrors: the liquid and its normals are continued behind them so that the surface meets the wall under the
-   contact angle. A mirror keeps the even part of the surface's form and reverses the odd part, its slope; that is
-   corrected in grad phi (SumMirrored) and in the normals of the images (MirrorNormal). */
+   Walls are mirrors: the liquid and its normals go on behind them (contact.c) so that the surface meets the wall under
+   the contact angle. */
 #include "tension_impl.h"
 
 /* Options: -tension_threshold, |grad phi| H above which the surface is near and a particle has a normal (0.9 H deep
@@ -24,9 +23,6 @@
 
 /* A fit needs so many normals, one more than it has coefficients. */
 #define FEWEST_NORMALS (DIM + 2)
-/* A surface ends at a wall if the part of its normal along the wall is at least this, times sin of the contact angle.
- */
-#define PARALLEL 0.5
 /* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
 #define REGULARITY 1e-6
 /* No particle counts as further outside the liquid than this, in spacings. */
@@ -74,122 +70,6 @@ static PetscReal FlatDepth(Tension tension, PetscReal phi)
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
-/* The images that one wall adds to the collected particles: those from begin to end - 1. */
-typedef struct {
-  PetscInt  begin, end, axis;
-  PetscReal inward; /* +1 or -1: the way into the box along the axis */
-} WallImages;
-
-/* How far (m) from a wall the particles of a cell may have images among their neighbours. */
-static PetscReal ImageReach(Tension tension)
-{
-  return PetscMin(tension->liquid->most, tension->size_most) * tension->liquid->support + tension->liquid->grid.size;
-}
-
-static PetscBool NearWall(Tension tension, Domain domain, const PetscReal x[DIM])
-{
-  const PetscReal reach = ImageReach(tension);
-  PetscBool       near  = PETSC_FALSE;
-
-  for (PetscInt d = 0; d < domain->dim && tension->walls; d++) {
-    if (domain->face[d][0] == FACE_WALL && PetscAbsReal(x[d] - domain->lower[d]) <= reach) near = PETSC_TRUE;
-    if (domain->face[d][1] == FACE_WALL && PetscAbsReal(x[d] - domain->upper[d]) <= reach) near = PETSC_TRUE;
-  }
-  return near;
-}
-
-/* The normal of the image behind a wall: one whose mean with the original has the contact angle. False if the surface
-   is too close to parallel to the wall to end there. */
-static PetscBool MirrorNormal(Tension tension, PetscInt axis, PetscReal inward, const PetscReal normal[DIM],
-                              PetscReal image[DIM])
-{
-  PetscReal along = 0, scale, length = 0;
-
-  for (PetscInt e = 0; e < DIM; e++)
-    if (e != axis) along += PetscSqr(normal[e]);
-  if (along < PetscSqr(PARALLEL * tension->sine)) return PETSC_FALSE;
-  scale = 2 * tension->sine / PetscSqrtReal(along);
-  for (PetscInt e = 0; e < DIM; e++) {
-    image[e] = (e == axis ? 2 * tension->cosine * inward : scale * normal[e]) - normal[e];
-    length += PetscSqr(image[e]);
-  }
-  length = length > 0 ? 1 / PetscSqrtReal(length) : 0;
-  for (PetscInt e = 0; e < DIM; e++) image[e] *= length;
-  return PETSC_TRUE;
-}
-
-/* Adds the images in one wall (m, its place along the axis) of the n collected candidates behind them, with their first
-   'width' columns and that of the weight; columns 3 to 5 hold normals if width says that there are any. Returns the new
-   number. */
-static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, PetscReal inward, PetscInt width, PetscInt n)
-{
-  Liquid        *liquid = tension->liquid;
-  const PetscInt stride = liquid->stride;
-  PetscInt       copies = n;
-
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal *to = liquid->near + copies, *from = liquid->near + k;
-
-    if (PetscAbsReal(from[axis * stride] - wall) > ImageReach(tension)) continue;
-    for (PetscInt w = 0; w < width; w++) to[w * stride] = from[w * stride];
-    if (tension->rings || tension->graded) to[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
-    to[axis * stride] = 2 * wall - from[axis * stride];
-    if (width > DIM) {
-      const PetscReal normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
-      PetscReal       image[DIM];
-
-      if (!MirrorNormal(tension, axis, inward, normal, image)) continue;
-      for (PetscInt e = 0; e < DIM; e++) to[(DIM + e) * stride] = image[e];
-    }
-    copies++;
-  }
-  return copies;
-}
-
-/* What is collected around the particles of one cell: 'real' particles, then the images of 'images' walls, n in all. */
-typedef struct {
-  PetscInt   cell, real, n, images;
-  WallImages image[2 * DIM];
-} Around;
-
-/* Continues the collected candidates behind all walls within the support of the cell of x. An image may have an image
-   in the next wall. */
-static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, Around *around)
-{
-  for (PetscInt d = 0; d < domain->dim; d++)
-    for (PetscInt side = 0; side < 2; side++) {
-      const PetscReal wall = side ? domain->upper[d] : domain->lower[d], inward = side ? -1 : 1;
-      PetscInt        n;
-
-      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > ImageReach(tension)) continue;
-      n                               = AddImages(tension, wall, d, inward, width, around->n);
-      around->image[around->images++] = (WallImages){around->n, n, d, inward};
-      around->n                       = n;
-    }
-}
-
-/* Collects the columns of what is around the particle at place p and x, unless that has been done for its cell: of the
-   liquid, and of its images in walls, which have the first 'width' columns. */
-static PetscErrorCode CollectAround(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM],
-                                    PetscInt columns, PetscInt width, Around *around)
-{
-  Liquid        *liquid = tension->liquid;
-  const PetscInt cell   = LiquidCell(liquid, p);
-  PetscBool      mirrored;
-
-  PetscFunctionBegin;
-  if (cell == around->cell) PetscFunctionReturn(PETSC_SUCCESS);
-  mirrored       = NearWall(tension, domain, x);
-  around->cell   = cell;
-  around->images = 0;
-  if (mirrored) columns = COLUMNS(0, width);
-  if (tension->rings || tension->graded) columns |= COLUMNS(WEIGHT_COLUMN, 1);
-  PetscCall(LiquidCollect(liquid, cell, columns, mirrored ? 1 << (2 * domain->dim) : 1, &around->real));
-  around->n = around->real;
-  if (mirrored) Mirror(tension, domain, x, width, around);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Multiplies W by the distances from the axis of the middles to a particle at x (m). */
 static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[])
 {
@@ -199,8 +79,8 @@ static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const Pets
 }
 
 /* Adds phi and grad phi at x of the collected candidates first to n - 1, without V. */
-static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscReal x[DIM], PetscReal *phi,
-                     PetscReal gradient[DIM])
+static void SumPhase(Tension tension, const Around *around, PetscInt first, PetscInt n, const PetscReal x[DIM],
+                     PetscReal *phi, PetscReal gradient[DIM])
 {
   const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + tension->liquid->stride,
                             *restrict cz = cy + tension->liquid->stride;
@@ -215,6 +95,7 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, F);
     if (tension->rings || tension->graded) WeighVolumes(tension, begin, m, W, F);
+    if (tension->images.used) ContactShares(tension, around, begin, m, x, W, F);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
     for (PetscInt k = 0; k < m; k++) {
       sum += W[k];
@@ -229,32 +110,34 @@ static void SumPhase(Tension tension, PetscInt first, PetscInt n, const PetscRea
   gradient[2] += scale_f * gz;
 }
 
-/* phi and grad phi at x of all that is collected around, without V. The images of the free surface have the part of
-   grad phi normal to the wall reversed, which would draw all normals near the wall towards 90 degrees. It is replaced
-   by that of a surface which goes on straight under the contact angle, cot(angle) times the part along the wall. */
-static void SumMirrored(Tension tension, const Around *around, const PetscReal x[DIM], PetscReal *phi, PetscReal g[DIM])
+/* phi and grad phi at x, the place of particle a, of all that is collected around, without V. 'full': |grad phi| of a
+   particle near the surface. Images that continue the surface with another slope than that of the contact angle have
+   their part of grad phi along the normal of the wall replaced by that of a surface which goes on straight, as far as
+   they differ: 1/rest times the part along the wall. */
+static void SumMirrored(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM], PetscReal full,
+                        PetscReal *phi, PetscReal g[DIM])
 {
-  PetscReal of[2 * DIM][DIM], turn[2 * DIM];
+  PetscReal of[2 * DIM + 1][DIM], turn[2 * DIM + 1], inward[2 * DIM + 1][DIM], outward[DIM];
 
   *phi = g[0] = g[1] = g[2] = 0;
-  SumPhase(tension, 0, around->real, x, phi, g);
+  SumPhase(tension, around, 0, around->real, x, phi, g);
+  for (PetscInt d = 0; d < DIM; d++) outward[d] = -g[d];
+  ContactSlant(tension, around, a, outward, full);
   for (PetscInt k = 0; k < around->images; k++) {
     of[k][0] = of[k][1] = of[k][2] = 0;
-    SumPhase(tension, around->image[k].begin, around->image[k].end, x, phi, of[k]);
+    SumPhase(tension, around, around->image[k].begin, around->image[k].end, x, phi, of[k]);
     for (PetscInt d = 0; d < DIM; d++) g[d] += of[k][d];
   }
   for (PetscInt k = 0; k < around->images; k++) {
-    PetscReal along = 0, square = 0;
+    const ContactAngle *contact = ContactOf(tension, &around->image[k], a, inward[k]);
+    PetscReal           flat[DIM], along, into = Dot(g, inward[k]);
 
-    for (PetscInt d = 0; d < DIM; d++) {
-      if (d == around->image[k].axis) continue;
-      along += of[k][d] * g[d];
-      square += PetscSqr(g[d]);
-    }
-    turn[k] =
-      along > 0 ? 2 * around->image[k].inward * along / (PetscSqrtReal(square) * PetscTanReal(tension->angle)) : 0;
+    for (PetscInt d = 0; d < DIM; d++) flat[d] = g[d] - into * inward[k][d];
+    along   = Dot(of[k], flat);
+    turn[k] = contact && along > 0 ? 2 * along / (Norm(flat) * contact->rest) : 0;
   }
-  for (PetscInt k = 0; k < around->images; k++) g[around->image[k].axis] -= turn[k];
+  for (PetscInt k = 0; k < around->images; k++)
+    for (PetscInt d = 0; d < DIM && turn[k] != 0; d++) g[d] -= turn[k] * inward[k][d];
 }
 
 /* Weighted sums over the collected normals that point to the same side as n at x. */
@@ -266,10 +149,11 @@ typedef struct {
   PetscReal nx[DIM][DIM];   /* products of normals and positions */
 } Moments;
 
-/* weight: [m], zero for normals that point to another side. The loop is long because all sums must share it. */
-static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], const PetscReal n[DIM],
+/* weight: [around->n], zero for normals that point to another side. The loop is long because all sums must share it. */
+static void SumNormals(Tension tension, const Around *around, const PetscReal x[DIM], const PetscReal n[DIM],
                        float *restrict weight, Moments *out)
 {
+  const PetscInt m             = around->n;
   const PetscInt stride        = tension->liquid->stride;
   const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
@@ -288,6 +172,7 @@ static void SumNormals(Tension tension, PetscInt m, const PetscReal x[DIM], cons
     Distances(tension, begin, l, x, inverse_h2, s);
     KernelSingle(tension->kernel, l, s, W, NULL);
     if (tension->rings || tension->graded) WeighVolumes(tension, begin, l, W, NULL);
+    if (tension->images.used) ContactShares(tension, around, begin, l, x, W, NULL);
     if (tension->rings) WeighMiddles(tension, begin, l, x, W);
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
@@ -470,12 +355,12 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
     LiquidPosition(liquid, p, x);
     if (!BandNear(&tension->bands[level], x)) continue;
     tension->size = CloudSize(cloud, a);
-    PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
-    SumMirrored(tension, &around, x, &phi, g);
+    PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
+    SumMirrored(tension, &around, a, x, tension->threshold / (V * H * tension->size), &phi, g);
     length = Norm(g);
     if (slope) {
       share[a] = SheetShare(tension, V * phi, V * length);
-      slope[a] = Sigma(cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
+      slope[a] = Sigma(cloud, a) * SheetSlope(tension, tension->graded ? cloud->volume[a] : V, V * phi) * share[a];
     }
     if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H * tension->size < tension->threshold) continue;
@@ -503,13 +388,14 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
 
     if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
-    PetscCall(CollectAround(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
+    PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
     if (*used + around.n > tension->weight_capacity) {
       tension->weight_capacity = 2 * (*used + around.n);
       PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(float), &tension->weight));
     }
     tension->size = CloudSize(cloud, a);
-    SumNormals(tension, around.n, x, normal + DIM * a, tension->weight + *used, &m);
+    ContactSlant(tension, &around, a, normal + DIM * a, 1);
+    SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
     capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a);
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
@@ -534,7 +420,8 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
     PetscCall(
-      CollectAround(tension, cloud->domain, p, x, COLUMNS(0, DIM) | COLUMNS(VALUE_COLUMN, 1), COLUMNS_TOTAL, &around));
+      ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM) | COLUMNS(VALUE_COLUMN, 1), COLUMNS_TOTAL, &around));
+    ContactSlant(tension, &around, a, normal + DIM * a, 1);
     cloud->field[FIELD_CAPILLARY][a] =
       WeightedMean(tension, around.n, tension->weight + *used, x, normal + DIM * a, &tension->fit[level][p],
                    cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
@@ -590,6 +477,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
 
     PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), tension->largest[l], keep, 1));
     if (cloud->weight) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
+    if (tension->solid.count) LiquidLoad(liquid, SOLID_COLUMN, 1, tension->solid.index);
     LiquidLoad(liquid, DIM, DIM, normal);
     LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
     if (liquid->count > tension->fit_capacity[l]) {
@@ -637,7 +525,9 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(CloudGetWork(cloud, 1, &scalar));
   PetscCall(CloudGetWork(cloud, 1, &share));
+  PetscCall(ContactFindSolids(tension, cloud));
   PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
+  PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
   PetscCall(SortNormals(tension, cloud, normal, scalar));
   for (PetscInt l = 0; l < tension->levels; l++)
     PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, &used));
@@ -646,6 +536,7 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(TakeMean(tension, cloud, normal, scalar));
   PetscCall(CloudRestoreWork(cloud, &scalar));
   if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal));
+  PetscCall(ContactRestore(tension, cloud));
   PetscCall(CloudRestoreWork(cloud, &normal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -657,8 +548,7 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
   PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
                        &tension->sharpening));
-  PetscCall(OptionReal("-wall_contact_angle", "angle in the liquid at which the free surface meets a wall (degrees)",
-                       "(0, 180)", &tension->angle));
+  PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

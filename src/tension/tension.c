@@ -3,8 +3,6 @@
 
 #define STEP_LIMIT 0.25 /* with twice this a capillary wave of cahn_hilliard grows */
 
-#define ANGLE_LEAST 20. /* degrees: contact angles nearer to 0 or 180 were not tried */
-
 static PetscFunctionList TensionList = NULL;
 
 static PetscErrorCode TensionFinalizePackage(void)
@@ -58,14 +56,12 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->threshold   = 0.2;
   t->same_side   = 0.2;
   t->thinnest    = 0.3;
-  t->angle       = 90;
   do {
     t->largest[t->levels]          = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
     t->liquids[t->levels].smallest = t->levels > 0 ? CloudLevelSize(t->levels - 1) : 0;
     t->liquids[t->levels].most     = t->levels < SIZE_LEVELS - 1 ? CloudLevelSize(t->levels) : PETSC_MAX_REAL;
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
-  for (PetscInt d = 0; d < domain->dim; d++)
-    if (domain->face[d][0] == FACE_WALL || domain->face[d][1] == FACE_WALL) t->walls = PETSC_TRUE;
+  PetscCall(ContactCreate(t, domain, scene));
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->core));
@@ -104,7 +100,7 @@ static PetscErrorCode ReadModel(void *object, const char type[])
 
 PetscErrorCode TensionSetFromOptions(Tension tension)
 {
-  PetscBool same;
+  PetscBool same, curvature;
 
   PetscFunctionBegin;
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
@@ -119,9 +115,10 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                  "-tension_type " TENSION_CAHN_HILLIARD
                  " cannot be used with -dimension axisymmetric: its sums over a plane do not know how the surface "
                  "curves around the axis; " TENSION_CURVATURE " can");
-  tension->angle *= PETSC_PI / 180;
-  tension->cosine = PetscCosReal(tension->angle);
-  tension->sine   = PetscSinReal(tension->angle);
+  PetscCall(PetscStrcmp(tension->type, TENSION_CURVATURE, &curvature));
+  PetscCheckUser(curvature || tension->solid.count == 0, tension->comm,
+                 "-tension_type %s knows no contact angles, but a solid has one; " TENSION_CURVATURE " does",
+                 tension->type);
   if (!tension->apply) tension->active = PETSC_FALSE;
   PetscCheckUser(!same || !tension->graded, tension->comm,
                  "-tension_type " TENSION_CAHN_HILLIARD
@@ -157,21 +154,13 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
 
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer)
 {
-  const PetscReal angle = tension->angle * 180 / PETSC_PI;
-
   PetscFunctionBegin;
   if (tension->active)
     PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: %s, H = %g m\n", tension->type,
                                      (double)KernelSmoothingLength(tension->kernel)));
   else
     PetscCall(PetscViewerASCIIPrintf(viewer, "Tension: none\n"));
-  if (tension->active && PetscMin(angle, 180 - angle) < ANGLE_LEAST)
-    PetscCall(
-      PetscViewerASCIIPrintf(viewer,
-                             "warning: -wall_contact_angle %g is in degrees, and was tried from %g to %g only; %g "
-                             "radians are %.4g degrees\n",
-                             (double)angle, ANGLE_LEAST, 180 - ANGLE_LEAST, (double)angle,
-                             (double)(angle * 180 / PETSC_PI)));
+  if (tension->active) PetscCall(ContactView(tension, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,6 +170,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
   PetscCall(KernelDestroy(&(*tension)->core));
+  PetscCall(ContactDestroy(*tension));
   PetscCall(PetscFree((*tension)->weight));
   PetscCall(PetscFree((*tension)->single));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {

@@ -3,7 +3,7 @@
    curvature (default): the pressure solver puts sigma times the curvature on the free surface; see curvature.c for how
    the curvature is found, sheet.c what sheets of one or two particles have instead. A drop's pressure is 2 sigma/R to
    0.1 % at R/d0 = 8 (sigma/R to 0.5 % in 2-d). Momentum is conserved as well as the curvature is known, not exactly.
-   Walls have a contact angle.
+   Walls and solids have contact angles.
 
    cahn_hilliard: Eqs. (5)-(7) of Kuri et al. with a longer kernel W^H. The divergence of S uses the same kernel as grad
    phi: the paper's mixture (W^h outside) makes a resting drop roughen, because only with one kernel does S_a . grad
@@ -23,7 +23,8 @@ typedef struct _p_Tension *Tension;
 /* TensionCreate - for the bodies of a scene; nothing is borrowed beyond the calls. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
 /* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -tension_sheets,
-   -wall_contact_angle; cahn_hilliard: -tension_calibration (kappa/(sigma H)), -tension_band. Collective. */
+   -wall_contact_angle, -box_<face>_contact_angle; cahn_hilliard: -tension_calibration (kappa/(sigma H)), -tension_band.
+   Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);

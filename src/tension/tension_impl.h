@@ -10,8 +10,9 @@
 
 /* --- phase_cells.c: the liquid around a particle --- */
 
-#define LIQUID_WIDTH  9 /* columns: x, y, z, then whatever a pass sums over */
-#define WEIGHT_COLUMN 8 /* the cloud's weights, where it has any: of rings the area over V_0 */
+#define LIQUID_WIDTH  10 /* columns: x, y, z, then whatever a pass sums over */
+#define WEIGHT_COLUMN 8  /* the cloud's weights, where it has any: of rings the area over V_0 */
+#define SOLID_COLUMN  9  /* the local index, where solids have a contact angle: see contact.c */
 /* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
    that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells, of graded
    particles at least 3, because more are around the larger ones. */
@@ -171,6 +172,47 @@ typedef struct {
   PetscReal inverse_w; /* 1/sum W */
 } NormalFit;
 
+/* --- contact.c, contact_solid.c: the liquid goes on behind walls, under their contact angles --- */
+
+typedef struct {
+  PetscReal angle, cosine, sine; /* in the liquid, rad */
+  PetscReal slant;               /* by how much images are moved along the wall, over their distance */
+  PetscReal rest;                /* 1/(cot(angle) - slant) */
+} ContactAngle;
+
+/* The images that one wall, or all solids, add to the collected particles: those from begin to end - 1. */
+typedef struct {
+  PetscInt            begin, end, axis;
+  PetscReal           wall, inward[DIM]; /* of a face, its place along the axis, m; unit vector into the liquid */
+  const ContactAngle *contact;           /* of a face; NULL: each particle in a solid has its own, see ContactOf */
+} WallImages;
+
+/* What is collected around the particles of one cell: 'real' particles, then the images of 'images' walls, n in all. */
+typedef struct {
+  PetscInt   cell, real, n, images;
+  WallImages image[2 * DIM + 1];
+} Around;
+
+/* Of each of these images. */
+typedef struct {
+  PetscBool used;                       /* not of mere mirror images */
+  PetscInt  capacity, *parent, *origin; /* [capacity] of which candidate it is one, and of which particle in the end */
+  float    *share;                      /* [capacity] its volume over that of this particle */
+} Images;
+
+/* Of the particles near solids that have a contact angle. */
+typedef struct {
+  PetscInt      count; /* of solids; 0: none has a contact angle */
+  ContactAngle *angle; /* [count] those without one have the angle 0 */
+  PetscReal    *place; /* [n_total][3] distance (m) from the nearest solid; volume of the image in it over that of the
+                          particle, 0: there is none; index of the solid, negative: none is near, or it has no angle */
+  PetscReal *normal;   /* [n_total][3] out of it, and ... */
+  PetscReal *meeting;  /* [n_total][3] ... the same where the free surface next to the particle is */
+  PetscReal *index;    /* [n_total] local indices, for SOLID_COLUMN */
+  CellGrid   grid;     /* of the dummy particles of all solids */
+  PetscReal *dummy;    /* [grid points][3] their positions by cell, m */
+} SolidContact;
+
 struct _p_Tension {
   MPI_Comm  comm;
   PetscBool active; /* the scene has tension and the model is not none */
@@ -201,18 +243,22 @@ struct _p_Tension {
   float   *single; /* [LIQUID_WIDTH][single_stride] cahn_hilliard: the collected columns, positions from a near point */
   PetscInt single_stride;
 
-  PetscBool  sheets;                         /* curvature: sheet.c is used */
-  PetscReal  sharpening;                     /* of the curvature */
-  PetscReal  threshold, same_side, thinnest; /* see curvature.c */
-  PetscReal  angle, cosine, sine;            /* contact angle, rad */
-  PetscBool  walls;                          /* the box has any */
-  PetscReal  depth[WALL_TABLE + 1];          /* depth (m) over the filled fraction 0.5 to 1 */
-  PetscReal  fraction[WALL_TABLE + 1];       /* F over w1/w1(0) */
-  PetscReal  plane, moment;                  /* w1(0), 1/m; int x^2 W dA over a plane, m */
-  NormalFit *fit[SIZE_LEVELS];               /* [fit_capacity], by place in the sorted liquid of the level */
-  PetscInt   fit_capacity[SIZE_LEVELS];
-  float     *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
-  PetscInt64 weight_capacity;
+  PetscBool    sheets;                         /* curvature: sheet.c is used */
+  PetscReal    sharpening;                     /* of the curvature */
+  PetscReal    threshold, same_side, thinnest; /* see curvature.c */
+  FaceType     face[DIM][2];                   /* of the box */
+  ContactAngle contact[DIM][2];                /* of its walls */
+  SolidContact solid;
+  Images       images;
+  PetscBool    slanted;                  /* a contact angle is not 90 degrees: see ContactSlant */
+  PetscBool    walls;                    /* the box has any */
+  PetscReal    depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal    fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
+  PetscReal    plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  NormalFit   *fit[SIZE_LEVELS];         /* [fit_capacity], by place in the sorted liquid of the level */
+  PetscInt     fit_capacity[SIZE_LEVELS];
+  float       *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
+  PetscInt64   weight_capacity;
 };
 
 /* TensionSort - finds where the particles of each level are near the surface (BandMark), and sorts the liquid for these
@@ -269,6 +315,36 @@ static inline void WeighVolumes(Tension tension, PetscInt begin, PetscInt m, flo
     if (F) F[k] *= (float)weight[k];
   }
 }
+
+/* ContactCreate - takes over -<s>_contact_angle of the scene's solids. ContactSetFromOptions - -wall_contact_angle,
+   -box_<face>_contact_angle, inside an options block; refuses (UserError) that of a face that is no wall. Collective.
+ */
+PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene);
+PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+/* ContactView - warns of angles that look like radians. Collective. */
+PetscErrorCode ContactView(Tension tension, PetscViewer viewer);
+/* ContactFindSolids - place, normal and index of SolidContact, ghosts too. ContactFindMeeting - its meeting, from
+   normals ([n_total][3]) and depths ([n_total], m) of the particles near the free surface. ContactRestore - ends what
+   ContactFindSolids began. Collective. */
+PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud);
+PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[]);
+PetscErrorCode ContactRestore(Tension tension, Cloud cloud);
+PetscErrorCode ContactDestroy(Tension tension);
+/* ContactCollect - collects the columns of what is around the particle at place p and x, unless that has been done for
+   its cell: of the liquid, and of its images in walls, which have the first 'width' columns. Columns 3 to 5 hold
+   normals if width says that there are any. Not collective. */
+PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM], PetscInt columns,
+                              PetscInt width, Around *around);
+/* ContactSlant - moves the collected images to where particle a sees them, along a vector out of the liquid; less where
+   its part along the wall is shorter than that of a surface which meets the wall, if its length is 'full'.
+   ContactShares
+   - multiplies W and F (may be NULL) of the m collected candidates from 'begin' on, around the particle at x (m), by
+   the volumes of images. ContactOf - the contact angle of a group of images, and the unit vector from the wall into the
+   liquid, at particle a; NULL: no solid is near it. Not collective. */
+void ContactSlant(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full);
+void ContactShares(Tension tension, const Around *around, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[],
+                   float F[]);
+const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM]);
 
 /* SheetShare - how far a particle with phi and |grad phi| (1/m) is one of a sheet too thin for normals: 0 not, 1 all.
    Here and below the sizes of graded particles are tension->size. Not collective. */

@@ -145,7 +145,9 @@ PetscErrorCode TensionSort(Tension tension, Cloud cloud)
     PetscCall(BandMark(&tension->bands[0], cloud, KernelSmoothingLength(tension->kernel), support, NULL, 0));
     PetscCall(LiquidSort(TensionLevel(tension, 0), cloud, support, 1, NULL, 0));
   }
-  for (PetscInt l = 0; l < tension->levels && cloud->weight; l++)
-    LiquidLoad(TensionLevel(tension, l), WEIGHT_COLUMN, 1, cloud->weight);
+  for (PetscInt l = 0; l < tension->levels; l++) {
+    if (cloud->weight) LiquidLoad(TensionLevel(tension, l), WEIGHT_COLUMN, 1, cloud->weight);
+    if (tension->solid.count) LiquidLoad(TensionLevel(tension, l), SOLID_COLUMN, 1, tension->solid.index);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

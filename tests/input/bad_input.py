@@ -134,6 +134,10 @@ for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-
                              ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
                              ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
     refused("free_body_and_" + name, FLOAT + options, words)
+refused("contact_angle_of_free_body", FLOAT + "-part_contact_angle 60", ["-part_contact_angle", "-part_mass"])
+refused("contact_angle_of_open_face", GOOD + "-box_xmin_contact_angle 60", ["-box_xmin_contact_angle", "open"])
+refused("contact_angle_of_solid_with_cahn_hilliard", PLANE + "-part_contact_angle 60 -tension_type cahn_hilliard",
+        ["cahn_hilliard", "curvature"])
 refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
 refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
 refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])

@@ -56,12 +56,12 @@ static inline PetscErrorCode SetupPack(const char options[], Setup *s)
 }
 
 /* SetupFill - n fluid particles of the first body at x ([n][3], m, the same on every rank), ids 0 .. n-1, and 'layers'
-   layers of wall particles behind them. */
+   layers of wall particles behind them and in solids. */
 static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const PetscReal x[], PetscInt layers, Setup *s)
 {
   ParticleArrays arrays;
   PetscMPIInt    rank;
-  PetscInt       walls;
+  PetscInt       walls, solids;
 
   PetscFunctionBegin;
   PetscCall(SetupOpen(options, s));
@@ -71,7 +71,10 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
   PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
   for (PetscInt a = 0; a < arrays.n; a++) arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
   PetscCall(ParticlesClose(s->particles, &arrays));
-  if (layers) PetscCall(WallCreateParticles(s->particles, s->domain, layers, n, &walls));
+  if (layers) {
+    PetscCall(WallCreateParticles(s->particles, s->domain, layers, n, &walls));
+    PetscCall(SolidCreateParticles(s->particles, s->domain, s->scene, layers, n + walls, &solids));
+  }
   PetscCall(CloudResync(s->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,6 +17,8 @@
   "-spacing 1 -box_lower 0,0,0 -box_upper 24,24,24 -box_xmin symmetry -box_ymin symmetry -box_zmin symmetry -bodies "  \
   "a -a_tension 1 "
 #define FLOOR "-dimension 2 -spacing 1 -box_lower -40,0 -box_upper 40,40 -box_ymin wall -bodies a -a_tension 1 "
+#define SOLID                                                                                                          \
+  "-dimension 2 -spacing 1 -box_lower -40,-40 -box_upper 40,40 -bodies a -a_tension 1 -solids s -s_contact_angle "
 #define POOL                                                                                                           \
   "-dimension 2 -spacing 1 -box_lower -10,0 -box_upper 10,60 -box_x periodic -box_ymin wall -bodies a -a_tension 1 "
 
@@ -61,6 +63,33 @@ static PetscBool InCap(const PetscReal x[DIM], const PetscReal number[])
   const PetscReal r[DIM] = {x[0], x[1] + number[0] * PetscCosReal(number[1] * PETSC_PI / 180), 0};
 
   return (PetscBool)(Norm(r) < number[0]);
+}
+
+/* The same on a plane at 45 degrees to the lattice, and on a circle of radius number[0] about the origin. */
+static PetscBool InSlopedCap(const PetscReal x[DIM], const PetscReal number[])
+{
+  const PetscReal turned[DIM] = {(x[0] + x[1]) / PetscSqrtReal(2), (x[1] - x[0]) / PetscSqrtReal(2), 0};
+
+  return (PetscBool)(turned[1] > 0.1 && InCap(turned, number));
+}
+
+static PetscBool InSlopedFoot(const PetscReal x[DIM], const PetscReal number[])
+{
+  (void)number;
+  return (PetscBool)(x[1] - x[0] < 5 * PetscSqrtReal(2));
+}
+
+static PetscBool InRoundCap(const PetscReal x[DIM], const PetscReal number[])
+{
+  const PetscReal away   = number[0] * PetscSqrtReal(2 - 2 * PetscCosReal(number[1] * PETSC_PI / 180)),
+                  r[DIM] = {x[0], x[1] - away, 0};
+
+  return (PetscBool)(Norm(x) > number[0] && Norm(r) < number[0]);
+}
+
+static PetscBool InRoundFoot(const PetscReal x[DIM], const PetscReal number[])
+{
+  return (PetscBool)(Norm(x) < number[0] + 5);
 }
 
 /* The points of a lattice with cells centered at (i + 1/2) in a block of n[d] cells a direction about 'middle' that are
@@ -352,6 +381,32 @@ static PetscErrorCode TestContact(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same of circles on a solid plane at 45 degrees to the lattice and on a solid circle as large as they are. */
+static PetscErrorCode TestContactSolid(void)
+{
+  const PetscInt    block[DIM] = {80, 80, 1};
+  const char *const shape[2]   = {"-s_shape half_space -s_point 0,0 -s_normal -1,1", "-s_shape sphere -s_radius 16"};
+  const Inside      cap[2] = {InSlopedCap, InRoundCap}, foot[2] = {InSlopedFoot, InRoundFoot};
+
+  PetscFunctionBegin;
+  for (PetscInt angle = 60; angle <= 120; angle += 30)
+    for (PetscInt ball = 0; ball < 2; ball++) {
+      const PetscReal number[] = {16, (PetscReal)angle};
+      const PetscInt  n        = Fill(cap[ball], number, block, origin, JITTER);
+      char            options[512], name[64];
+      Outcome         o;
+
+      for (PetscInt low = 0; low < 2; low++) {
+        PetscCall(PetscSNPrintf(options, sizeof(options), SOLID "%d %s", (int)angle, shape[ball]));
+        PetscCall(PetscSNPrintf(name, sizeof(name), "contact_%s_%d%s", ball ? "ball" : "slope", (int)angle,
+                                low ? "_foot" : ""));
+        PetscCall(Measure(options, n, 4, low ? foot[ball] : NULL, number, &o));
+        CHECK_CLOSE(o.mean * 16, 1, low ? 0.22 : 0.08, name);
+      }
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Coordinates of the surface particles of all ranks, images not included; returns their number. */
 static PetscErrorCode GatherSurface(Cloud cloud, PetscReal x[DIM * MAX_POINTS], PetscInt *count)
 {
@@ -506,6 +561,7 @@ int main(int argc, char **argv)
   PetscCall(TestZigzagSheet());
   PetscCall(TestThread());
   PetscCall(TestContact());
+  PetscCall(TestContactSolid());
   PetscCall(TestBand());
   PetscCall(TestPrinted());
   PetscCall(PetscOptionsClear(NULL));

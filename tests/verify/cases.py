@@ -177,6 +177,8 @@ ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3),
 ENTRIES += [Entry("rayleigh_plateau", "rings", file=RINGS)]
 ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {angle}",
                   spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
+ENTRIES += [Entry("contact_angle", f"{angle} degrees, {where}", f"-{name}_contact_angle {angle}", file=f"{name}.opts")
+            for name, where in (("slope", "solid plane"), ("ball", "solid sphere")) for angle in (60, 90, 120)]
 FOOT = "-fine foot -foot_shape box -foot_lower -4e-3,0 -foot_upper 4e-3,0.6e-3"
 ENTRIES += [Entry("contact_angle", "60 degrees, graded", f"-spacing 0.2e-3 -spacing_coarse 0.4e-3 {FOOT} -time_end 0.1",
                   TEST)]

@@ -1,0 +1,186 @@
+/* Where the particles near solids have their images.
+
+   A solid mirrors each particle at the point of its surface that is nearest to it: at the distance s, n the unit vector
+   out of the solid, the image is at x - 2 s n. With div n = k at that point and d dimensions, the volume of the image
+   is (1 - s k/(1 + s k/(d - 1)))^2 of the particle's, which is what mapping one side of a curved surface to the other
+   does to volumes; behind a convex edge it is 0. An image that is not in a solid, because this is thinner than the
+   kernel reaches, is left out.
+
+   Normals are mirrored with the n at the place where the surface next to the particle is. n differs in the liquid
+   behind that, by depth over radius, and the contact angle would be wrong by that much.
+
+   Dummy particles fill a solid on the box's lattice, so that its surface is up to half a spacing away from that of its
+   shape, and the liquid with it. Images are made at the former (Offset). */
+#include "tension_impl.h"
+
+#define BEND_STEP 0.5 /* spacings: of the differences that give div n */
+/* Spacings from a solid: up to the one the offset of its dummy particles is followed in full, from the other on not at
+   all. A rank knows all of them around the foot of a particle that is no further from it. */
+#define OFFSET_ALL   1.25
+#define OFFSET_NONE  2.25
+#define LENGTH_LEAST 0.5 /* a particle nearer to the centre of a hollow than half its radius has no image */
+#define NO_SOLID     -1. /* in place of the index of a solid */
+
+/* div n (1/m) at a point y (m) of the surface of a solid. */
+static PetscReal Bend(Scene scene, PetscInt dim, PetscReal step, const PetscReal y[DIM])
+{
+  const PetscReal s   = SceneSolidDistance(scene, y, NULL);
+  PetscReal       sum = 0;
+
+  for (PetscInt d = 0; d < dim; d++)
+    for (PetscInt side = -1; side <= 1; side += 2) {
+      PetscReal x[DIM] = {y[0], y[1], y[2]};
+
+      x[d] += side * step;
+      sum += SceneSolidDistance(scene, x, NULL) - s;
+    }
+  return sum / PetscSqr(step);
+}
+
+/* Sorts the dummy particles of solids. */
+static PetscErrorCode SortDummies(Tension tension, Cloud cloud)
+{
+  SolidContact *solid = &tension->solid;
+  PetscInt      n     = 0;
+  PetscReal    *x;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(DIM * cloud->n_total, &x));
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    if (cloud->integer[INT_LAYER][a] == 0 || cloud->integer[INT_BODY][a] > BODY_SOLID) continue;
+    for (PetscInt d = 0; d < DIM; d++) x[DIM * n + d] = cloud->field[FIELD_POSITION][DIM * a + d];
+    n++;
+  }
+  PetscCall(CellGridBuild(&solid->grid, cloud->domain->dim, n, x, KernelSupport(tension->core), 1));
+  PetscCall(PetscFree(solid->dummy));
+  PetscCall(PetscMalloc1(DIM * n, &solid->dummy));
+  for (PetscInt k = 0; k < n; k++)
+    for (PetscInt d = 0; d < DIM; d++) solid->dummy[DIM * k + d] = x[DIM * solid->grid.order[k] + d];
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How much of the kernel at x (m) dummy particles fill. */
+static PetscReal Filled(Tension tension, PetscReal volume, const PetscReal x[DIM])
+{
+  const SolidContact *solid = &tension->solid;
+  const CellGrid     *grid  = &solid->grid;
+  PetscInt            first[DIM], last[DIM];
+  PetscReal           sum = 0, r2[CHUNK], W[CHUNK];
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscInt cell = (PetscInt)PetscFloorReal((x[d] - grid->lower[d]) / grid->size);
+
+    first[d] = PetscMax(0, cell - 1);
+    last[d]  = PetscMin(grid->n[d] - 1, cell + 1);
+  }
+  for (PetscInt z = first[2]; z <= last[2]; z++)
+    for (PetscInt y = first[1]; y <= last[1] && first[0] <= last[0]; y++) {
+      const PetscInt line = CellIndex(grid->n, 0, y, z), end = grid->start[line + last[0] + 1];
+
+      for (PetscInt begin = grid->start[line + first[0]]; begin < end; begin += CHUNK) {
+        const PetscInt m = PetscMin(CHUNK, end - begin);
+
+        for (PetscInt k = 0; k < m; k++) {
+          const PetscReal *of = solid->dummy + DIM * (begin + k), r[DIM] = {x[0] - of[0], x[1] - of[1], x[2] - of[2]};
+
+          r2[k] = Dot(r, r);
+        }
+        KernelEvaluate(tension->core, m, r2, W, NULL);
+        for (PetscInt k = 0; k < m; k++) sum += volume * W[k];
+      }
+    }
+  return sum;
+}
+
+/* How far (m) the surface of a solid as its dummy particles fill it is above that of its shape, around a point that is
+   s (m) from it; its div n is bend (1/m). */
+static PetscReal Offset(Tension tension, PetscReal volume, PetscReal s, const PetscReal foot[DIM], PetscReal bend)
+{
+  const PetscReal near = (OFFSET_NONE - s / tension->spacing) / (OFFSET_NONE - OFFSET_ALL);
+  PetscReal       filled, offset;
+
+  if (near <= 0) return 0;
+  filled = Filled(tension, volume, foot) + 0.5 * bend * SHEET_CORE * tension->moment;
+  offset = (filled - 0.5) * SHEET_CORE / tension->plane;
+  return PetscMin(1, near) * PetscMax(-0.5, PetscMin(0.5, offset / tension->spacing)) * tension->spacing;
+}
+
+/* Finds place and normal (see SolidContact) of the particle at x (m) from the solids within 'reach' (m). */
+static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], PetscReal reach, PetscReal place[DIM],
+                      PetscReal normal[DIM])
+{
+  const SolidContact *solid   = &tension->solid;
+  PetscInt            nearest = 0;
+  const PetscReal     s       = SceneSolidDistance(cloud->scene, x, &nearest);
+  PetscReal           image[DIM], foot[DIM], bend, length;
+
+  place[2] = NO_SOLID;
+  if (s > reach || solid->angle[nearest].angle == 0) return;
+  SceneSolidNormal(cloud->scene, x, normal);
+  if (Norm(normal) == 0) return;
+  for (PetscInt d = 0; d < DIM; d++) {
+    foot[d]  = x[d] - s * normal[d];
+    image[d] = x[d] - 2 * s * normal[d];
+  }
+  bend     = Bend(cloud->scene, tension->dim, BEND_STEP * tension->spacing, foot);
+  place[0] = s - Offset(tension, cloud->domain->volume, s, foot, bend);
+  place[2] = (PetscReal)nearest;
+  if (SceneSolidDistance(cloud->scene, image, NULL) > 0) return;
+  length   = 1 + s * bend / (tension->dim - 1); /* of the surface at the particle over that at its foot */
+  place[1] = length > LENGTH_LEAST ? PetscSqr(PetscMax(0, 1 - s * bend / length)) : 0;
+}
+
+PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
+{
+  SolidContact *solid = &tension->solid;
+
+  PetscFunctionBegin;
+  if (solid->count == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SortDummies(tension, cloud));
+  PetscCall(CloudGetWork(cloud, DIM, &solid->place));
+  PetscCall(CloudGetWork(cloud, DIM, &solid->normal));
+  PetscCall(CloudGetWork(cloud, DIM, &solid->meeting));
+  PetscCall(CloudGetWork(cloud, 1, &solid->index));
+  PetscCall(PetscArrayzero(solid->place, DIM * cloud->n_total));
+  PetscCall(PetscArrayzero(solid->normal, DIM * cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    FindSolid(tension, cloud, cloud->field[FIELD_POSITION] + DIM * a,
+              tension->size_most * KernelSupport(tension->kernel), solid->place + DIM * a, solid->normal + DIM * a);
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, solid->normal));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_SCALAR, solid->place));
+  PetscCall(PetscArraycpy(solid->meeting, solid->normal, DIM * cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_total; a++) solid->index[a] = (PetscReal)a;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
+{
+  SolidContact *solid = &tension->solid;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid && solid->count; a++) {
+    const PetscReal *n = normal + DIM * a, *x = cloud->field[FIELD_POSITION] + DIM * a;
+    const PetscReal  y[DIM] = {x[0] + depth[a] * n[0], x[1] + depth[a] * n[1], x[2] + depth[a] * n[2]};
+    PetscReal        meeting[DIM];
+
+    if (solid->place[DIM * a + 2] < 0 || Norm(n) == 0) continue;
+    SceneSolidNormal(cloud->scene, y, meeting);
+    for (PetscInt d = 0; d < DIM && Norm(meeting) > 0; d++) solid->meeting[DIM * a + d] = meeting[d];
+  }
+  if (solid->count) PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, solid->meeting));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactRestore(Tension tension, Cloud cloud)
+{
+  SolidContact *solid = &tension->solid;
+
+  PetscFunctionBegin;
+  if (solid->count == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudRestoreWork(cloud, &solid->index));
+  PetscCall(CloudRestoreWork(cloud, &solid->meeting));
+  PetscCall(CloudRestoreWork(cloud, &solid->normal));
+  PetscCall(CloudRestoreWork(cloud, &solid->place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
