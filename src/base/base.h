@@ -135,6 +135,9 @@ PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH]);
    call once, before PetscInitialize if a missing options file shall be refused as politely. */
 PetscErrorCode UserErrorHandlerPush(void);
 
+/* UserErrorsHold - from 'true' to 'false' user errors are not printed: what the caller tries, nobody has asked for. Not
+   collective. */
+void UserErrorsHold(PetscBool hold);
 /* ErrorsKeep - from 'true' to 'false' errors that start in PETSc are not printed; under UserErrorHandlerPush. ErrorKept
    - the first line of the last one, or "" if there was none or a sentence has been said. Not collective. */
 void        ErrorsKeep(PetscBool keep);

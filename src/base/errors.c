@@ -12,6 +12,7 @@
 #define NAP            10  /* ms between two looks */
 
 static PetscBool UserErrorRaised = PETSC_FALSE; /* UserError has printed its sentence and its code is on its way up */
+static PetscBool Held            = PETSC_FALSE; /* user errors are not printed */
 static PetscBool Keeping         = PETSC_FALSE; /* errors of PETSc's are kept for the caller */
 static char      Kept[MESSAGE_LENGTH];
 static char      Last[MESSAGE_LENGTH];      /* the sentence of the last error, and the calls that led to it */
@@ -57,7 +58,7 @@ static void SayOnce(MPI_Comm comm)
 
   (void)MPI_Comm_rank(comm, &rank);
   Said = PETSC_FALSE;
-  if (!rank) Say(Last);
+  if (!rank && !Held) Say(Last);
 }
 
 PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
@@ -76,6 +77,11 @@ PetscErrorCode UserErrorSaid(void)
 {
   UserErrorRaised = Said = PETSC_TRUE;
   return ISPH_USER_ERROR;
+}
+
+void UserErrorsHold(PetscBool hold)
+{
+  Held = hold;
 }
 
 void ErrorsKeep(PetscBool keep)

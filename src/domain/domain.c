@@ -235,8 +235,6 @@ static PetscErrorCode ReadGrading(Domain domain, OptionItems PetscOptionsObject)
                    domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSEST * domain->spacing,
                  comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)coarse, COARSEST,
                  (double)domain->spacing);
-  PetscCheckUser(!domain->graded || !domain->rings, comm,
-                 "-spacing_coarse cannot be used with -dimension axisymmetric yet: rings have sizes of their own");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

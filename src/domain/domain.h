@@ -21,7 +21,7 @@ extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" 
 
    Graded spacing (-spacing_coarse): the spacing grows from 'spacing' to 'spacing_coarse' with the distance from the
    regions of -fine (SceneSpacing). A particle keeps the volume s^dim and the smoothing length (in spacings) that it was
-   made with, wherever it goes. */
+   made with, wherever it goes; rings, which join and split, the smoothing length alone. */
 typedef struct {
   MPI_Comm  comm;
   PetscInt  dim;                        /* 2 or 3 */
@@ -81,12 +81,13 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
                                    const char help[], const char manual[], PetscReal value[DIM], PetscBool *set);
 
 /* DomainRingLength - 2 pi R (m) of the ring at x (m), which may be an image; 1 where particles are no rings. R is the
-   distance from the axis; nearer than half a spacing, the mean of that and half a spacing: as far out as the ring's
-   pairs act (a pair has the length of its middle, |r_a + r_b|/2 with images at -r), so that the first ring of a lattice
-   is as wide as all others and no ring has a cross section without bound. Not collective. */
-static inline PetscReal DomainRingLength(Domain domain, const PetscReal x[DIM])
+   distance from the axis; nearer than half a spacing, of a ring of this size (1), the mean of that and half a spacing:
+   as far out as the ring's pairs act (a pair has the length of its middle, |r_a + r_b|/2 with images at -r), so that
+   the first ring of a lattice is as wide as all others and no ring has a cross section without bound. Not collective.
+ */
+static inline PetscReal DomainRingLength(Domain domain, const PetscReal x[DIM], PetscReal size)
 {
-  const PetscReal r = PetscAbsReal(x[0]), half = 0.5 * domain->spacing;
+  const PetscReal r = PetscAbsReal(x[0]), half = 0.5 * domain->spacing * size;
 
   return domain->rings ? 2 * PETSC_PI * (r < half ? 0.5 * (r + half) : r) : 1;
 }

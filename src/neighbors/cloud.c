@@ -59,7 +59,6 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
   PetscCall(PetscFree(c->weight));
-  PetscCall(PetscFree(c->size));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->reference));
@@ -81,14 +80,14 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    if (f != FIELD_VISCOSITY || SceneViscosityVaries(cloud->scene))
+    if ((f != FIELD_VISCOSITY || SceneViscosityVaries(cloud->scene)) && (f != FIELD_SIZE || cloud->domain->graded))
       PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
   cloud->volume = cloud->field[FIELD_VOLUME];
+  cloud->size   = cloud->field[FIELD_SIZE];
   if (cloud->domain->rings || cloud->domain->graded)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
-  if (cloud->domain->graded) PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->size));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
@@ -127,7 +126,7 @@ static void CountKinds(Cloud cloud)
   cloud->layout++;
 }
 
-/* The sizes of the graded particles begin to end - 1, whose volumes are known. */
+/* The sizes of the graded particles begin to end - 1, whose volumes are known. Rings have theirs already. */
 static PetscErrorCode FindSizes(Cloud cloud, PetscInt begin, PetscInt end)
 {
   PetscReal most = 0;
@@ -135,8 +134,8 @@ static PetscErrorCode FindSizes(Cloud cloud, PetscInt begin, PetscInt end)
   PetscFunctionBegin;
   if (!cloud->size) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = begin; a < end; a++) {
-    cloud->size[a] = DomainSize(cloud->domain, cloud->volume[a]);
-    most           = PetscMax(most, cloud->size[a]);
+    if (!cloud->domain->rings) cloud->size[a] = DomainSize(cloud->domain, cloud->volume[a]);
+    most = PetscMax(most, cloud->size[a]);
   }
   PetscCheck(most <= (1 + POINT_TOLERANCE) * cloud->size_most, PETSC_COMM_SELF, PETSC_ERR_PLIB,
              "a particle has %g times the spacing, more than -spacing_coarse allows", (double)most);
@@ -182,6 +181,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
   }
   if (ParticlesHave(cloud->particles, FIELD_VOLUME)) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
+  if (ParticlesHave(cloud->particles, FIELD_SIZE)) PetscCall(CloudUpdate(cloud, FIELD_SIZE));
   PetscCall(FindSizes(cloud, cloud->n_owned, cloud->n_total));
   PetscCall(CloudFindSolidNormals(cloud));
   PetscCall(PetscArraycpy(cloud->reference, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));

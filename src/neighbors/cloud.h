@@ -42,7 +42,7 @@ typedef struct _p_Cloud {
      that differing lengths make in a Laplacian vanishes. */
   PetscReal *volume;       /* [n_total] FIELD_VOLUME */
   PetscReal *weight;       /* [n_total] 1 */
-  PetscReal *size;         /* [n_total] s/d0 of graded particles (DomainSize), 1; NULL: all have one size */
+  PetscReal *size;         /* [n_total] FIELD_SIZE of graded particles, 1; NULL: all have one size */
   PetscReal  size_most;    /* 1; of all ranks and times: supports are at most so much wider than the kernel's */
   PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
@@ -110,6 +110,23 @@ static inline PetscReal CloudSize(Cloud cloud, PetscInt a)
 static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
 {
   return cloud->size ? 0.5 * (cloud->size[a] + cloud->size[b]) : 1;
+}
+
+/* CloudShare - the weight over that of a particle of its size: of rings, whose areas change, about 1, of others 1.
+   CloudWeighSelf - what W(0) of size 1 becomes in a sum of particle a itself. CloudRingLength - DomainRingLength of
+   particle a. Not collective. */
+static inline PetscReal CloudShare(Cloud cloud, PetscInt a)
+{
+  if (!cloud->domain->rings) return 1;
+  return cloud->size ? cloud->weight[a] / PetscSqr(cloud->size[a]) : cloud->weight[a];
+}
+static inline PetscReal CloudWeighSelf(Cloud cloud, PetscInt a, PetscReal value)
+{
+  return cloud->domain->rings ? CloudShare(cloud, a) * value : value;
+}
+static inline PetscReal CloudRingLength(Cloud cloud, PetscInt a)
+{
+  return DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, CloudSize(cloud, a));
 }
 
 /* CloudLevelSize - the largest size in a level of sizes: a little more than a power of sqrt(2), so that the fine

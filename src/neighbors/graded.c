@@ -390,12 +390,6 @@ static inline PetscInt GradedFactors(Cloud cloud, GradedSearch *search, PetscInt
   return sum;
 }
 
-/* Volumes over V_0. */
-static void FindWeights(Cloud cloud)
-{
-  for (PetscInt a = 0; a < cloud->n_total; a++) cloud->weight[a] = cloud->volume[a] / cloud->domain->volume;
-}
-
 PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context)
 {
   const PetscBool flat = (PetscBool)(cloud->domain->dim == 2);
@@ -423,7 +417,9 @@ PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context)
                                                    cloud->slope + used, cloud->laplacian + used)
                                    : GradedFactors(cloud, search, a, found, PETSC_FALSE, visit ? w : NULL,
                                                    slope_over_r2, cloud->slope + used, cloud->laplacian + used);
-    used                    = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
+    if (cloud->domain->rings)
+      WeightRow(cloud, found, cloud->list + used, visit ? w : NULL, slope_over_r2, cloud->slope + used);
+    used = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
   }
   PetscCall(SearchDestroy(search));
   PetscCall(PetscFree(search));

@@ -93,3 +93,21 @@ PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[]
   }
   return sum;
 }
+
+void FindWeights(Cloud cloud)
+{
+  for (PetscInt a = 0; a < cloud->n_total && cloud->weight; a++)
+    cloud->weight[a] = cloud->volume[a] / (CloudRingLength(cloud, a) * cloud->domain->volume);
+}
+
+void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w, float *restrict slope_over_r2,
+               float *restrict slope)
+{
+  for (PetscInt k = 0; k < n; k++) {
+    const float share = (float)CloudShare(cloud, list[k]);
+
+    if (w) w[k] *= share;
+    slope_over_r2[k] *= share;
+    slope[k] *= share;
+  }
+}

@@ -149,29 +149,6 @@ static PetscInt PairFactors(Kernel kernel, float unit, PetscInt n, const float *
   return sum;
 }
 
-/* The ring areas over V_0 at the positions of the cloud, ghosts too. */
-static void FindWeights(Cloud cloud)
-{
-  const Domain     domain = cloud->domain;
-  const PetscReal *x      = cloud->field[FIELD_POSITION];
-
-  for (PetscInt a = 0; a < cloud->n_total && cloud->weight; a++)
-    cloud->weight[a] = cloud->volume[a] / (DomainRingLength(domain, x + DIM * a) * domain->volume);
-}
-
-/* Multiplies the factors of a row, where they stand for V_0 of the neighbour, by its weight. */
-static void WeightRow(const PetscReal weight[], PetscInt n, const PetscInt list[], float *restrict w,
-                      float *restrict slope_over_r2, float *restrict slope)
-{
-  for (PetscInt k = 0; k < n; k++) {
-    const float share = (float)weight[list[k]];
-
-    if (w) w[k] *= share;
-    slope_over_r2[k] *= share;
-    slope[k] *= share;
-  }
-}
-
 /* What the search of all rows shares. */
 typedef struct {
   Units     units;
@@ -261,7 +238,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
     cloud->laplacian_sum[a] = PairFactors(cloud->kernel, search.unit, found, search.s, visit ? w : NULL, slope_over_r2,
                                           cloud->slope + used, cloud->laplacian + used);
     if (cloud->weight)
-      WeightRow(cloud->weight, found, cloud->list + used, visit ? w : NULL, slope_over_r2, cloud->slope + used);
+      WeightRow(cloud, found, cloud->list + used, visit ? w : NULL, slope_over_r2, cloud->slope + used);
     used = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
   }
   PetscCall(PetscFree3(search.place, search.s, search.run));

@@ -123,6 +123,11 @@ PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[]
    and LANES more, which are zero. Not collective. */
 PetscErrorCode PlacesSort(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[], int32_t sorted[]);
 
+/* FindWeights - volumes over V_0, of rings their areas, at the positions of the cloud, ghosts too. WeightRow -
+   multiplies the factors of a row, where they stand for a neighbour of full share, by its CloudShare. Not collective.
+ */
+void FindWeights(Cloud cloud);
+void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float w[], float slope_over_r2[], float slope[]);
 /* SearchGraded - CloudSearch of particles of different sizes. Not collective. */
 PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context);
 

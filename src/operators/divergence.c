@@ -94,14 +94,14 @@ static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscI
 }
 
 /* The part of a ring's divergence that is due to its growth, v_r/r, after time_offset (s) as in OperatorsDivergence.
-   Nearer to the axis than half a spacing it turns to the slope of v_r, which is its limit there: v_r is as uncertain as
-   everywhere, but r is small. G over 'scale', B as there. It is not inlined, for then the compiler would round the sums
-   around it in another way where particles are no rings. */
-__attribute__((noinline)) static PetscReal HoopDivergence(Domain domain, PetscReal r, PetscReal v_r, PetscReal scale,
-                                                          const PetscReal G[DIM * DIM], const PetscReal B[6],
-                                                          PetscReal time_offset)
+   Nearer to the axis than half a spacing of particles of this size it turns to the slope of v_r, which is its limit
+   there: v_r is as uncertain as everywhere, but r is small. G over 'scale', B as there. It is not inlined, for then the
+   compiler would round the sums around it in another way where particles are no rings. */
+__attribute__((noinline)) static PetscReal HoopDivergence(Domain domain, PetscReal size, PetscReal r, PetscReal v_r,
+                                                          PetscReal scale, const PetscReal G[DIM * DIM],
+                                                          const PetscReal B[6], PetscReal time_offset)
 {
-  const PetscReal short2 = PetscMax(0, PetscSqr(0.5 * domain->spacing) - r * r),
+  const PetscReal short2 = PetscMax(0, PetscSqr(0.5 * domain->spacing * size) - r * r),
                   slope  = scale * (B[0] * G[0] + B[3] * G[1] + B[4] * G[2]),
                   hoop   = (r * v_r + short2 * slope) / (r * r + short2);
 
@@ -149,7 +149,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
                       B[4] * (moved[2] + moved[6]) + B[5] * (moved[5] + moved[7]));
     if (time_offset > 0) div[a] -= time_offset * scale * scale * SquareTrace(moved, B);
     if (cloud->domain->rings)
-      div[a] += HoopDivergence(cloud->domain, x[DIM * a], velocity[DIM * a], scale, moved, B, time_offset);
+      div[a] +=
+        HoopDivergence(cloud->domain, CloudSize(cloud, a), x[DIM * a], velocity[DIM * a], scale, moved, B, time_offset);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

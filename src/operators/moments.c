@@ -77,7 +77,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = cloud->size ? V * self : CloudWeigh(cloud, a, V * self);
+    PetscReal sum = CloudWeighSelf(cloud, a, V * self);
 
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowEvaluate(cloud, a, &row);
@@ -148,7 +148,8 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
     cloud->rest_density[a] * V *
-    ((graded ? scales->self : CloudWeigh(cloud, a, scales->self)) + scales->scale_w * total[3]);
+    ((graded ? CloudWeighSelf(cloud, a, scales->self) : CloudWeigh(cloud, a, scales->self)) +
+     scales->scale_w * total[3]);
   Vec4Store(scale * (total + Simd3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
   Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);

@@ -153,14 +153,14 @@ static void ViscosityMorris(PetscInt a, const PairRow *row, const PetscReal v[],
 static void ViscosityRings(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal v[], PetscReal out[DIM])
 {
   const Domain     domain = cloud->domain;
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, length_a = DomainRingLength(domain, x),
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, length_a = CloudRingLength(cloud, a),
                   growth_a = v[DIM * a] / length_a;
 
   out[0] = out[1] = out[2] = 0;
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt   b        = row->index[k];
     const PetscReal *y        = cloud->field[FIELD_POSITION] + DIM * b;
-    const PetscReal  length_b = DomainRingLength(domain, y), f = row->f[k] * DomainPairLength(domain, x, y) / length_a;
+    const PetscReal  length_b = CloudRingLength(cloud, b), f = row->f[k] * DomainPairLength(domain, x, y) / length_a;
 
     out[0] += f * (length_b * growth_a - (y[0] < 0 ? -1 : 1) * v[DIM * b]);
     out[1] += f * (v[DIM * a + 1] - v[DIM * b + 1]);
@@ -170,7 +170,7 @@ static void ViscosityRings(Cloud cloud, PetscInt a, const PairRow *row, const Pe
 /* Multiplies the row's factors by the length of each pair's middle over that of ring a. */
 static void MultiplyLengths(Cloud cloud, PetscInt a, PairRow *row)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], length_a = DomainRingLength(cloud->domain, x + DIM * a);
+  const PetscReal *x = cloud->field[FIELD_POSITION], length_a = CloudRingLength(cloud, a);
 
   for (PetscInt k = 0; k < row->n; k++)
     row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / length_a;
@@ -181,7 +181,7 @@ static void MultiplyLengths(Cloud cloud, PetscInt a, PairRow *row)
    change the volume. The loss in all is 2 S:S + 2 (v_r/r)2, so that (v_r/r)2 remains for the growth. */
 static PetscReal GrowthFriction(Cloud cloud, PetscInt a, PetscReal nu)
 {
-  const PetscReal r = DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a) / (2 * PETSC_PI);
+  const PetscReal r = CloudRingLength(cloud, a) / (2 * PETSC_PI);
 
   return -nu / (r * r);
 }
@@ -283,7 +283,7 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
       if (viscosity->form == VISCOSITY_CLEARY)
         f *= Dot(u, d);
       else if (domain->rings)
-        f *= DomainPairLength(domain, x + DIM * a, x + DIM * b) / DomainRingLength(domain, x + DIM * a);
+        f *= DomainPairLength(domain, x + DIM * a, x + DIM * b) / CloudRingLength(cloud, a);
       for (PetscInt i = 0; i < DIM; i++) drag[DIM * b + i] -= f * (viscosity->form == VISCOSITY_CLEARY ? d[i] : u[i]);
     }
   }
@@ -333,12 +333,12 @@ __attribute__((noinline)) static void WeighRings(Cloud cloud, const Viscosity *v
   const PetscReal *x = cloud->field[FIELD_POSITION];
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal length_a = DomainRingLength(cloud->domain, x + DIM * a);
+    const PetscReal length_a = CloudRingLength(cloud, a);
 
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-      const PetscReal *y = x + DIM * cloud->list[k];
+      const PetscInt b = cloud->list[k];
 
-      pair[k] *= DomainPairLength(cloud->domain, x + DIM * a, y) / (length_a * DomainRingLength(cloud->domain, y));
+      pair[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) / (length_a * CloudRingLength(cloud, b));
     }
     pair[cloud->first[cloud->n_fluid] + a] =
       viscosity->form == VISCOSITY_CLEARY ? GrowthFriction(cloud, a, mu[a] / density[a]) : 0;
@@ -348,9 +348,7 @@ __attribute__((noinline)) static void WeighRings(Cloud cloud, const Viscosity *v
 /* The factor of v_r of ring a in the pair with b in the form of Morris, over that of b's. */
 static inline PetscReal GrowthRatio(Cloud cloud, PetscInt a, PetscInt b)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION];
-
-  return DomainRingLength(cloud->domain, x + DIM * b) / DomainRingLength(cloud->domain, x + DIM * a);
+  return CloudRingLength(cloud, b) / CloudRingLength(cloud, a);
 }
 
 /* Products of the operator of rings, of the form of Morris as in ViscosityRings. */

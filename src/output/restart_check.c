@@ -43,6 +43,7 @@ static void CheckReals(const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_
   if (arrays->real[FIELD_VISCOSITY] && arrays->real[FIELD_VISCOSITY][a] < 0)
     Note(flaw, "the viscosity of particle %d is negative", id);
   if (arrays->real[FIELD_VOLUME] && arrays->real[FIELD_VOLUME][a] <= 0) Note(flaw, "particle %d has no volume", id);
+  if (arrays->real[FIELD_SIZE] && arrays->real[FIELD_SIZE][a] <= 0) Note(flaw, "particle %d has no size", id);
 }
 
 static void CheckKind(Scene scene, const ParticleArrays *arrays, PetscInt a, char flaw[FLAW_LENGTH])

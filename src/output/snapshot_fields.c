@@ -47,7 +47,7 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   content->compression = DEFLATE;
   PetscCall(PetscOptionsStringArray("-snapshot_fields",
                                     "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
-                                    "lambda, volume (of rings), viscosity (that "
+                                    "lambda, volume (of rings), size (of graded rings), viscosity (that "
                                     "varies), surface, layer (of walls), color; or none; default: "
                                     "all",
                                     "OutputStep", content->name, &content->names, NULL));
@@ -97,7 +97,7 @@ static PetscErrorCode CheckFields(Output output)
     }
     PetscCheckUser(found, output->comm,
                    "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
-                   "differs), viscosity (that varies), surface, layer and color, or none.",
+                   "differs), size (of graded rings), viscosity (that varies), surface, layer and color, or none.",
                    content->name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,7 +12,7 @@ PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
     for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
   SIMD_LOOP(reduction(+ : sum))
   for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
-  return cloud->domain->volume * (sum + (cloud->size ? self : CloudWeigh(cloud, a, self)));
+  return cloud->domain->volume * (sum + CloudWeighSelf(cloud, a, self));
 }
 
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)

@@ -93,15 +93,31 @@ static PetscErrorCode CheckPitch(Packing packing, const Region *region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The particles of body b; *id is the number of the next. */
-static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscSegBuffer samples,
-                              PetscInt *id)
+/* What the measures of a body's points are multiplied by, so that they have its volume (m3) as rings; else 1. */
+static PetscReal Stretch(const Region *region, PetscReal volume)
+{
+  const Domain domain = region->packing->cloud->domain;
+  const Scene  scene  = region->packing->cloud->scene;
+  PetscReal    sum    = 0;
+
+  for (PetscInt k = 0; k < region->n && domain->rings; k++) {
+    const RegionPoint *point = &region->point[k];
+
+    sum += point->measure * DomainRingLength(domain, point->x, SceneSpacing(scene, point->x) / domain->spacing);
+  }
+  return sum > 0 ? volume / sum : 1;
+}
+
+/* The particles of body b, of this volume (m3) as rings; *id is the number of the next. */
+static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal volume,
+                              PetscSegBuffer samples, PetscInt *id)
 {
   const Domain             domain = packing->cloud->domain;
   const Body               body   = SceneBody(packing->cloud->scene, b);
   const unsigned long long seed   = (unsigned long long)packing->seed;
   const PetscReal          jitter = LatticeJitter(packing);
   Region                   region = {.packing = packing, .dim = domain->dim, .body = b, .level = level};
+  PetscReal                stretch;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++) region.along[d] = PETSC_TRUE;
@@ -110,14 +126,19 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
   LatticeOfBody(domain, domain->spacing_coarse, body, &region.coarse);
   PetscCall(CheckPitch(packing, &region));
   PetscCall(RegionFill(&region));
+  stretch = Stretch(&region, volume);
   for (PetscInt k = 0; k < region.n; k++) {
     const RegionPoint *point  = &region.point[k];
     const PetscReal    s      = DomainSize(domain, point->measure) * domain->spacing;
-    Sample             sample = {.body = b, .area = point->measure / domain->volume};
+    Sample             sample = {.body = b, .area = stretch * point->measure / domain->volume};
+    PetscReal          length;
 
     sample.id = sample.parent = (*id)++;
+    sample.size               = SceneSpacing(packing->cloud->scene, point->x) / domain->spacing;
+    length                    = DomainRingLength(domain, point->x, sample.size);
     PetscCall(PetscArraycpy(sample.x, point->x, DIM));
     BodyDisplace(body, sample.x);
+    sample.area *= length / DomainRingLength(domain, sample.x, sample.size); /* what is displaced keeps its volume */
     for (PetscInt d = 0; d < DIM; d++) {
       if (point->fixed && region.along[d])
         sample.x[d] +=
@@ -147,6 +168,7 @@ static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const Reg
     Sample sample = {.body = BODY_WALL, .id = (*number)++, .parent = parent};
 
     sample.area = point->measure * PetscPowRealInt(s, (int)corner->outward) / domain->volume;
+    sample.size = SceneSpacing(packing->cloud->scene, point->x) / domain->spacing;
     for (PetscInt d = 0; d < DIM; d++) {
       sample.x[d]  = point->x[d] + (corner->side[d] == 0 ? 0 : corner->side[d] == 1 ? -1 : 1) * (step[d] - 0.5) * s;
       sample.layer = PetscMax(sample.layer, step[d]);
@@ -229,19 +251,19 @@ static PetscErrorCode KeepSamples(Packing packing, PetscInt kind, PetscSegBuffer
 PetscErrorCode GradedSetUp(Packing packing)
 {
   const Scene    scene = packing->cloud->scene;
-  PetscReal      level[SCENE_MAX_BODIES];
+  PetscReal      level[SCENE_MAX_BODIES], volume[SCENE_MAX_BODIES];
   PetscSegBuffer samples;
   PetscInt       id = 0;
 
   PetscFunctionBegin;
-  PetscCall(LatticeFit(packing, level));
+  PetscCall(LatticeFit(packing, level, volume));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
   PetscCall(CheckSolids(packing->cloud->domain, scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     if (BodyEmits(SceneBody(scene, b)))
       PetscCall(CheckEmitter(packing->cloud->domain, scene, SceneBody(scene, b)));
     else
-      PetscCall(AddBody(packing, b, level, samples, &id));
+      PetscCall(AddBody(packing, b, level, volume[b], samples, &id));
   }
   PetscCall(KeepSamples(packing, 0, samples));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));

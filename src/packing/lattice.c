@@ -232,9 +232,9 @@ static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *la
     PetscReal length;
 
     LatticePoint(lattice, point, sample.x);
-    length = DomainRingLength(domain, sample.x);
+    length = DomainRingLength(domain, sample.x, 1);
     BodyDisplace(SceneBody(packing->cloud->scene, b), sample.x);
-    sample.area = area * (length / DomainRingLength(domain, sample.x)); /* what is displaced keeps its volume */
+    sample.area = area * (length / DomainRingLength(domain, sample.x, 1)); /* what is displaced keeps its volume */
     if (!LatticeBelongs(packing, level, b, point, sample.x)) continue;
     sample.id = sample.parent = (*id)++;
     for (PetscInt d = 0; d < domain->dim; d++)
@@ -254,7 +254,7 @@ static PetscErrorCode AddLength(void *context, const Sample *sample)
 {
   RingSum *sum = (RingSum *)context;
 
-  sum->length += sample->area * DomainRingLength(sum->domain, sample->x);
+  sum->length += sample->area * DomainRingLength(sum->domain, sample->x, 1);
   return PETSC_SUCCESS;
 }
 
@@ -317,7 +317,7 @@ static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscO
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES])
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal volume[SCENE_MAX_BODIES])
 {
   const Domain domain = packing->cloud->domain;
   const Scene  scene  = packing->cloud->scene;
@@ -331,6 +331,7 @@ PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES])
     if (BodyEmits(SceneBody(scene, b))) continue;
     LatticeOfBody(domain, domain->spacing, SceneBody(scene, b), &lattice);
     PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
+    volume[b] = length * lattice.pitch[0] * lattice.pitch[1];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

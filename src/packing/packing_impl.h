@@ -6,11 +6,17 @@
 #include "packing.h"
 
 /* A particle to be made: its place x (m), velocity v (m/s) and integers as in the field table; density (kg/m3): 0 where
-   it is summed later; area: that of a ring there, or the volume of a graded particle, over V_0. */
+   it is summed later; area: that of a ring there, or the volume of a graded particle, over V_0; size: of a graded ring,
+   0: that of the finest. */
 typedef struct {
-  PetscReal x[DIM], v[DIM], density, area;
+  PetscReal x[DIM], v[DIM], density, area, size;
   PetscInt  id, parent, body, layer;
 } Sample;
+
+static inline PetscReal SampleSize(const Sample *sample)
+{
+  return sample->size > 0 ? sample->size : 1;
+}
 
 /* A source shows all its samples, one after the other and the same on every rank, to a visitor. */
 typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
@@ -86,9 +92,9 @@ void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice);
 void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice);
 /* LatticeJitter - of -packing_jitter, spacings, where the packing is a lattice. LatticeFit - the levels of all bodies'
    lattices of the spacing, for LatticeBelongs: whether point number 'point' of the lattice of body b, at x (m), is a
-   particle of it. LatticeFit is collective. */
+   particle of it. LatticeFit also finds the volumes (m3) of bodies of rings; it is collective. */
 PetscReal      LatticeJitter(Packing packing);
-PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES]);
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal volume[SCENE_MAX_BODIES]);
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);
 /* LatticeVisitBody - shows the lattice points of one body. Collective. */
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);

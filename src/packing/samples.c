@@ -64,8 +64,10 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
     PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION] + DIM * next, sample[k].x, DIM));
     PetscCall(PetscArraycpy(arrays.real[FIELD_VELOCITY] + DIM * next, sample[k].v, DIM));
     arrays.real[FIELD_DENSITY][next] = sample[k].density;
+    if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][next] = SampleSize(&sample[k]);
     if (arrays.real[FIELD_VOLUME])
-      arrays.real[FIELD_VOLUME][next] = sample[k].area * domain->volume * DomainRingLength(domain, sample[k].x);
+      arrays.real[FIELD_VOLUME][next] =
+        sample[k].area * domain->volume * DomainRingLength(domain, sample[k].x, SampleSize(&sample[k]));
     arrays.integer[INT_ID][next]     = sample[k].id;
     arrays.integer[INT_PARENT][next] = sample[k].parent;
     arrays.integer[INT_BODY][next]   = sample[k].body;

@@ -26,6 +26,7 @@ struct _p_Particles {
 PetscBool ParticlesHave(Particles particles, PetscInt f)
 {
   if (f == FIELD_VOLUME) return (PetscBool)(particles->domain->rings || particles->domain->graded);
+  if (f == FIELD_SIZE) return (PetscBool)(particles->domain->rings && particles->domain->graded);
   return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);
 }
 

@@ -25,6 +25,7 @@ typedef enum {
   X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
   X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")     \
   X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume, of a ring the whole; stored where they differ")                 \
+  X(SIZE, "size", 1, PARITY_SCALAR, "1", "spacing over the finest, of graded rings: that which their areas are about") \
   X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, "Pa s",                                                                  \
     "viscosity in the last step; stored where the shear rate changes that of a body")
 
@@ -88,7 +89,8 @@ typedef struct {
 } ParticleArrays;
 
 /* ParticlesHave - whether a swarm has field f of the table, f < FIELD_STORED_COUNT. Volumes are stored where they
-   differ; elsewhere all are the domain's. Viscosities are stored where they vary. Not collective. */
+   differ; elsewhere all are the domain's. Sizes are stored of graded rings; other graded particles have that of their
+   volume. Viscosities are stored where they vary. Not collective. */
 PetscBool ParticlesHave(Particles particles, PetscInt f);
 
 /* ParticleVolume - of a particle, from its fields, m3 (m2 in two dimensions). Not collective. */
@@ -97,17 +99,20 @@ static inline PetscReal ParticleVolume(Domain domain, const ParticleArrays *arra
   return arrays->real[FIELD_VOLUME] ? arrays->real[FIELD_VOLUME][a] : domain->volume;
 }
 
-/* ParticleSize - its spacing over the domain's (1): see DomainSize; 1 where particles are all of one size, or rings.
-   Not collective. */
+/* ParticleSize - its spacing over the domain's (1): see DomainSize; 1 where particles are all of one size. Not
+   collective. */
 static inline PetscReal ParticleSize(Domain domain, const ParticleArrays *arrays, PetscInt a)
 {
+  if (arrays->real[FIELD_SIZE]) return arrays->real[FIELD_SIZE][a];
   return domain->graded ? DomainSize(domain, arrays->real[FIELD_VOLUME][a]) : 1;
 }
 
 /* ParticleShare - the volume that it has in sums over neighbours, m^dim: of a ring its area. Not collective. */
 static inline PetscReal ParticleShare(Domain domain, const ParticleArrays *arrays, PetscInt a)
 {
-  return ParticleVolume(domain, arrays, a) / DomainRingLength(domain, arrays->real[FIELD_POSITION] + DIM * a);
+  const PetscReal volume = ParticleVolume(domain, arrays, a), *x = arrays->real[FIELD_POSITION] + DIM * a;
+
+  return domain->rings ? volume / DomainRingLength(domain, x, ParticleSize(domain, arrays, a)) : volume;
 }
 
 /* ParticlesCreate - an empty swarm with the fields of the table; viscosity: also that of each particle. Collective on

@@ -25,6 +25,23 @@ static PetscReal Distance2(Cloud cloud, PetscInt a, PetscInt b)
   return Dot(r, r);
 }
 
+/* The size of a and b as one: the mean of theirs, by volume. */
+static PetscReal JoinedSize(Cloud cloud, PetscInt a, PetscInt b)
+{
+  const PetscReal *V = cloud->volume, *size = cloud->size;
+
+  return (V[a] * size[a] + V[b] * size[b]) / (V[a] + V[b]);
+}
+
+/* The share of a and b as one. */
+static PetscReal JoinedShare(Cloud cloud, const PetscReal share[], PetscInt a, PetscInt b)
+{
+  const PetscReal *size = cloud->size;
+
+  if (!size) return share[a] + share[b];
+  return (share[a] * PetscSqr(size[a]) + share[b] * PetscSqr(size[b])) / PetscSqr(JoinedSize(cloud, a, b));
+}
+
 /* The nearest neighbour of a that fits: of its body, close enough, and together not too large; with proposal
    ([n_total], NULL: any) only among those that have proposed to a. The local index, or NOBODY. Of two equally near the
    smaller id. */
@@ -32,7 +49,7 @@ static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscRe
                         const PetscInt proposal[])
 {
   const PetscInt *id = cloud->integer[INT_ID], *body = cloud->integer[INT_BODY];
-  const PetscReal spacing = cloud->domain->spacing;
+  const PetscReal spacing = CloudSize(cloud, a) * cloud->domain->spacing;
   PetscReal       least   = PetscSqr(resampling->reach * spacing);
   PetscInt        best    = NOBODY;
 
@@ -41,7 +58,8 @@ static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscRe
     const PetscReal d2 = Distance2(cloud, a, b);
 
     if (d2 > least || (d2 == least && (best == NOBODY || id[b] > id[best]))) continue;
-    if (id[b] == id[a] || body[b] != body[a] || share[a] + share[b] > resampling->together || !MayJoin(cloud, b))
+    if (id[b] == id[a] || body[b] != body[a] || !MayJoin(cloud, b) ||
+        JoinedShare(cloud, share, a, b) > resampling->together)
       continue;
     if (PetscMin(share[a], share[b]) * PetscSqrtReal(d2) > resampling->path * spacing) continue;
     if (proposal && proposal[b] != id[a]) continue;
@@ -65,7 +83,8 @@ static void TakeUp(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
       change->arrays.real[f][k] = of_b * cloud->field[f][k] + of_a * cloud->field[f][Fields[f].width * a + c];
     }
   change->arrays.real[FIELD_VOLUME][b] = sum;
-  change->changed[b]                   = PETSC_TRUE;
+  if (change->arrays.real[FIELD_SIZE]) change->arrays.real[FIELD_SIZE][b] = JoinedSize(cloud, a, b);
+  change->changed[b] = PETSC_TRUE;
   report->energy += 0.5 * cloud->rest_density[b] * sum * of_a * of_b * Dot(dv, dv);
 }
 

@@ -33,8 +33,9 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 
 PetscReal ResamplingShare(Cloud cloud, PetscInt a)
 {
-  return cloud->volume[a] /
-         (DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a) * cloud->domain->volume);
+  const PetscReal share = cloud->volume[a] / (CloudRingLength(cloud, a) * cloud->domain->volume);
+
+  return cloud->size ? share / PetscSqr(cloud->size[a]) : share;
 }
 
 PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
@@ -113,6 +114,7 @@ static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, c
     arrays.real[FIELD_DENSITY][b]  = cloud->field[FIELD_DENSITY][a];
     arrays.real[FIELD_LAMBDA][b]   = cloud->field[FIELD_LAMBDA][a];
     arrays.real[FIELD_VOLUME][b]   = 0.5 * cloud->volume[a];
+    if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][b] = cloud->size[a];
     arrays.integer[INT_ID][b] = arrays.integer[INT_PARENT][b] = id[k];
     arrays.integer[INT_BODY][b]                               = cloud->integer[INT_BODY][a];
     arrays.integer[INT_SURFACE][b]                            = cloud->integer[INT_SURFACE][a];

@@ -23,14 +23,15 @@ void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal d
 /* How far (m) a point x is from all neighbours of a; negative where no half may be. */
 static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
-  const Domain domain = cloud->domain;
-  PetscReal    least2 = PETSC_MAX_REAL;
+  const Domain    domain  = cloud->domain;
+  const PetscReal spacing = CloudSize(cloud, a) * domain->spacing;
+  PetscReal       least2  = PETSC_MAX_REAL;
 
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscReal below = x[d] - domain->lower[d], above = domain->upper[d] - x[d];
 
-    if (below < (domain->face[d][0] == FACE_OPEN ? 0 : AXIS_LEAST * domain->spacing)) return -1;
-    if (above < (domain->face[d][1] == FACE_OPEN ? 0 : AXIS_LEAST * domain->spacing)) return -1;
+    if (below < (domain->face[d][0] == FACE_OPEN ? 0 : AXIS_LEAST * spacing)) return -1;
+    if (above < (domain->face[d][1] == FACE_OPEN ? 0 : AXIS_LEAST * spacing)) return -1;
   }
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscReal *y     = cloud->field[FIELD_POSITION] + DIM * cloud->list[k],
@@ -71,7 +72,7 @@ static PetscBool FindDirection(Cloud cloud, PetscInt a, PetscReal distance, Pets
 /* The same, as far apart as two particles of half the share are, or nearer where there is no room for that. */
 static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal share, PetscReal at[DIM])
 {
-  PetscReal distance = 0.5 * APART * PetscSqrtReal(share) * cloud->domain->spacing;
+  PetscReal distance = 0.5 * APART * PetscSqrtReal(share) * CloudSize(cloud, a) * cloud->domain->spacing;
 
   for (PetscInt k = 0; k < NEARER; k++, distance *= 0.5)
     if (FindDirection(cloud, a, distance, at)) return PETSC_TRUE;

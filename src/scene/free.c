@@ -102,7 +102,7 @@ static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, Pe
     for (PetscInt d = 0; d < domain->dim; d++)
       x[d] = lower[d] + (upper[d] - lower[d]) * ((PetscReal)place[d] + 0.5) / SAMPLES;
     if (body->shape->distance(body, x) > 0) continue;
-    share = cell * DomainRingLength(domain, x);
+    share = cell * DomainRingLength(domain, x, 1);
     *volume += share;
     for (PetscInt d = 0; d < DIM; d++) {
       middle[d] += share * (domain->rings && d == 0 ? 0 : x[d]);

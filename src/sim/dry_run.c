@@ -1,23 +1,14 @@
 /* -dry_run: what a run would need, and a picture of its start. */
 #include "sim_impl.h"
 #include <errno.h>
-#include <petsctime.h>
 #include <stdio.h>
 #include <string.h>
 
 #define DRAWN        4     /* numbers of a particle in the picture */
 #define SIZE_STEPS   4     /* classes of sizes of graded particles, a fine spacing */
 #define SIZE_CLASSES 20    /* of them at most */
-#define TRIAL_LEAST  3     /* steps that are computed to tell the time */
-#define TRIAL_MOST   10000 /* of them */
-#define TRIAL_TIME   2.0   /* s, that they take at least, if they are quick */
-#define TRIAL_LONG   10.   /* s, at most */
-#define TRIAL_SHARE  0.1   /* of the whole run's time, in between */
-#define STEEPEST     1.5   /* times in proportion */
 #define WRITE_TIME   7e-3  /* s, of a snapshot with its lines of the series, whatever its size */
 #define WRITE_RATE   50e6  /* bytes/s, compressed and written */
-#define MANY         30    /* of so many steps the mean counts, of fewer what bounds them: they may still be growing */
-#define SPREAD_LEAST 0.1   /* standard deviation of the numbers of particles in them that shows what one costs */
 #define PICTURE      800.0 /* larger side of the picture, pixels */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
 #define MEGABYTE     1e6
@@ -166,101 +157,6 @@ static PetscErrorCode PrintBound(Sim sim, const char what[], PetscReal bound)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles of liquid, of all ranks. */
-static PetscErrorCode CountLiquid(Sim sim, PetscInt *n)
-{
-  ParticleArrays arrays;
-
-  PetscFunctionBegin;
-  *n = 0;
-  PetscCall(ParticlesOpen(sim->particles, &arrays));
-  for (PetscInt a = 0; a < arrays.n; a++) *n += arrays.integer[INT_LAYER][a] == 0;
-  PetscCall(ParticlesClose(sim->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, n, 1, MPIU_INT, MPI_SUM, sim->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What steps took, with n particles of liquid: sums over those that were timed. */
-typedef struct {
-  PetscReal steps, n, n2, time, time_n; /* 1, 1, 1, s, s */
-  PetscReal late_steps, late;           /* steps of the second half of them, and how far they went, s */
-} Times;
-
-/* How long (s) steps are tried of which k have taken 'all' (s), since the time 'start' of the run (s). */
-static double TrialTime(Sim sim, PetscReal start, double all, PetscInt k)
-{
-  const PetscReal share = sim->time_end < PETSC_MAX_REAL ? (sim->state.time - start) / (sim->time_end - start)
-                                                         : (PetscReal)k / sim->steps_max; /* of the run that is done */
-
-  return PetscMin(TRIAL_LONG, PetscMax(TRIAL_TIME, TRIAL_SHARE * all / share));
-}
-
-/* Computes some steps for their time, with what emitters bring. */
-static PetscErrorCode Try(Sim sim, Times *times)
-{
-  const StepState before = sim->state;
-  const PetscInt  most   = sim->steps_max ? PetscMax(TRIAL_LEAST, PetscMin(TRIAL_MOST, sim->steps_max)) : TRIAL_MOST;
-
-  double    all = 0, start, now;
-  PetscBool failed;
-  PetscReal step[TRIAL_MOST + 1] = {0};
-  char      why[512];
-
-  PetscFunctionBegin;
-  *times = (Times){0};
-  for (PetscInt k = 0; k < most && sim->state.time < sim->time_end; k++) {
-    PetscInt  n;
-    PetscReal took;
-
-    if (k >= TRIAL_LEAST && all > TrialTime(sim, before.time, all, k)) break;
-    PetscCall(ProgressWork(sim->comm, PetscMin(1, (PetscReal)all / TRIAL_LONG), "trial step"));
-    PetscCall(PetscTime(&start));
-    PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &sim->state, &failed, why, sizeof(why)));
-    PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
-    PetscCall(SimEmit(sim));
-    PetscCall(PetscTime(&now));
-    took = (PetscReal)(now - start);
-    PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, sim->comm));
-    PetscCall(CountLiquid(sim, &n));
-    all += (double)took;
-    if (k == 0) continue; /* it sets everything up */
-    times->steps++;
-    times->n += n;
-    times->n2 += (PetscReal)n * n;
-    times->time += took;
-    times->time_n += took * n;
-    step[k] = sim->state.time_step;
-  }
-  for (PetscInt k = (PetscInt)times->steps / 2 + 1; k <= (PetscInt)times->steps; k++) {
-    times->late_steps++;
-    times->late += step[k];
-  }
-  sim->state = before;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The time (s) of a step with n particles of liquid: along the straight line through the steps that were timed, if
-   emitters have made their numbers differ enough, but not much steeper than in proportion; else in proportion. */
-static PetscReal StepTime(const Times *t, PetscReal n)
-{
-  const PetscReal mean = t->steps > 0 ? t->n / t->steps : 0, time = t->steps > 0 ? t->time / t->steps : 0,
-                  spread = t->steps > 0 ? t->n2 / t->steps - mean * mean : 0;
-  PetscReal slope;
-
-  if (mean == 0) return 0;
-  slope = spread > PetscSqr(SPREAD_LEAST * mean) ? (t->time_n / t->steps - mean * time) / spread : time / mean;
-  return time + PetscMin(PetscMax(slope, 0), STEEPEST * time / mean) * (n - mean);
-}
-
-/* The mean number of particles of liquid in the run, if what emitters bring stays; now: at its start. */
-static PetscReal MeanParticles(Sim sim, PetscInt now)
-{
-  const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
-
-  if (!SceneEmits(sim->scene)) return now;
-  return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
-}
-
 static PetscErrorCode PrintBounds(Sim sim)
 {
   const StepBounds bounds = StepperBounds(sim->stepper);
@@ -275,20 +171,21 @@ static PetscErrorCode PrintBounds(Sim sim)
 }
 
 /* writing: s, in all. */
-static PetscErrorCode PrintTime(Sim sim, const Times *times, PetscReal step_time, PetscReal writing)
+static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal writing)
 {
-  const PetscReal smallest =
-    times->late_steps >= MANY ? times->late / times->late_steps : StepperSteadyStep(sim->stepper);
-  PetscReal steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / smallest : sim->steps_max;
-  char      text[64];
+  char text[64];
 
   PetscFunctionBegin;
-  if (sim->steps_max) steps = PetscMin(steps, (PetscReal)sim->steps_max);
-  PetscCall(FormatDuration((double)(steps * step_time + writing), text, sizeof(text)));
-  PetscCall(PetscPrintf(sim->comm,
-                        "  time: about %s: %.0f steps of %.3g s (trial steps on this machine); liquid that gets faster "
-                        "needs more, slower liquid less\n",
-                        text, (double)steps, (double)step_time));
+  PetscCall(FormatDuration((double)(run->steps * run->step_time + writing), text, sizeof(text)));
+  PetscCall(PetscPrintf(sim->comm, "  time: about %s: %.0f steps of %.3g s on this machine", text, (double)run->steps,
+                        (double)run->step_time));
+  if (run->coarser > 0)
+    PetscCall(PetscPrintf(sim->comm, " (trial steps, and a rehearsal of %.0f %% of the run with a spacing of %.3g m)\n",
+                          (double)(100 * run->rehearsed), (double)(run->coarser * sim->domain->spacing)));
+  else if (run->rehearsed > 0)
+    PetscCall(PetscPrintf(sim->comm, " (the whole run was tried)\n"));
+  else
+    PetscCall(PetscPrintf(sim->comm, " (trial steps); liquid that gets faster needs more, slower liquid less\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -372,10 +269,9 @@ static PetscErrorCode Picture(Sim sim)
 
 PetscErrorCode SimDryRun(Sim sim)
 {
-  PetscInt64 snapshots, bytes, checkpoint;
-  PetscInt   particles;
-  PetscReal  mean;
-  Times      times;
+  PetscInt64  snapshots, bytes, checkpoint;
+  RunEstimate run;
+  StepTimes   times;
 
   PetscFunctionBegin;
   ProgressBegin("the dry run", "nothing is lost");
@@ -383,12 +279,10 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(Picture(sim));
   PetscCall(PrintParticles(sim));
   PetscCall(PrintBounds(sim));
-  PetscCall(CountLiquid(sim, &particles));
-  mean = MeanParticles(sim, particles);
-  PetscCall(Try(sim, &times));
+  PetscCall(TrySteps(sim, &times));
   PetscCall(PrintMemory(sim));
-  PetscCall(PrintTime(sim, &times, StepTime(&times, mean),
-                      (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE)));
+  PetscCall(EstimateRun(sim, &times, &run));
+  PetscCall(PrintTime(sim, &run, (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE)));
   PetscCall(
     PetscPrintf(sim->comm,
                 "  output: about %" PetscInt64_FMT

@@ -25,8 +25,8 @@ PetscErrorCode SimRun(Sim sim);
 /* SimIsDry - whether -dry_run was given: then SimDryRun comes in place of SimRun. Not collective. */
 PetscBool SimIsDry(Sim sim);
 /* SimDryRun - prints what the run would need: particles, memory, the bounds of the time step, time (from a few steps
-   that are computed and forgotten) and output; draws the initial state into <-output_dir>.svg. Nothing else is written.
-   Collective. */
+   that are computed and forgotten, and a rehearsal with a coarser spacing) and output; draws the initial state into
+   <-output_dir>.svg. Nothing else is written. Collective. */
 PetscErrorCode SimDryRun(Sim sim);
 PetscErrorCode SimDestroy(Sim *sim);
 

@@ -62,6 +62,22 @@ PetscErrorCode DumpStart(Sim sim);
 PetscErrorCode DumpFinish(Sim sim);
 /* SimEmit - liquid of emitters for the time of the state, whose energy is counted. Collective. */
 PetscErrorCode SimEmit(Sim sim);
+/* What steps took, with n particles of liquid: sums over those that were timed. */
+typedef struct {
+  PetscReal steps, n, n2, time, time_n; /* 1, 1, 1, s, s */
+  PetscReal late_steps, late;           /* steps of the second half of them, and how far they went, s */
+  PetscReal covered;                    /* how far all went, s */
+} StepTimes;
+/* What a run takes: steps (1) of step_time (s) each, and what was rehearsed: a share of the run's time (1), with
+   a spacing 'coarser' times as large (1); 0: the trial steps alone say it. */
+typedef struct {
+  PetscReal steps, step_time, rehearsed, coarser;
+} RunEstimate;
+/* TrySteps - computes some steps, for their time, with what emitters bring; the particles move. Collective. */
+PetscErrorCode TrySteps(Sim sim, StepTimes *times);
+/* EstimateRun - from steps that were tried, and a rehearsal of the run with a coarser spacing, whose bounds of the time
+   step tell those of the run; without it for a restart or a number of steps. Collective. */
+PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);

@@ -90,8 +90,9 @@ typedef struct {
 /* StepperBounds - of the last step that was chosen. Not collective. */
 StepBounds StepperBounds(Stepper stepper);
 /* StepperSteadyStep - the step (s) that those bounds and the options allow, were it not growing from that before; with
-   implicit viscosity if that is quicker. Not collective. */
-PetscReal StepperSteadyStep(Stepper stepper);
+   implicit viscosity if that is quicker. scale: for a spacing so many times as large (1), the flow being the same. Not
+   collective. */
+PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale);
 /* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, those of walls, sqrt(g L),
  * sqrt(sigma/(rho h)). Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);

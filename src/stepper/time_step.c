@@ -125,16 +125,20 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   return bounds;
 }
 
-/* Decides whether the viscosity is implicit in a step that all else would allow; returns the step viscosity allows. */
-static PetscReal BoundByViscosity(Stepper stepper, PetscReal step)
+/* Whether the viscosity is implicit in a step that all else would allow. */
+static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
 {
-  Viscous        *viscous = &stepper->viscous;
-  const PetscReal limit   = stepper->bounds.viscosity;
+  const PetscReal limit = bounds->viscosity;
 
-  viscous->implicit = (PetscBool)(limit < PETSC_MAX_REAL && (viscous->solver == VISCOUS_IMPLICIT ||
-                                                             (viscous->solver == VISCOUS_AUTO && step > limit)));
-  if (!viscous->implicit) return PetscMin(step, limit);
-  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * stepper->bounds.viscosity_flow) : step;
+  return (PetscBool)(limit < PETSC_MAX_REAL &&
+                     (viscous->solver == VISCOUS_IMPLICIT || (viscous->solver == VISCOUS_AUTO && step > limit)));
+}
+
+/* The step that viscosity allows. */
+static PetscReal BoundByViscosity(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
+{
+  if (!ImplicitPays(viscous, bounds, step)) return PetscMin(step, bounds->viscosity);
+  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * bounds->viscosity_flow) : step;
 }
 
 /* The step within all bounds and options. */
@@ -155,7 +159,8 @@ static PetscReal ChooseStep(Stepper stepper, const StepState *state)
     if (state->previous_time_step > 0) step = PetscMin(step, limits->growth * state->previous_time_step);
     if (limits->max > 0) step = PetscMin(step, limits->max);
   }
-  step = BoundByViscosity(stepper, step);
+  stepper->viscous.implicit = ImplicitPays(&stepper->viscous, bounds, step);
+  step                      = BoundByViscosity(&stepper->viscous, bounds, step);
   return fixed > 0 ? fixed : PetscMax(step, limits->min);
 }
 
@@ -179,15 +184,27 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal StepperSteadyStep(Stepper stepper)
+/* With a spacing 'scale' times as large. */
+static StepBounds ScaleBounds(const StepBounds *bounds, PetscReal scale)
+{
+  const PetscReal h2 = scale * scale;
+
+  return (StepBounds){.speed          = bounds->speed * scale,
+                      .force          = bounds->force * PetscSqrtReal(scale),
+                      .viscosity      = bounds->viscosity * h2,
+                      .viscosity_flow = bounds->viscosity_flow * h2,
+                      .tension        = bounds->tension * scale * PetscSqrtReal(scale)};
+}
+
+PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale)
 {
   const TimeStepLimits *limits = &stepper->limits;
-  const StepBounds     *bounds = &stepper->bounds;
-  PetscReal             step   = PetscMin(PetscMin(bounds->speed, bounds->force), bounds->tension);
+  const StepBounds      bounds = ScaleBounds(&stepper->bounds, scale);
+  PetscReal             step   = PetscMin(PetscMin(bounds.speed, bounds.force), bounds.tension);
 
   if (limits->fixed > 0) return limits->fixed;
   step = limits->max > 0 ? PetscMin(step, limits->max) : step;
-  return PetscMax(BoundByViscosity(stepper, step), limits->min);
+  return PetscMax(BoundByViscosity(&stepper->viscous, &bounds, step), limits->min);
 }
 
 StepBounds StepperBounds(Stepper stepper)

@@ -102,9 +102,8 @@ static inline PetscReal Mass(Cloud cloud, PetscInt a)
 {
   const PetscReal mass = cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
 
-  if (cloud->size) return mass * cloud->weight[a];
-  if (!cloud->domain->rings) return mass;
-  return mass * cloud->volume[a] / (cloud->domain->volume * DomainRingLength(cloud->domain, cloud->domain->upper));
+  if (!cloud->domain->rings) return cloud->size ? mass * cloud->weight[a] : mass;
+  return mass * cloud->volume[a] / (cloud->domain->volume * DomainRingLength(cloud->domain, cloud->domain->upper, 1));
 }
 
 /* Makes the rows of held liquid y = m x; x: NULL for that of 1. */

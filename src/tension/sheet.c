@@ -79,8 +79,8 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
 {
   const Domain    domain = cloud->domain;
   const PetscReal V = domain->volume, self = V * KernelSelf(tension->kernel),
-                  others = (phi - cloud->weight[a] * self) / (tension->plane * tension->spacing - self),
-                  r      = DomainRingLength(domain, cloud->field[FIELD_POSITION] + DIM * a) / (2 * PETSC_PI);
+                  others = (phi - CloudShare(cloud, a) * self) / (tension->plane * tension->spacing - self),
+                  r      = CloudRingLength(cloud, a) / (2 * PETSC_PI);
 
   cloud->field[FIELD_ACCELERATION][DIM * a] +=
     slope * phi / (V * cloud->rest_density[a] * r) * PetscMax(0, PetscMin(1, others));
@@ -158,9 +158,8 @@ static void SheetPlane(PetscInt dim, const PetscReal M[6], PetscReal P[6])
    over 1/rho to sum. */
 static void PullRing(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[DIM], PetscReal sum[DIM])
 {
-  const PetscReal *x    = cloud->field[FIELD_POSITION];
-  const PetscReal  on_a = cloud->weight[b] * DomainRingLength(cloud->domain, x + DIM * b) /
-                         (DomainRingLength(cloud->domain, x + DIM * a) * cloud->rest_density[a]);
+  const PetscReal on_a =
+    cloud->weight[b] * CloudRingLength(cloud, b) / (CloudRingLength(cloud, a) * cloud->rest_density[a]);
 
   for (PetscInt e = 0; e < DIM; e++) {
     sum[e] += cloud->weight[a] * pull[e];

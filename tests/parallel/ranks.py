@@ -50,6 +50,9 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -a_tension 0.067
  -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
  -time_step 8e-5 -resampling_interval 3 """
+# The same of different sizes.
+GRADED_TORI = TORI + """-spacing_coarse 2e-3 -spacing_growth 0.2 -fine core -core_lower 0,-4e-3 -core_upper 5e-3,12e-3
+ -viscosity_solver implicit -viscous_ksp_rtol 1e-13 """
 # Particles of different sizes: a drop into a film, both finer where they meet, near periodic and mirror faces.
 GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper 36e-3,12e-3,12e-3 -box_x periodic
  -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 36e-3,12e-3,0
@@ -88,6 +91,7 @@ compare("splash_paper", PAPER + f"-restart {start} ", (2, 3), 0.8e-3, 3, TOLERAN
 compare("rings", RINGS, (2, 4), 0.8e-3, 3, TOLERANCE)
 compare("tori", TORI, (2, 4), 1e-3, 3, TOLERANCE)
 compare("graded", GRADED, (2, 4), 1e-3, 3, TOLERANCE)
+compare("graded_tori", GRADED_TORI, (2, 4), 1e-3, 3, TOLERANCE)
 compare("periodic_2d", PERIODIC_2D, (2, 3, 4), 0.02, 4, TOLERANCE)
 compare("floating", FLOATING, (2, 3, 4), 0.02, 1, TOLERANCE)
 compare("wetted", WETTED, (2, 4), 0.8e-3, 1, TOLERANCE)

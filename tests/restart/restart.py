@@ -35,6 +35,9 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
  -time_step 8e-5 -resampling_interval 3 -snapshot_double -checkpoint_interval 1.1e-3
  -series_interval 1e-4 """
+# Rings of different sizes, of which the first joins and splits some across the border of what is fine.
+GRADED_TORI = TORI + """-spacing_coarse 2e-3 -spacing_growth 0.2 -fine core -core_lower 0,-4e-3 -core_upper 5e-3,12e-3
+ -viscosity_solver implicit """
 # Particles of different sizes, finer where a drop meets a film.
 GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box_x periodic
  -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 12e-3,12e-3,0
@@ -98,6 +101,7 @@ test("plane", PLANE, 0.02, 1, [2])
 test("rings", RINGS, 1e-3, 2, [1])
 test("tori", TORI, 1e-3, 1, [3])
 test("graded", GRADED, 1e-3, 2, [1])
+test("graded_tori", GRADED_TORI, 1e-3, 2, [1])
 # in the folder of the checkpoint itself: the series goes on behind the restart
 folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
 before = runs.series(folder)

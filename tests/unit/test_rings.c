@@ -433,7 +433,7 @@ static Sums SumUp(Setup *s)
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *v = cloud->field[FIELD_VELOCITY] + DIM * a,
-                    V = cloud->volume[a], area = V / DomainRingLength(cloud->domain, x);
+                    V = cloud->volume[a], area = V / DomainRingLength(cloud->domain, x, 1);
 
     sums.V += V;
     sums.z += V * x[1];

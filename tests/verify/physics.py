@@ -93,7 +93,9 @@ def volumes(head, f):
 def sizes(head, f):
     """The spacing of each particle of a snapshot over the finest: 1 but with -spacing_coarse."""
     one = np.ones(len(f["id"]))
-    return one if rings(head) else volumes(head, f)**(1 / int(head["dimension"])) / float(head["spacing"]) * one
+    if rings(head):
+        return f.get("size", one)
+    return volumes(head, f)**(1 / int(head["dimension"])) / float(head["spacing"]) * one
 
 
 def places(head, f):
