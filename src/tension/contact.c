@@ -4,10 +4,11 @@
    A face of the box is a mirror; for solids see contact_solid.c.
 
    A mirror reverses the slope of the surface. For each particle near a wall the images are therefore moved along the
-   wall, by 2 s cot(angle) out of the liquid: then a surface that meets the wall under the contact angle goes on straight
-   behind it (ContactSlant). Of acute angles this would need particles that are too far away; there the images are moved
-   by 2 s SLANT_MOST at most, and grad phi has the rest of the cotangent as a part normal to the wall (SumMirrored in
-   curvature.c). Normals of images are such that their mean with that of the particle has the contact angle.
+   wall, by 2 s cot(angle) out of the liquid: then a surface that meets the wall under the contact angle goes on
+   straight behind it (ContactSlant). Of acute angles this would need particles that are too far away; there the images
+   are moved by 2 s SLANT_MOST at most, and grad phi has the rest of the cotangent as a part normal to the wall
+   (SumMirrored in curvature.c). Normals of images are such that their mean with that of the particle has the contact
+   angle.
 
    An image may be nearer than its particle, and what is known of particles beyond the support depends on cells and
    ranks: images of those are left out. */
@@ -71,12 +72,10 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
     const PetscInt d = f / 2, side = f % 2;
     char           option[64];
     PetscReal      angle = common;
-    PetscBool      found;
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_angle", "xyz"[d], side ? "max" : "min"));
     PetscCall(OptionReal(option, "that of this wall, if it differs (degrees)", "(0, 180)", &angle));
-    PetscCall(PetscOptionsHasName(NULL, NULL, option, &found));
-    PetscCheckUser(!found || tension->face[d][side] == FACE_WALL, tension->comm,
+    PetscCheckUser(angle == common || tension->face[d][side] == FACE_WALL, tension->comm,
                    "%s: the face is %s; only a wall has a contact angle", option, FaceTypes[tension->face[d][side]]);
     tension->contact[d][side] = FromDegrees(angle);
     if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].slant != 0) tension->slanted = PETSC_TRUE;
