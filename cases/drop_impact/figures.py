@@ -63,10 +63,12 @@ def read_snapshot(path, options, quarter):
         if "axisymmetric" in file.attrs and first(file.attrs["axisymmetric"]):
             if "volume" not in file:
                 raise rundata.RunError(f"{path} holds no volume of its rings (-snapshot_fields).")
-            return rings(points, np.ravel(file["volume"]), body, spacing, corners, level)
+            share, size = shares(file, body >= 0, points[body >= 0, 0], True, spacing)
+            return rings(points[body >= 0], share, size, body[body >= 0] == 1, spacing, corners, level)
+        liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
+        share, size = shares(file, liquid, points[liquid, 0], False, spacing)
     if points.ndim != 2 or points.shape[1] != 3:
         raise rundata.RunError(f"{path} is not of a run in three dimensions.")
-    liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
     points, is_drop = points[liquid], body[liquid] == 1
     lower, upper = (np.array(c, float) if len(c) == 3 else None for c in corners)
     if lower is None or upper is None:
@@ -77,25 +79,24 @@ def read_snapshot(path, options, quarter):
             mirror[axis] = -1
             shift = np.zeros(3)
             shift[axis] = 2 * lower[axis]
-            points, is_drop = np.concatenate([points, points * mirror + shift]), np.concatenate([is_drop, is_drop])
+            points = np.concatenate([points, points * mirror + shift])
+            is_drop, share, size = (np.concatenate([array, array]) for array in (is_drop, share, size))
             lower[axis] = 2 * lower[axis] - upper[axis]
     down = np.array([0, 0, level])
-    return surface.Liquid(points - down, is_drop, spacing, lower - down, upper - down)
+    return surface.Liquid(points - down, is_drop, spacing, lower - down, upper - down, share, size)
 
 
-def rings(points, volume, body, spacing, corners, level):
+def rings(points, share, size, is_drop, spacing, corners, level):
     """The liquid of a snapshot with rings at points (r, z): their section, mirrored at the axis."""
-    liquid = body >= 0
-    r, z = points[liquid, 0], points[liquid, 1] - level
-    share = ring_share(r, volume[liquid], spacing)
+    r, z = points[:, 0], points[:, 1] - level
     points = np.concatenate([np.stack([side * r, 0 * r, z], axis=1) for side in (1, -1)])
     reach, bottom, top = corners[1][0], corners[0][1] - level, corners[1][1] - level
-    return surface.Liquid(points, np.tile(body[liquid] == 1, 2), spacing, np.array([-reach, -reach, bottom]),
-                          np.array([reach, reach, top]), np.tile(share, 2))
+    return surface.Liquid(points, np.tile(is_drop, 2), spacing, np.array([-reach, -reach, bottom]),
+                          np.array([reach, reach, top]), np.tile(share, 2), np.tile(size, 2), True)
 
 
 def draw_section(axes, liquid):
-    """The section through the axis, drop and film filled, its particles as dots."""
+    """The section through the axis, drop and film filled, its particles, or parts of coarse ones, as dots."""
     half = max(HALF_SECTION, 0.6 * liquid.spacing)
     x0, x1, z0, z1 = (1e3 * x for x in SECTION)
     image = surface.section(liquid, half, SECTION, 0.25 * liquid.spacing)
@@ -219,5 +220,5 @@ if __name__ == "__main__":
         import matplotlib.pyplot as plt
         with_display()
         import surface
-        from run import ring_share
+        from run import shares
         main()

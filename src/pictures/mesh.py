@@ -55,7 +55,7 @@ def fitted(run, points, normals, cells, volume):
 
 def volume_of(run, state, lonely):
     """The volume of the particles that the surface holds; of rings that of each half, on both sides of the axis."""
-    each = run.spacing**3
+    each = state.share * run.spacing**3
     if run.rings:
         each = np.pi * np.abs(state.points[:, 0]) * state.share * run.spacing**2
     return np.sum(np.where(lonely, 0, each))
@@ -103,7 +103,7 @@ def series(folder, name, files):
 def surface_of(run, state, least):
     """The mesh of a state, without small pieces."""
     table = np.column_stack([state.speed, state.pressure, state.body])
-    fluid = views.Fluid(run, state.points, table, state.share)
+    fluid = views.Fluid(run, state.points, table, state.share, state.size)
     points, normals, cells, lonely = fluid.mesh()
     share = 1.0
     if len(cells):

@@ -153,9 +153,9 @@ def surfaces(run, count, most):
         state = run.read(path)
         share = views.value_table(state, "body", len(run.names()))
         if coarser is None:  # so that little is left to thin
-            ratio = len(views.Fluid(run, state.points, share, state.share).mesh()[2]) / most
+            ratio = len(views.Fluid(run, state.points, share, state.share, state.size).mesh()[2]) / most
             coarser = min(max(ratio if run.rings else math.sqrt(ratio), 1), COARSEST)
-        fluid = views.Fluid(run, state.points, share, state.share, coarser)
+        fluid = views.Fluid(run, state.points, share, state.share, state.size, coarser)
         points, _, cells, _ = fluid.mesh()
         points, cells = thin(np.asarray(points, float), np.asarray(cells), most)
         if not len(cells):

@@ -19,13 +19,13 @@ SOLID = -2  # body of the particles of the first of -solids; -3 of the second, a
 
 
 class State:
-    """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: of rings the area over
-    spacing^2, else 1; solid [n][3]: dummy particles of solids at this time. Rings lie in the plane y = 0 on both sides
-    of the axis z."""
+    """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: the volume over
+    spacing^dim, of rings the area; size [n]: the own spacing over the finest; solid [n][3]: dummy particles of solids
+    at this time. Rings lie in the plane y = 0 on both sides of the axis z."""
 
-    def __init__(self, time, points, velocity, pressure, body, share, solid):
+    def __init__(self, time, points, velocity, pressure, body, share, size, solid):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
-        self.share, self.solid = share, solid
+        self.share, self.size, self.solid = share, size, solid
 
     @property
     def speed(self):
@@ -37,10 +37,25 @@ def upright(vectors):
     return vectors[:, [0, 2, 1]]
 
 
-def ring_share(r, volume, spacing):
-    """Areas of rings over spacing^2 out of their distances from the axis (m) and volumes (m3), as in the program."""
-    length = 2 * np.pi * np.where(r > 0.5 * spacing, r, 0.5 * (r + 0.5 * spacing))
+def ring_share(r, volume, size, spacing):
+    """Areas of rings over spacing^2 out of their distances from the axis (m), volumes (m3) and sizes, as in the
+    program."""
+    half = 0.5 * size * spacing
+    length = 2 * np.pi * np.where(r > half, r, 0.5 * (r + half))
     return volume / (length * spacing**2)
+
+
+def shares(file, liquid, r, rings, spacing):
+    """Share and size of the liquid of a snapshot; r: distances of rings from the axis (m)."""
+    one = np.ones(len(r))
+    if "volume" not in file:
+        return one, one
+    volume = np.ravel(file["volume"])[liquid].astype(float)
+    if rings:
+        size = np.ravel(file["size"])[liquid].astype(float) if "size" in file else one
+        return ring_share(r, volume, size, spacing), size
+    dim = int(np.ravel(file.attrs["dimension"])[0])
+    return volume / spacing**dim, volume**(1 / dim) / spacing
 
 
 class Run:
@@ -127,17 +142,15 @@ class Run:
             zero = np.zeros(len(points))
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
             pressure = np.ravel(file["pressure"])[liquid].astype(float) if "pressure" in file else zero
-            share = zero + 1
-            if self.rings and "volume" in file:
-                share = ring_share(points[:, 0], np.ravel(file["volume"])[liquid], self.spacing)
+            share, size = shares(file, liquid, points[:, 0], self.rings, self.spacing)
         if self.rings:
             points, velocity, solid = upright(points), upright(velocity), upright(solid)
         # solids that move are in the snapshots, the others where solids.h5 has them
         still = ~np.isin(self.solid_of, SOLID - np.unique(body[moved]))
         solid = np.concatenate([self.solid[still], self.reflect(solid)[0]])
-        others = [pressure, body[liquid], share]
-        points, (velocity,), (pressure, body, share) = self.reflect(points, [velocity], others)
-        return State(time, points, velocity, pressure, body, share, solid)
+        others = [pressure, body[liquid], share, size]
+        points, (velocity,), (pressure, body, share, size) = self.reflect(points, [velocity], others)
+        return State(time, points, velocity, pressure, body, share, size, solid)
 
     def around(self, points):
         """Points and, of rings, also those that are a quarter of a turn further: what a picture must hold."""

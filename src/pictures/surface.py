@@ -95,19 +95,36 @@ def in_plane(points, axes):
     return points if len(axes) == 3 else np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
 
 
+def parts(points, size, spacing, axes):
+    """Particles of these sizes as parts about a spacing wide along the axes: points [m][3], of which particle [m] each
+    is, and its share [m] in that."""
+    count = np.maximum(1, np.rint(size)).astype(int)
+    places, of = [], []
+    for n in np.unique(count):
+        chosen = np.flatnonzero(count == n)
+        along = (np.arange(n) + 0.5) / n - 0.5
+        offsets = np.zeros((n ** len(axes), 3))
+        offsets[:, axes] = np.stack(np.meshgrid(*[along] * len(axes), indexing="ij"), axis=-1).reshape(-1, len(axes))
+        places.append((points[chosen, None] + spacing * size[chosen, None, None] * offsets).reshape(-1, 3))
+        of.append(np.repeat(chosen, len(offsets)))
+    of = np.concatenate(of) if of else np.zeros(0, int)
+    return np.concatenate(places) if places else points, of, 1 / count[of] ** len(axes)
+
+
 class Liquid:
     """The volume fractions of all liquid and of the drop on a grid over the box.
 
     points [n][3] (m); is_drop [n]; spacing, lower, upper (m): of the particles, and the corners of the whole box.
-    share [n]: of rings, whose points lie at y = 0 on both sides of the axis: areas over spacing^2.
+    share, size [n]: volume over spacing^3, own spacing over 'spacing'; of rings, whose points lie at y = 0 on both
+    sides of the axis, share is the area over spacing^2. Larger particles are parts about a spacing wide here.
     """
 
-    def __init__(self, points, is_drop, spacing, lower, upper, share=None):
-        inside = np.all((points >= lower) & (points <= upper), axis=1)
-        self.rings, self.axes = share is not None, (0, 1, 2) if share is None else (0, 2)
-        self.share = (share if self.rings else np.ones(len(points)))[inside]
-        self.points, self.is_drop, self.spacing = points[inside], is_drop[inside], spacing
+    def __init__(self, points, is_drop, spacing, lower, upper, share, size, rings=False):
+        self.rings, self.axes, self.spacing = rings, (0, 2) if rings else (0, 1, 2), spacing
         axes, dim = list(self.axes), len(self.axes)
+        points, of, part = parts(points, size, spacing, axes)
+        inside = np.all((points >= lower) & (points <= upper), axis=1)
+        self.points, self.is_drop, self.share = points[inside], is_drop[of][inside], (share[of] * part)[inside]
         top = min(upper[2], self.points[:, 2].max() + 3 * spacing)
         extent = np.array([upper[0] - lower[0], upper[1] - lower[1], top - lower[2]])[axes]
         cell = max(CELL * spacing, (np.prod(extent) / MOST_NODES) ** (1 / dim))
@@ -243,11 +260,11 @@ def revolve(lines, on_axis=()):
     return with_normals(passed(clean, passed(vtkTriangleFilter(), passed(sweep, profile))), True)
 
 
-def strays(centers, spacing, share=None):
-    """Particles alone at centers [n][3] (m), each as a sphere of its volume, spacing^3; rings, share [n] of their areas
-    over spacing^2, as tori."""
-    if share is None:
-        return spheres(centers, spacing * (3 / (4 * np.pi)) ** (1 / 3))
+def strays(centers, spacing, share, rings):
+    """Particles alone at centers [n][3] (m), each as a sphere of its volume, share [n] over spacing^3; rings, share of
+    their areas over spacing^2, as tori."""
+    if not rings:
+        return spheres(centers, spacing * (3 * share / (4 * np.pi)) ** (1 / 3))
     once = centers[:, 0] > 0  # not the mirror images
     return tori(centers[once], spacing * np.sqrt(share[once] / np.pi))
 
@@ -269,7 +286,7 @@ def tori(centers, radius):
 
 
 def spheres(centers, radius):
-    """Spheres about centers [n][3] (m): points, normals, triangles."""
+    """Spheres of the radii [n] about centers [n][3] (m): points, normals, triangles."""
     source = vtkSphereSource()
     source.SetThetaResolution(12)
     source.SetPhiResolution(8)
@@ -277,7 +294,7 @@ def spheres(centers, radius):
     source.Update()
     unit = vtk_to_numpy(source.GetOutput().GetPoints().GetData()).astype(float)
     cells = vtk_to_numpy(source.GetOutput().GetPolys().GetConnectivityArray()).reshape(-1, 3)
-    points = (centers[:, None, :] + radius * unit).reshape(-1, 3)
+    points = (centers[:, None, :] + radius[:, None, None] * unit).reshape(-1, 3)
     offsets = np.arange(len(centers))[:, None, None] * len(unit)
     return points, np.tile(unit, (len(centers), 1)), (cells + offsets).reshape(-1, 3)
 
@@ -286,7 +303,7 @@ def surface(liquid, spread=False):
     """Points, normals, triangles and drop shares (spread: see drop_share) of the liquid's surface."""
     mesh = triangles(liquid.block, LEVEL, liquid.origin, liquid.cell)
     loose = liquid.lonely(liquid.block, LEVEL, np.ones(len(liquid.points), bool))
-    balls = strays(liquid.points[loose], liquid.spacing, liquid.share[loose] if liquid.rings else None)
+    balls = strays(liquid.points[loose], liquid.spacing, liquid.share[loose], liquid.rings)
     own = np.repeat(liquid.is_drop[loose].astype(float), len(balls[0]) // max(1, loose.sum()))
     own = liquid.drop_share(balls[0]) if liquid.rings else own
     share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1], spread), own])

@@ -31,28 +31,27 @@ def limits(states, color):
 
 
 def section(axes, run, state, color, ends, unit):
-    """Particles of a slab through the middle (all in two dimensions) as discs of a spacing. unit: factor on m."""
-    size = run.spacing * unit
+    """Particles of a slab through the middle (all in two dimensions) as discs of their spacing. unit: factor on m."""
     pair = (0, run.up)
     chosen = np.ones(len(state.points), bool)
     solid = state.solid
     if run.dim == 3:
         middle = 0.5 * (run.lower[1] + run.upper[1])
-        chosen = np.abs(state.points[:, 1] - middle) <= 0.75 * run.spacing
+        chosen = np.abs(state.points[:, 1] - middle) <= 0.75 * run.spacing * state.size
         solid = solid[np.abs(solid[:, 1] - middle) <= 0.75 * run.spacing]
 
-    def discs(points, **style):
-        n = np.full(len(points), size)
+    def discs(points, size, **style):
+        n = size * run.spacing * unit
         axes.add_collection(EllipseCollection(n, n, np.zeros(len(n)), units="xy", offsets=points[:, pair] * unit,
                                               transOffset=axes.transData, linewidths=0, **style))
 
     if len(solid):
-        discs(solid, facecolors=SOLID_COLOR)
-    points = state.points[chosen]
+        discs(solid, np.ones(len(solid)), facecolors=SOLID_COLOR)
+    points, size = state.points[chosen], state.size[chosen]
     if color == "body":
-        discs(points, facecolors=[BODY_COLORS[b % len(BODY_COLORS)] for b in state.body[chosen]])
+        discs(points, size, facecolors=[BODY_COLORS[b % len(BODY_COLORS)] for b in state.body[chosen]])
     else:
-        discs(points, array=getattr(state, color)[chosen], cmap=MAPS[color], clim=ends)
+        discs(points, size, array=getattr(state, color)[chosen], cmap=MAPS[color], clim=ends)
     frame(axes, run, unit)
 
 
@@ -71,13 +70,13 @@ def frame(axes, run, unit):
 
 class Fluid:
     """Volume fraction of the particles on a grid over the box, of rings over its section through the axis, and the mean
-    of values there. coarser: so many times larger cells than a picture needs."""
+    of values there; share, size: as a state's. coarser: so many times larger cells than a picture needs."""
 
-    def __init__(self, run, points, values, share, coarser=1):
+    def __init__(self, run, points, values, share, size, coarser=1):
         inside = np.all((points >= run.lower - run.spacing) & (points <= run.upper + run.spacing), axis=1)
         self.points, self.spacing = points[inside], run.spacing
-        values, share = values[inside], share[inside]
-        self.share = share if run.rings else None
+        self.share = share = share[inside]
+        values, size = values[inside], size[inside]
         self.axes = axes = [0, 2] if run.rings else [0, 1, 2]
         margin = 4 * surface.FILTER * run.spacing
         lower = np.maximum(run.lower, self.points.min(axis=0) - margin)[axes]
@@ -88,7 +87,9 @@ class Fluid:
         if run.rings:  # a node is on the axis
             self.origin[0] = self.cell * np.floor(self.origin[0] / self.cell)
         shape = np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1 + run.rings
-        near, (value, share) = images(run, self.points, [values, share], margin)
+        near, (value, share, size) = images(run, self.points, [values, share, size], margin)
+        near, of, part = surface.parts(near, size, run.spacing, axes)
+        value, share = value[of], share[of] * part
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (run.spacing / self.cell) ** len(axes)
         width = surface.FILTER * run.spacing / self.cell
         self.fraction = surface.blur(surface.deposit(places, shape, weight), width)
@@ -159,7 +160,7 @@ def solid_mesh(run, state):
     """Triangles of the solid bodies."""
     if not len(state.solid):
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
-    return Fluid(run, state.solid, np.zeros((len(state.solid), 1)), np.ones(len(state.solid))).mesh()[:3]
+    return Fluid(run, state.solid, np.zeros((len(state.solid), 1)), *np.ones((2, len(state.solid)))).mesh()[:3]
 
 
 def floor_mesh(run, focus, half):
@@ -208,9 +209,9 @@ def above(run, states):
 
 def picture(run, state, color, ends, colormap, view, half, size=PANEL):
     """Renders the liquid's surface, solids and floor: [height][width][3] bytes."""
-    fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share)
+    fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share, state.size)
     points, normals, cells, lonely = fluid.mesh()
-    balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely] if run.rings else None)
+    balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
     points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
     cells = np.concatenate([cells, balls[2] + len(points) - len(balls[0])])
     base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)

@@ -194,4 +194,19 @@ mirrored = np.array_equal(state.points[right] * [-1, 1, 1], state.points[~right]
 runs.check(mirrored and 2 * right.sum() == len(right) > 100, "rings_mirrored", state.points[:3])
 area = 0.125**2 * np.sum(state.share[right]) / (np.pi / 2 * RADIUS**2 + 0.125**2)
 runs.check_within(area, 0.97, 1.03, "rings_share")
+
+# particles of different sizes: the mesh holds the coarse ones as well, a picture shows them as wide as they are
+CORE = """ -spacing_coarse 0.3 -fine core,nook -core_shape sphere -core_radius 0.3 -core_center {} -nook_shape sphere
+ -nook_radius 0.2 -nook_center {}"""
+for scene, center, stray, name in ((SCENE, "1,0,0", "1.6,1.6,1.6", "graded"),
+                                   (RINGS, "0,1", "1.6,1.6", "graded_rings")):
+    folder = runs.run(scene + CORE.format(center, stray), name)
+    subprocess.run([sys.executable, mesh, folder, "--least", "30"], stdout=subprocess.DEVNULL, check=False)
+    first = runs.fields(runs.numbered(folder, "snapshot")[0])
+    check_surface(read(vtkXMLPolyDataReader(), os.path.join(folder, "mesh", "surface_000000.vtp")),
+                  first["volume"][first["body"] == 0].sum(), name)
+    state = data.Run(folder).read(runs.numbered(folder, "snapshot")[0])
+    wide = state.size[state.body == 0]
+    runs.check_within(wide.min(), 0.95, 1.05, f"{name}_finest")
+    runs.check_within(wide.max(), 1.8, 2.7, f"{name}_coarsest")
 runs.done()
