@@ -54,9 +54,9 @@ typedef struct _p_Cloud {
   /* Factors of the pairs, in the order of the list, at the positions of the last search; without weights the same for
      both particles of a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f, times the weight of the
      neighbour: sums take V_0 as if it were the volume of all. laplacian, of rings without weights: the pair's part in a
-     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, of graded particles times the weights of both, and 0
-     between two wall particles. It is rounded to
-     sixteen bits because the solver reads it in every iteration; a Laplacian with 80 such weights is right to 3e-6. */
+     Laplacian, -F r2/(r2 + eta2) over scale_f laplacian_unit, of graded particles times size^dim of both, and 0 between
+     two wall particles. It is rounded to sixteen bits because the solver reads it in every iteration; a Laplacian with
+     80 such weights is right to 3e-6. */
   float     *slope;
   uint16_t  *laplacian;
   PetscInt  *laplacian_sum;    /* [n_owned], of each row */
