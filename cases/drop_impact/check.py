@@ -125,7 +125,7 @@ def check(folder):
             results.append(physics.shown(f"{name} at {1e3 * t:g} ms", 1e3 * compare.at(series, column, t),
                                          1e3 * compare.at(reference, column, t), "mm"))
     crown, crown_time = compare.maximum(series, "crown_height", *compare.CROWN_SPAN)
-    finest = rundata.read_reference(speed, "_fine") if speed == 3.13 else reference
+    finest = rundata.read_reference(speed, "_fine")
     wanted = compare.maximum(finest, "crown_height", *compare.CROWN_SPAN)
     mean = mean_crown(folder)
     results += [judge("H, largest", crown, wanted[0], 0.15, "mm", 1e-3),

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """The main case from several random packings: what is a trend and what is chance.
 
-    seeds.py [--rings] [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
+    seeds.py [--rings | --graded] [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
 
-A quarter of the box; with --rings the impact as rings in pools of 22.5 and 40 mm radius, at 0.25 and 0.125 mm. Runs
-that output/drop_impact_seeds/ holds to their end are not run again. Writes seeds.csv (mean and standard deviation of
-the curves) and curves_seeds.png, of rings seeds_rings.csv and curves_seeds_rings.png, beside this file, and prints a
-table; --readme puts it into README.md.
+A quarter of the box; with --rings the impact as rings in pools of 22.5 and 40 mm radius, at 0.25 and 0.125 mm; with
+--graded these rings within 9 mm of the impact only, growing to four times as much. Runs that output/drop_impact_seeds/
+holds to their end are not run again. Writes seeds.csv (mean and standard deviation of the curves) and curves_seeds.png,
+of rings seeds_rings.csv and curves_seeds_rings.png, of graded ones seeds_graded.csv and curves_seeds_graded.png, beside
+this file, and prints a table; --readme puts it into README.md.
 """
 import argparse
 import csv
@@ -29,6 +30,8 @@ import runs  # noqa: E402
 
 OUTPUT = os.path.join(ROOT, "output", "drop_impact_seeds")
 FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/speed_242.opts"}
+GRADED = "-options_file cases/drop_impact/graded.opts -core_radius 9e-3"
+RATIO = 4  # of coarse and fine spacing
 RING_FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/axisymmetric_242.opts"}
 POOLS = {"22.5": "_box", "40": ""}  # mm: radius, and the kind of reference
 END = 60e-3  # s
@@ -42,6 +45,7 @@ class Group(NamedTuple):
     """Runs that are held against the same reference. pool: radius in mm, of rings; else empty."""
     speed: str
     pool: str = ""
+    graded: bool = False
 
     def title(self):
         return f"{self.speed} m/s" + (f", pool of {self.pool} mm" if self.pool else "")
@@ -49,15 +53,24 @@ class Group(NamedTuple):
     def reference(self):
         return rundata.read_reference(float(self.speed), POOLS.get(self.pool, ""))
 
-    def options(self):
+    def finer_reference(self):
+        """With finer cells, until about 36 ms; none in the narrow pool."""
+        return rundata.read_reference(float(self.speed), "_fine") if self.pool == "40" else None
+
+    def options(self, spacing):
+        """Of runs at this spacing, mm."""
+        fine = f"{spacing}e-3"
+        if self.graded:
+            fine += f" -spacing_coarse {RATIO * float(spacing):g}e-3"
         if not self.pool:
             return (f"-options_file cases/drop_impact/case.opts -options_file options/quarter.opts {FILES[self.speed]} "
-                    "-snapshot_interval 0")
-        return (f"-options_file cases/drop_impact/axisymmetric.opts {RING_FILES[self.speed]} "
-                f"-box_upper {self.pool}e-3,30e-3 -film_upper {self.pool}e-3,0 -snapshot_interval 5e-3")
+                    f"-spacing {fine} -snapshot_interval 0")
+        return (f"-options_file cases/drop_impact/axisymmetric.opts {RING_FILES[self.speed]} {GRADED * self.graded} "
+                f"-spacing {fine} -box_upper {self.pool}e-3,30e-3 -film_upper {self.pool}e-3,0 -snapshot_interval 5e-3")
 
     def folder(self, spacing, seed):
-        return os.path.join(OUTPUT, "_".join(filter(None, (self.speed, self.pool, spacing, str(seed)))))
+        parts = self.speed, self.pool, "graded" * self.graded, spacing, str(seed)
+        return os.path.join(OUTPUT, "_".join(filter(None, parts)))
 
 
 def finished(folder):
@@ -71,7 +84,7 @@ def run(group, spacing, seed):
     """Runs one packing, unless its run is there."""
     folder = group.folder(spacing, seed)
     if not finished(folder):
-        options = f"{group.options()} -spacing {spacing}e-3 -packing_seed {seed} -checkpoint_interval 0"
+        options = f"{group.options(spacing)} -packing_seed {seed} -checkpoint_interval 0"
         subprocess.run([runs.PROGRAM, *options.split(), "-output_dir", folder, "-output_overwrite",
                         "-progress_interval", "0"], cwd=ROOT, env=runs.environment(), check=True,
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
@@ -108,25 +121,26 @@ def figures_of(table, reference):
 
 
 def write_table(results):
-    """Mean and standard deviation of every set of runs, beside the reference."""
+    """Mean and standard deviation of every set of runs, beside the references."""
     text = ""
     for group in dict.fromkeys(group for group, _ in results):
-        reference = group.reference()
-        wanted = figures_of(reference, reference)
+        references = [table for table in (group.reference(), group.finer_reference()) if table]
+        wanted = [figures_of(table, table) for table in references]
         runs_of = {spacing: tables for (g, spacing), tables in results.items() if g == group}
-        sets = {spacing: [figures_of(table, reference) for table in tables] for spacing, tables in runs_of.items()}
-        text += f"\n| {group.title()} | " + " | ".join(f"{spacing} mm" for spacing in sets) + " | reference |\n"
-        text += "|---" * (len(sets) + 2) + "|\n"
-        for k, name in enumerate(("D", "phi")):
-            cells = [f"{errors(tables, reference)[k]:.2g}" for tables in runs_of.values()]
-            text += f"| largest error of the mean of {name}, % | " + " | ".join(cells) + " |  |\n"
-        for name in wanted:
+        sets = {spacing: [figures_of(table, references[0]) for table in tables] for spacing, tables in runs_of.items()}
+        heads = [f"{spacing} mm" for spacing in sets] + ["reference", "with finer cells"][:len(references)]
+        text += f"\n| {group.title()} | " + " | ".join(heads) + " |\n" + "|---" * (len(heads) + 1) + "|\n"
+        for reference, words in zip(references, ("", ", finer cells")):
+            for k, name in enumerate(("D", "phi")):
+                cells = [f"{errors(tables, reference)[k]:.2g}" for tables in runs_of.values()] + [""] * len(references)
+                text += f"| largest error of the mean of {name}, %{words} | " + " | ".join(cells) + " |\n"
+        for name in wanted[0]:
             cells = []
             for rows in sets.values():
                 values = [row[name] for row in rows]
                 cells.append(f"{np.mean(values):.3g} +- {np.std(values, ddof=1):.2g}")
-            right = "" if "error" in name or not np.isfinite(wanted[name]) else f"{wanted[name]:.3g}"
-            text += f"| {name} | " + " | ".join(cells) + f" | {right} |\n"
+            cells += ["" if "error" in name or not np.isfinite(w[name]) else f"{w[name]:.3g}" for w in wanted]
+            text += f"| {name} | " + " | ".join(cells) + " |\n"
     return text
 
 
@@ -142,7 +156,7 @@ def write_curves(results, path):
             mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
             for k, time in enumerate(TIMES):
                 row = [f"{x:.5g}" for pair in zip(mean[:, k], spread[:, k]) for x in pair]
-                writer.writerow([*group, f"{spacing}e-3", f"{time:.5g}", *row])
+                writer.writerow([group.speed, group.pool, f"{spacing}e-3", f"{time:.5g}", *row])
 
 
 def draw(results, path):
@@ -176,19 +190,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--speed", nargs="+", choices=FILES, default=list(FILES), help="m/s")
     parser.add_argument("--rings", action="store_true", help="as rings, in two pools")
+    parser.add_argument("--graded", action="store_true", help="as rings, fine near the impact only")
     parser.add_argument("--spacing", nargs="+", metavar="MM", help="0.5 0.35; of rings 0.25 0.125")
     parser.add_argument("--seeds", type=int, default=5, help="number of packings")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time")
     parser.add_argument("--readme", action="store_true", help="put the table into README.md")
     arguments = parser.parse_args()
-    spacings = arguments.spacing or (["0.25", "0.125"] if arguments.rings else ["0.5", "0.35"])
-    keys = [(Group(speed, pool), spacing) for speed in arguments.speed for pool in (POOLS if arguments.rings else [""])
-            for spacing in spacings]
+    rings = arguments.rings or arguments.graded
+    spacings = arguments.spacing or (["0.25", "0.125"] if rings else ["0.5", "0.35"])
+    keys = [(Group(speed, pool, arguments.graded), spacing) for speed in arguments.speed
+            for pool in (POOLS if rings else [""]) for spacing in spacings]
     jobs = [(*key, seed) for key in keys for seed in range(1, arguments.seeds + 1)]
     with ThreadPoolExecutor(arguments.jobs) as pool:
         tables = list(pool.map(lambda job: run(*job), jobs))
     results = {key: [table for job, table in zip(jobs, tables) if job[:2] == key] for key in keys}
-    kind = "_rings" if arguments.rings else ""
+    kind = "_graded" if arguments.graded else "_rings" if arguments.rings else ""
     write_curves(results, os.path.join(HERE, f"seeds{kind}.csv"))
     draw(results, os.path.join(HERE, f"curves_seeds{kind}.png"))
     text = write_table(results)
