@@ -13,8 +13,8 @@ GRAVITY = 9.81  # m/s2
 
 
 def read_reference(speed, kind=""):
-    """The reference curves of a speed in REFERENCES; kind "_box": of a pool as small as the paper's; "_fine": with finer
-    cells, until about 36 ms; "_second" (3.13 m/s only): by another program; none of a speed of None."""
+    """The reference curves of a speed in REFERENCES; kind "_box": of a pool as small as the paper's; "_fine": with
+    finer cells, until about 36 ms; "_second" (3.13 m/s only): by another program; none of a speed of None."""
     return {"time": []} if speed is None else read_table(os.path.join(HERE, REFERENCES[speed] + kind + ".csv"))
 
 
