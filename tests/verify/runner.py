@@ -4,7 +4,8 @@
                                            make verify, make verify-long
     runner.py --test [--size ...]          the part of `make test` and `make test-long`
     runner.py --convergence --case CASE    make convergence CASE=...
-    runner.py --readme                     make verify-readme: cases/README.md, cases with markers
+    runner.py --readme                     make verify-readme: cases/README.md, cases with markers; rows of entries
+                                           that did not run stay
     runner.py --list                       the entries
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
@@ -292,44 +293,84 @@ def convergence(entries, case, jobs, existing):
     return 0
 
 
-def side_by_side(rows):
-    """A table with a line a quantity, default and printed scheme beside each other, and its counts. The first line of
-    an entry names it and the options of its run with the default scheme."""
-    lines, seen = {}, set()
-    for row in compact([row for row in rows if row["scheme"] in cases.SCHEMES]):
-        name, options = row["case"], " ".join(row["options"].split())
-        if name not in seen and row["scheme"] == "default" and options:
-            row["case"] = f"{name} `{options}`"
-        elif name in seen:
-            row["case"] = ""
-        seen.add(name)
-        line = lines.setdefault((name, row["quantity"]), dict(row, default="-", within="-", printed="-"))
+def name_of(row):
+    return ", ".join(word for word in (row["case"], row["label"]) if word)
+
+
+def lines_of(rows):
+    """Lines of the table, a quantity each, default and printed scheme beside each other: {entry's name: [cells]}. The
+    first line of an entry names it and the options of its run with the default scheme."""
+    lines = {}
+    for row in rows:
+        name, options = name_of(row), " ".join(row["options"].split())
+        entry = lines.setdefault(name, {})
+        title = "" if entry else f"{name} `{options}`" if row["scheme"] == "default" and options else name
+        line = entry.setdefault(row["quantity"],
+                                [title, row["quantity"], "-", row["expected"], row["tolerance"], "-", "-"])
         if row["scheme"] == "default":
-            line.update({"default": row["measured"], "within": row["pass"]})
-        else:
-            line["printed"] = row["measured"] + (" (!)" if row["pass"] in (misses.KNOWN, misses.FAILED) else "")
-    judged = [[row for row in rows if row["scheme"] == scheme] for scheme in cases.SCHEMES]
-    printed = f" As printed: {counts(judged[1])}." if judged[1] else ""
-    versions = ", ".join(sorted({f"{row['version']} ({row['date']})" for row in rows}))
-    words = [{**line, "default scheme": line["default"], "as printed": line["printed"]} for line in lines.values()]
-    return (table(words, ["case", "quantity", "default scheme", "expected", "tolerance", "within", "as printed"]) +
-            f"\n\nDefault scheme: {counts(judged[0])}.{printed} Rows with 'known' or (!) are beyond their "
-            "tolerance; tests/verify/misses.csv has the bands that hold them. Written by `make verify-readme` from "
-            f"runs of {versions}.")
+            line[2], line[5] = row["measured"], row["pass"]
+        elif row["scheme"] in cases.SCHEMES:
+            line[6] = row["measured"] + (" (!)" if row["pass"] in (misses.KNOWN, misses.FAILED) else "")
+    return {name: list(entry.values()) for name, entry in lines.items()}
+
+
+def lines_in(path):
+    """The same, and the words about versions, of the table that is in a file."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read().partition("<!-- verify -->")[2].partition("<!-- /verify -->")[0]
+    lines = {}
+    for line in re.findall(r"^\|(.*)\|$", text, re.M)[2:]:
+        cells = [cell.strip() for cell in line.split(" | ")]
+        if cells[0]:
+            lines[cells[0].partition(" `")[0]] = entry = []
+        entry.append(cells)
+    return lines, re.findall(r"\w+\+? \([\d-]+\)", text.partition("from runs of")[2])
+
+
+def keep_scheme(lines, old, ran):
+    """Into the lines of an entry, what its old ones say of a scheme that is not among those that ran."""
+    for before in old:
+        line = next((line for line in lines if line[1] == before[1]), None)
+        if line is None and not ran >= set(cases.SCHEMES):
+            lines.append(["", *before[1:]])
+        elif line and "default" not in ran:
+            line[0], line[2], line[5] = before[0], before[2], before[5]
+        elif line and len(ran) < len(cases.SCHEMES):
+            line[6] = before[6]
+
+
+def side_by_side(rows, path):
+    """The table of the rows, with the lines that the file at path has of entries that did not run, and its counts."""
+    rows = [row for row in rows if row["scheme"] in cases.SCHEMES]
+    lines, versions = lines_in(path)
+    names = list(dict.fromkeys(name_of({"case": e.case, "label": e.label}) for e in cases.ENTRIES))
+    new = lines_of(rows)
+    for name in new:
+        keep_scheme(new[name], lines.get(name, []), {row["scheme"] for row in rows if name_of(row) == name})
+    lines = [line for name in names for line in new.get(name) or lines.get(name, [])]
+    versions = sorted({f"{row['version']} ({row['date']})" for row in rows} | set(versions))
+    printed = [line[6].endswith("(!)") for line in lines if "-" not in (line[4], line[6])]
+    beside = f" As printed: {printed.count(False)} within tolerance, {printed.count(True)} beyond." if printed else ""
+    heads = ["case", "quantity", "default scheme", "expected", "tolerance", "within", "as printed"]
+    return (table([dict(zip(heads, line)) for line in lines], heads) +
+            f"\n\nDefault scheme: {counts([{'pass': line[5]} for line in lines])}.{beside} Rows with 'known' or (!) "
+            "are beyond their tolerance; tests/verify/misses.csv has the bands that hold them. Written by `make "
+            f"verify-readme` from runs of {', '.join(versions)}.")
 
 
 def readme():
-    """The tables between <!-- verify --> and <!-- /verify -->: all cases in cases/README.md, its own in a case's."""
+    """The tables between <!-- verify --> and <!-- /verify -->: all cases in cases/README.md, its own in a case's. What
+    did not run stays as it is."""
     rows = read_rows()
     if not rows:
         sys.exit("runner.py: output/verify/verify.csv is missing; run make verify first")
-    runs.replace(os.path.join(runs.ROOT, "cases", "README.md"), "verify", "\n" + side_by_side(rows) + "\n")
-    for case in dict.fromkeys(row["case"] for row in rows):
+    for case in [""] + list(dict.fromkeys(row["case"] for row in rows)):
         path = os.path.join(runs.ROOT, "cases", case, "README.md")
         with open(path, encoding="utf-8") as file:
             marked = "<!-- verify -->" in file.read()
         if marked:
-            runs.replace(path, "verify", "\n" + side_by_side([row for row in rows if row["case"] == case]) + "\n")
+            own = [row for row in rows if case in ("", row["case"])]
+            runs.replace(path, "verify", "\n" + side_by_side(own, path) + "\n")
     return 0
 
 
