@@ -169,6 +169,7 @@ static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, doub
   PetscCall(SimSetFromOptions(coarse, &stop));
   coarse->relaxation_time = 0;
   PetscCall(SimSetUp(coarse));
+  ProgressBegin("the dry run", "nothing is lost"); /* the set-up has given its own name to the work */
   PetscCall(RehearseSteps(coarse, coarser, n, longest, r));
   PetscCall(SimDestroy(&coarse));
   PetscFunctionReturn(PETSC_SUCCESS);

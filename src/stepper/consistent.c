@@ -61,6 +61,10 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
                              "shifting keeps momentum and angular momentum, at more loss of energy",
                              "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
   PetscCall(OptionReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "[0, inf)", &shifting->strength));
+  PetscCall(OptionReal("-shifting_disorder",
+                       "h |grad C| at which the strength has doubled, it triples at most (1); 0: the same everywhere; "
+                       "0.06 helps coarse splashes",
+                       "[0, inf)", &shifting->disorder));
   PetscCall(OptionReal("-shifting_cap", "largest shift in a step (spacings)", "[0, inf)", &shifting->cap));
   PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                              "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
@@ -94,7 +98,7 @@ PetscErrorCode ConsistentDefaults(Stepper stepper)
   stepper->relaxation_ratio = RELAXATION_RATIO;
   stepper->force_time       = 0.5;
   scheme->centered          = PETSC_TRUE;
-  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, SHIFTING_CAP};
+  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, SHIFTING_CAP, 0};
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

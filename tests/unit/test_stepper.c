@@ -54,7 +54,7 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   Setup          s;
   Cloud          cloud;
   PetscReal      before[10], after[10], uneven, moved = 0;
-  const Shifting conserved = {PETSC_TRUE, PETSC_TRUE, 2, 0.1};
+  const Shifting conserved = {PETSC_TRUE, PETSC_TRUE, 2, 0.1, 0};
   const PetscInt turns     = open ? 3 : 2; /* angular momentum means nothing in a periodic box */
 
   PetscFunctionBegin;
@@ -103,7 +103,7 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
    the same function of the place as before. */
 static PetscErrorCode CheckPlain(PetscReal cap)
 {
-  const Shifting  plain       = {PETSC_TRUE, PETSC_FALSE, 2, cap};
+  const Shifting  plain       = {PETSC_TRUE, PETSC_FALSE, 2, cap, 0};
   const PetscReal G[DIM][DIM] = {{0.3, -0.7, 0}, {0.2, -0.3, 0}, {0, 0, 0}};
   PetscReal       longest = 0, wrong = 0, off = 0;
   Setup           s;
@@ -133,6 +133,45 @@ static PetscErrorCode CheckPlain(PetscReal cap)
   CHECK_CLOSE(SetupMax(longest) / cap, cap < 0.1 ? 1 : 0.5, cap < 0.1 ? 1e-12 : 0.49, "plain_shift_is_capped");
   CHECK_CLOSE(SetupMax(off), 0, 1e-12, "plain_shift_of_the_surface_is_along_it");
   CHECK_CLOSE(SetupMax(wrong), 0, 1e-12, "plain_shift_keeps_a_linear_velocity");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* With -shifting_disorder a shift is longer by 1 + h |grad C|/disorder, at most three times. */
+static PetscErrorCode CheckDisorder(void)
+{
+  const Shifting even = {PETSC_TRUE, PETSC_FALSE, 2, 10, 0}, disordered = {PETSC_TRUE, PETSC_FALSE, 2, 10, 0.01};
+  PetscReal     *length, wrong = 0, least = PETSC_MAX_REAL, most = 0;
+  Setup          s;
+  Cloud          cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(FLAT "-a_shape sphere ", &s));
+  cloud = s.cloud;
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscMalloc1(cloud->n_fluid, &length));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_VELOCITY_JUMP][a] = 1;
+  PetscCall(PetscArrayzero(cloud->field[FIELD_VELOCITY_NEW], DIM * cloud->n_owned));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+    PetscCall(Shift(cloud, k ? &disordered : &even, DT));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+      const PetscReal *x = cloud->field[FIELD_POSITION_NEW] + DIM * a, *before = cloud->field[FIELD_POSITION] + DIM * a;
+      const PetscReal  dr[DIM] = {x[0] - before[0], x[1] - before[1], x[2] - before[2]};
+
+      if (k && length[a] > 0) {
+        const PetscReal more = Norm(dr) / length[a], wanted = PetscMin(3, 1 + length[a] / (2 * DT) / 0.01);
+
+        wrong = PetscMax(wrong, PetscAbsReal(more - wanted));
+        least = PetscMin(least, more);
+        most  = PetscMax(most, more);
+      }
+      if (!k) length[a] = Norm(dr);
+    }
+  }
+  CHECK_CLOSE(SetupMax(wrong), 0, 1e-9, "disorder_lengthens_shifts");
+  CheckTrue(SetupMax(most) > 2.99 && -SetupMax(-least) < 1.5, "disorder_of_all_sizes");
+  PetscCall(PetscFree(length));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,6 +208,7 @@ int main(int argc, char **argv)
   PetscCall(CheckShift(ROUND, PETSC_FALSE, "periodic"));
   PetscCall(CheckPlain(0.002));
   PetscCall(CheckPlain(0.2));
+  PetscCall(CheckDisorder());
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
   PetscCall(PetscFinalize());
