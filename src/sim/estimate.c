@@ -107,9 +107,14 @@ static PetscReal MeanParticles(Sim sim, PetscInt now)
   return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
 }
 
-/* Sums over the steps of a rehearsal: how many the run would take in their place, and with how many particles. */
+/* Sums over the steps of a rehearsal: how many steady steps the run would take in their place, and with how many
+   particles; how many steady ones the rehearsal would take and how many it took, which differ by those that follow a
+   rejected one; and the time they took a particle, all of them and the early ones, which are as the trial steps of the
+   run. */
 typedef struct {
-  PetscReal time, steps, n; /* s, 1, 1: the last one of all steps together */
+  PetscReal time, steps, n;           /* s, 1, 1: the last one of all steps together */
+  PetscReal steady, taken;            /* 1, 1 */
+  PetscReal cost, early, early_steps; /* s, s, 1 */
 } Rehearsal;
 
 /* Spacings, fine and coarse (m; coarse 0: not graded), as options. */
@@ -126,40 +131,63 @@ static PetscErrorCode SetSpacing(PetscReal spacing, PetscReal coarse)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Steps of the coarse run to its end, for 'longest' s at most. n: particles of liquid of the run at its start. */
-static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, double longest, Rehearsal *r)
+/* Adds a step of the coarse run. dt: s; n: particles that the run has now; took: s. */
+static void AddStep(Sim coarse, PetscReal coarser, PetscReal dt, PetscReal n, PetscReal took, PetscBool early,
+                    Rehearsal *r)
+{
+  const PetscReal steps = dt / StepperSteadyStep(coarse->stepper, 1 / coarser);
+
+  r->time += dt;
+  r->steps += steps;
+  r->n += steps * n;
+  r->steady += dt / StepperSteadyStep(coarse->stepper, 1);
+  r->taken++;
+  r->cost += took / n;
+  if (!early) return;
+  r->early += took / n;
+  r->early_steps++;
+}
+
+/* Steps of the coarse run to its end, for 'longest' s at most. n: particles of liquid of the run at its start; covered:
+   what the trial steps went, s. */
+static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, PetscReal covered, double longest,
+                                    Rehearsal *r)
 {
   const PetscReal begin = coarse->state.time;
-  PetscReal       before, each;
+  PetscReal       each, spent = 0;
   PetscInt        now;
-  PetscBool       failed = PETSC_FALSE, over = PETSC_FALSE;
-  double          start, clock;
+  PetscBool       failed = PETSC_FALSE;
   char            why[WHY_LENGTH];
 
   PetscFunctionBegin;
   PetscCall(CountLiquid(coarse, &now));
   each = SceneEmits(coarse->scene) ? PetscPowReal(coarser, coarse->domain->dim) : (PetscReal)n / PetscMax(1, now);
-  PetscCall(PetscTime(&start));
-  for (PetscInt k = 0; coarse->state.time < coarse->time_end && !over; k++) {
-    PetscCall(ProgressWork(coarse->comm, (coarse->state.time - begin) / (coarse->time_end - begin), "rehearsal"));
-    before = coarse->state.time;
+  for (PetscInt k = 0; coarse->state.time < coarse->time_end && spent < (PetscReal)longest; k++) {
+    const PetscReal before = coarse->state.time;
+    PetscReal       took;
+    double          start, end;
+
+    PetscCall(ProgressWork(coarse->comm, (before - begin) / (coarse->time_end - begin), "rehearsal"));
+    PetscCall(PetscTime(&start));
     PetscCall(
       StepperAdvance(coarse->stepper, coarse->time_end, PETSC_FALSE, &coarse->state, &failed, why, sizeof(why)));
     if (failed) break;
     PetscCall(SimEmit(coarse));
     PetscCall(CountLiquid(coarse, &now));
-    r->time += coarse->state.time - before;
-    r->steps += (coarse->state.time - before) / StepperSteadyStep(coarse->stepper, 1 / coarser);
-    r->n += (coarse->state.time - before) / StepperSteadyStep(coarse->stepper, 1 / coarser) * (PetscReal)now * each;
-    PetscCall(PetscTime(&clock));
-    over = (PetscBool)(clock - start > longest);
-    PetscCallMPI(MPI_Bcast(&over, 1, MPIU_BOOL, 0, coarse->comm));
+    PetscCall(PetscTime(&end));
+    took = (PetscReal)(end - start);
+    PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, coarse->comm));
+    spent += took;
+    if (k == 0) continue; /* it sets everything up */
+    AddStep(coarse, coarser, coarse->state.time - before, (PetscReal)now * each, took,
+            (PetscBool)(before - begin < covered || r->early_steps < TRIAL_LEAST), r);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A second program of the same options: the particles of its scene must not be those of the run. */
-static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, double longest, Rehearsal *r)
+static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, PetscReal covered, double longest,
+                                    Rehearsal *r)
 {
   Sim       coarse;
   PetscBool stop;
@@ -170,13 +198,13 @@ static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, doub
   coarse->relaxation_time = 0;
   PetscCall(SimSetUp(coarse));
   ProgressBegin("the dry run", "nothing is lost"); /* the set-up has given its own name to the work */
-  PetscCall(RehearseSteps(coarse, coarser, n, longest, r));
+  PetscCall(RehearseSteps(coarse, coarser, n, covered, longest, r));
   PetscCall(SimDestroy(&coarse));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The run with a spacing 'coarser' times as large, as far as it comes: a scene may not be possible so coarse. */
-static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, double longest, Rehearsal *r)
+static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscReal covered, double longest, Rehearsal *r)
 {
   const Domain   domain = sim->domain;
   PetscErrorCode code;
@@ -187,7 +215,7 @@ static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, double longest, Rehea
   PetscCall(CountLiquid(sim, &n));
   PetscCall(SetSpacing(coarser * domain->spacing, domain->graded ? coarser * domain->spacing_coarse : 0));
   UserErrorsHold(PETSC_TRUE);
-  code = RehearseScene(sim, coarser, n, longest, r);
+  code = RehearseScene(sim, coarser, n, covered, longest, r);
   UserErrorsHold(PETSC_FALSE);
   PetscCall(SetSpacing(domain->spacing, domain->graded ? domain->spacing_coarse : 0));
   PetscCall(ProgressWork(sim->comm, -1, "the rehearsal is over")); /* an interrupt ends the program */
@@ -223,11 +251,11 @@ PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run)
   longest = PetscMin(REHEARSAL_LONG, PetscMax(TRIAL_TIME, REHEARSAL_SHARE * run->steps * run->step_time));
   coarser = PetscPowReal(run->steps * run->step_time / longest, 1. / (sim->domain->dim + 1));
   coarser = PetscMin(COARSER_MOST, PetscMax(COARSER_LEAST, coarser));
-  PetscCall(Rehearse(sim, coarser, (double)longest, &r));
+  PetscCall(Rehearse(sim, coarser, times->covered, (double)longest, &r));
   run->rehearsed = r.time / whole;
   if (run->rehearsed < REHEARSED_LEAST) PetscFunctionReturn(PETSC_SUCCESS);
   run->coarser   = coarser;
-  run->steps     = r.steps / run->rehearsed;
-  run->step_time = StepTime(times, r.n / r.steps);
+  run->steps     = r.steps / run->rehearsed * PetscMax(1, r.taken / r.steady);
+  run->step_time = StepTime(times, r.n / r.steps) * (r.cost / r.taken) / (r.early / r.early_steps);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
