@@ -107,14 +107,20 @@ static PetscReal MeanParticles(Sim sim, PetscInt now)
   return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
 }
 
+/* Time (s) and steps of the run in it. */
+typedef struct {
+  PetscReal time, steps;
+} Span;
+
 /* Sums over the steps of a rehearsal: how many steady steps the run would take in their place, and with how many
    particles; how many steady ones the rehearsal would take and how many it took, which differ by those that follow a
    rejected one; and the time they took a particle, all of them and the early ones, which are as the trial steps of the
-   run. */
+   run. last, before: two spans at its end, the former up to half of all, the latter as long as all before it. */
 typedef struct {
   PetscReal time, steps, n;           /* s, 1, 1: the last one of all steps together */
   PetscReal steady, taken;            /* 1, 1 */
   PetscReal cost, early, early_steps; /* s, s, 1 */
+  Span      last, before;
 } Rehearsal;
 
 /* Spacings, fine and coarse (m; coarse 0: not graded), as options. */
@@ -137,6 +143,12 @@ static void AddStep(Sim coarse, PetscReal coarser, PetscReal dt, PetscReal n, Pe
 {
   const PetscReal steps = dt / StepperSteadyStep(coarse->stepper, 1 / coarser);
 
+  if (r->last.time > 0.5 * r->time) {
+    r->before = r->last;
+    r->last   = (Span){0};
+  }
+  r->last.time += dt;
+  r->last.steps += steps;
   r->time += dt;
   r->steps += steps;
   r->n += steps * n;
@@ -249,13 +261,14 @@ PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run)
     *run = (RunEstimate){.steps = times->steps + 1, .step_time = times->time / times->steps, .rehearsed = 1};
   if (times->covered >= whole || sim->restart[0] || sim->steps_max || !times->steps) PetscFunctionReturn(PETSC_SUCCESS);
   longest = PetscMin(REHEARSAL_LONG, PetscMax(TRIAL_TIME, REHEARSAL_SHARE * run->steps * run->step_time));
-  coarser = PetscPowReal(run->steps * run->step_time / longest, 1. / (sim->domain->dim + 1));
+  coarser = PetscPowReal(2 * run->steps * run->step_time / longest, 1. / (sim->domain->dim + 1));
   coarser = PetscMin(COARSER_MOST, PetscMax(COARSER_LEAST, coarser));
   PetscCall(Rehearse(sim, coarser, times->covered, (double)longest, &r));
   run->rehearsed = r.time / whole;
   if (run->rehearsed < REHEARSED_LEAST) PetscFunctionReturn(PETSC_SUCCESS);
-  run->coarser   = coarser;
-  run->steps     = r.steps / run->rehearsed * PetscMax(1, r.taken / r.steady);
+  run->coarser = coarser;
+  run->steps   = (r.steps + (whole - r.time) * (r.last.steps + r.before.steps) / (r.last.time + r.before.time)) *
+               PetscMax(1, r.taken / r.steady);
   run->step_time = StepTime(times, r.n / r.steps) * (r.cost / r.taken) / (r.early / r.early_steps);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
