@@ -147,9 +147,7 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   total = Simd3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
-    cloud->rest_density[a] * V *
-    ((graded ? CloudWeighSelf(cloud, a, scales->self) : CloudWeigh(cloud, a, scales->self)) +
-     scales->scale_w * total[3]);
+    cloud->rest_density[a] * V * (CloudWeighSelf(cloud, a, scales->self) + scales->scale_w * total[3]);
   Vec4Store(scale * (total + Simd3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
   Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);

@@ -191,7 +191,7 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
     PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, coarse->comm));
     spent += took;
     if (k == 0) continue; /* it sets everything up */
-    AddStep(coarse, coarser, coarse->state.time - before, (PetscReal)now * each, took,
+    AddStep(coarse, coarser, coarse->state.time - before, (PetscReal)PetscMax(1, now) * each, took,
             (PetscBool)(before - begin < covered || r->early_steps < TRIAL_LEAST), r);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

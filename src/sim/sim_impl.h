@@ -69,7 +69,8 @@ typedef struct {
   PetscReal covered;                    /* how far all went, s */
 } StepTimes;
 /* What a run takes: steps (1) of step_time (s) each, and what was rehearsed: a share of the run's time (1), with
-   a spacing 'coarser' times as large (1); 0: the trial steps alone say it. */
+   a spacing 'coarser' times as large (1). Without 'coarser' the trial steps say it alone; they were the whole run if
+   'rehearsed' is 1. */
 typedef struct {
   PetscReal steps, step_time, rehearsed, coarser;
 } RunEstimate;

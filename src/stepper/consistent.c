@@ -63,7 +63,7 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
   PetscCall(OptionReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "[0, inf)", &shifting->strength));
   PetscCall(OptionReal("-shifting_disorder",
                        "h |grad C| at which the strength has doubled, it triples at most (1); 0: the same everywhere; "
-                       "0.06 helps coarse splashes",
+                       "0.06 keeps more energy in coarse splashes",
                        "[0, inf)", &shifting->disorder));
   PetscCall(OptionReal("-shifting_cap", "largest shift in a step (spacings)", "[0, inf)", &shifting->cap));
   PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",

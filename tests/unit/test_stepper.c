@@ -99,6 +99,31 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A drop of an arranged packing with its moments, whose particles the next shift moves from where they are. */
+static PetscErrorCode OpenDrop(Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(SetupPack(FLAT "-a_shape sphere ", s));
+  PetscCall(SetupMoments(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Shifts particles from their positions; the new ones are beside them. */
+static PetscErrorCode ShiftFromHere(Cloud cloud, const Shifting *shifting)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  PetscCall(Shift(cloud, shifting, DT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How particle a was shifted. */
+static void ShiftOf(Cloud cloud, PetscInt a, PetscReal dr[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    dr[d] = cloud->field[FIELD_POSITION_NEW][DIM * a + d] - cloud->field[FIELD_POSITION][DIM * a + d];
+}
+
 /* Every particle for itself: no shift is longer than the cap, on the surface it is along it, and a linear velocity is
    the same function of the place as before. */
 static PetscErrorCode CheckPlain(PetscReal cap)
@@ -110,20 +135,19 @@ static PetscErrorCode CheckPlain(PetscReal cap)
   Cloud           cloud;
 
   PetscFunctionBegin;
-  PetscCall(SetupPack(FLAT "-a_shape sphere ", &s));
+  PetscCall(OpenDrop(&s));
   cloud = s.cloud;
-  PetscCall(SetupMoments(&s));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     for (PetscInt d = 0; d < DIM; d++)
       cloud->field[FIELD_VELOCITY_NEW][DIM * a + d] = Dot(G[d], cloud->field[FIELD_POSITION] + DIM * a);
-  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_NEW], PETSC_TRUE, 0, NULL,
                                 cloud->field[FIELD_VELOCITY_GRADIENT], cloud->field[FIELD_VELOCITY_JUMP]));
-  PetscCall(Shift(cloud, &plain, DT));
+  PetscCall(ShiftFromHere(cloud, &plain));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *x = cloud->field[FIELD_POSITION_NEW] + DIM * a, *before = cloud->field[FIELD_POSITION] + DIM * a;
-    const PetscReal  dr[DIM] = {x[0] - before[0], x[1] - before[1], x[2] - before[2]};
+    const PetscReal *x = cloud->field[FIELD_POSITION_NEW] + DIM * a;
+    PetscReal        dr[DIM];
 
+    ShiftOf(cloud, a, dr);
     longest = PetscMax(longest, Norm(dr));
     if (cloud->integer[INT_SURFACE][a])
       off = PetscMax(off, PetscAbsReal(Dot(dr, cloud->field[FIELD_NORMAL] + DIM * a)));
@@ -146,19 +170,17 @@ static PetscErrorCode CheckDisorder(void)
   Cloud          cloud;
 
   PetscFunctionBegin;
-  PetscCall(SetupPack(FLAT "-a_shape sphere ", &s));
+  PetscCall(OpenDrop(&s));
   cloud = s.cloud;
-  PetscCall(SetupMoments(&s));
   PetscCall(PetscMalloc1(cloud->n_fluid, &length));
   for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_VELOCITY_JUMP][a] = 1;
   PetscCall(PetscArrayzero(cloud->field[FIELD_VELOCITY_NEW], DIM * cloud->n_owned));
   for (PetscInt k = 0; k < 2; k++) {
-    PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
-    PetscCall(Shift(cloud, k ? &disordered : &even, DT));
+    PetscCall(ShiftFromHere(cloud, k ? &disordered : &even));
     for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-      const PetscReal *x = cloud->field[FIELD_POSITION_NEW] + DIM * a, *before = cloud->field[FIELD_POSITION] + DIM * a;
-      const PetscReal  dr[DIM] = {x[0] - before[0], x[1] - before[1], x[2] - before[2]};
+      PetscReal dr[DIM];
 
+      ShiftOf(cloud, a, dr);
       if (k && length[a] > 0) {
         const PetscReal more = Norm(dr) / length[a], wanted = PetscMin(3, 1 + length[a] / (2 * DT) / 0.01);
 
