@@ -1,6 +1,7 @@
 /* -dry_run: what a run would need, and a picture of its start. */
 #include "sim_impl.h"
 #include <errno.h>
+#include <petsctime.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -170,13 +171,13 @@ static PetscErrorCode PrintBounds(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* writing: s, in all. */
-static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal writing)
+/* beside: s that are not spent in steps, in all. */
+static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal beside)
 {
   char text[64];
 
   PetscFunctionBegin;
-  PetscCall(FormatDuration((double)(run->steps * run->step_time + writing), text, sizeof(text)));
+  PetscCall(FormatDuration((double)(run->steps * run->step_time + beside), text, sizeof(text)));
   PetscCall(PetscPrintf(sim->comm, "  time: about %s: %.0f steps of %.3g s on this machine", text, (double)run->steps,
                         (double)run->step_time));
   if (run->coarser > 0)
@@ -272,9 +273,12 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscInt64  snapshots, bytes, checkpoint;
   RunEstimate run;
   StepTimes   times;
+  PetscReal   beside; /* s, for the start and the writing */
+  double      now;
 
   PetscFunctionBegin;
   ProgressBegin("the dry run", "nothing is lost");
+  PetscCall(PetscTime(&now));
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
   PetscCall(Picture(sim));
   PetscCall(PrintParticles(sim));
@@ -282,7 +286,8 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(TrySteps(sim, &times));
   PetscCall(PrintMemory(sim));
   PetscCall(EstimateRun(sim, &times, &run));
-  PetscCall(PrintTime(sim, &run, (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE)));
+  beside = (PetscReal)(now - petsc_BaseTime) + (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE);
+  PetscCall(PrintTime(sim, &run, beside));
   PetscCall(
     PetscPrintf(sim->comm,
                 "  output: about %" PetscInt64_FMT
