@@ -61,6 +61,10 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(PetscFree(c->weight));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
+  PetscCall(PetscFree(c->liquid));
+  PetscCall(PetscFree(c->meets));
+  PetscCall(PetscFree(c->jump));
+  PetscCall(PetscFree(c->jump_slope));
   PetscCall(PetscFree(c->reference));
   PetscCall(PetscFree(c->first));
   PetscCall(PetscFree(c->laplacian_sum));
@@ -92,6 +96,14 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
     PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->solid_normal));
+  if (SceneInterfaceTension(cloud->scene) > 0) {
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->liquid));
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->meets));
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->jump));
+    PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->jump_slope));
+    PetscCall(PetscArrayzero(cloud->jump, cloud->capacity)); /* there is none before the first TensionApply */
+    PetscCall(PetscArrayzero(cloud->jump_slope, DIM * cloud->capacity));
+  }
   PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt64), &cloud->first));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->laplacian_sum));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -179,6 +191,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
 
     if (!ParticlesHave(cloud->particles, FIELD_VOLUME)) cloud->volume[a] = cloud->domain->volume;
     cloud->rest_density[a] = BodyMaterial(SceneBody(cloud->scene, PetscMax(body, 0)))->density;
+    if (cloud->liquid) cloud->liquid[a] = body < 0 ? -1 : SceneLiquid(cloud->scene, body);
   }
   if (ParticlesHave(cloud->particles, FIELD_VOLUME)) PetscCall(CloudUpdate(cloud, FIELD_VOLUME));
   if (ParticlesHave(cloud->particles, FIELD_SIZE)) PetscCall(CloudUpdate(cloud, FIELD_SIZE));

@@ -47,6 +47,13 @@ typedef struct _p_Cloud {
   PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
+  /* Two liquids that do not mix, with a tension between them; NULL otherwise. The pressure jumps across their interface
+     by 'jump' on the one side less that on the other (see CloudJump). Set by TensionApply, of wall particles by the
+     pressure solver. */
+  PetscInt  *liquid;     /* [n_total] 0 or 1; of a wall particle that of the liquid next to it, negative: none */
+  PetscInt  *meets;      /* [n_total] 1: it has neighbours of the other liquid, else 0 */
+  PetscReal *jump;       /* [n_total] Pa */
+  PetscReal *jump_slope; /* [n_total][3] of it along the interface, Pa/m */
   /* The neighbours of particle a < n_owned are list[first[a] .. first[a+1]), local indices, without the particle
      itself. pairs.h shows how to write loops over them. */
   PetscInt64 *first, list_capacity; /* a rank may have more pairs than 32 bits count */
@@ -110,6 +117,23 @@ static inline PetscReal CloudSize(Cloud cloud, PetscInt a)
 static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
 {
   return cloud->size ? 0.5 * (cloud->size[a] + cloud->size[b]) : 1;
+}
+
+/* CloudJump - by how much (Pa) the pressure is higher in the liquid of particle a than in that of b, a neighbour of the
+   other liquid, at the place x_a + t (x_b - x_a) between them, 0 <= t <= 1. Not collective. */
+static inline PetscReal CloudJump(Cloud cloud, PetscInt a, PetscInt b, PetscReal t)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *xa = x + DIM * a, *xb = x + DIM * b,
+                  *own = cloud->jump_slope + DIM * a, *other = cloud->jump_slope + DIM * b;
+  PetscReal jump = cloud->jump[a] - cloud->jump[b];
+
+  for (PetscInt d = 0; d < DIM; d++) jump += (t * own[d] + (1 - t) * other[d]) * (xb[d] - xa[d]);
+  return jump;
+}
+/* CloudMeets - whether neighbours a and b are of different liquids that do not mix. Not collective. */
+static inline PetscBool CloudMeets(Cloud cloud, PetscInt a, PetscInt b)
+{
+  return (PetscBool)(cloud->liquid[a] + cloud->liquid[b] == 1 && cloud->liquid[a] >= 0 && cloud->liquid[b] >= 0);
 }
 
 /* CloudShare - the weight over that of a particle of its size: of rings, whose areas change, about 1, of others 1.

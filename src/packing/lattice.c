@@ -100,11 +100,12 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
   return PETSC_TRUE;
 }
 
-/* The share of the lattice cell around x that is inside body and box, displaced as the body displaces it; *length: the
-   mean length (m) of the rings in the cell before they are displaced, zero outside and in solids. */
-static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, Body body, const PetscReal x[DIM],
+/* The share of the lattice cell around x that is inside body b and box, displaced as the body displaces it; *length: the
+   mean length (m) of the rings in the cell before they are displaced, zero outside, in solids and in earlier bodies. */
+static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, PetscInt b, const PetscReal x[DIM],
                            PetscReal *length)
 {
+  const Body     body      = SceneBody(scene, b);
   const PetscInt m         = domain->rings ? RING_POINTS : SUBPOINTS,
                  last[DIM] = {m - 1, m - 1, domain->dim == DIM ? m - 1 : 0}, points = m * m * (last[2] + 1),
                  first[DIM] = {0, 0, 0};
@@ -119,7 +120,8 @@ static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, B
     BodyDisplace(body, y);
     if (!BodyContains(body, y)) continue;
     inside++;
-    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0) *length += 2 * PETSC_PI * r;
+    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0 && SceneFreeDistance(scene, b, y) < 0)
+      *length += 2 * PETSC_PI * r;
   } while (CellNext(first, last, at));
   *length /= points;
   return (PetscReal)inside / points;
@@ -141,6 +143,7 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   const Scene     scene  = packing->cloud->scene;
   const Body      body   = SceneBody(scene, b);
   const PetscReal reach  = 0.5 * domain->spacing * domain->dim; /* the surface crosses no cell farther away */
+  const PetscBool cut    = (PetscBool)(domain->rings && b > 0 && SceneBodiesOverlap(scene));
   PetscSegBuffer  near;
   size_t          n;
 
@@ -159,8 +162,8 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
     solid  = domain->rings ? SceneSolidDistance(scene, placed, NULL) : PETSC_MAX_REAL;
     length = inside && solid > 0 ? 2 * PETSC_PI * x[0] : 0;
     share  = inside;
-    if (PetscAbsReal(s) <= reach || (s < 0 && PetscAbsReal(solid) <= reach))
-      share = CellShare(scene, domain, lattice, body, x, &length);
+    if (PetscAbsReal(s) <= reach || (s < 0 && (PetscAbsReal(solid) <= reach || cut)))
+      share = CellShare(scene, domain, lattice, b, x, &length);
     shells->target += s < -reach ? inside : s > reach ? 0 : share;
     if (s <= reach) shells->length += length;
     if (!inside || s > shells->bound) continue;

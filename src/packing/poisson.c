@@ -44,6 +44,8 @@ static PetscErrorCode Check_Poisson(Packing packing)
   PetscFunctionBegin;
   PetscCheckUser(!SceneSolidCount(packing->cloud->scene) && !SceneEmits(packing->cloud->scene), packing->cloud->comm,
                  "-packing_type poisson knows neither -solids nor emitters; use -packing_type lattice");
+  PetscCheckUser(!SceneBodiesOverlap(packing->cloud->scene), packing->cloud->comm,
+                 "-packing_type poisson cannot fill bodies that overlap; use -packing_type lattice");
   PetscCheckUser(!packing->cloud->domain->rings, packing->cloud->comm,
                  "-packing_type poisson cannot be used with -dimension axisymmetric: it counts the particles of a body "
                  "by one volume that all have, and rings do not; use -packing_type lattice");

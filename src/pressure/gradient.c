@@ -39,6 +39,12 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
     c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
   }
   SumAlong(cloud, a, row, c, out);
+  if (cloud->liquid && cloud->meets[a]) {
+    PetscReal jump[DIM] = {0, 0, 0};
+
+    InterfaceSum(cloud, a, row, jump);
+    for (PetscInt d = 0; d < DIM; d++) out[d] += scale / density[a] * jump[d];
+  }
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
 
@@ -88,6 +94,12 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
     Simd3Add(&sum, (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k), d);
   }
   g = scale * Simd3Sum(sum, zero);
+  if (cloud->liquid && cloud->meets[a]) {
+    PetscReal jump[DIM] = {0, 0, 0};
+
+    InterfaceSum(cloud, a, row, jump);
+    for (PetscInt d = 0; d < DIM; d++) g[d] += scale * jump[d];
+  }
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
 }
 

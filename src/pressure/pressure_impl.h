@@ -149,6 +149,14 @@ PetscErrorCode OperatorSetUp(Pressure pressure);
 PetscErrorCode CouplingSetUp(Pressure pressure);
 PetscErrorCode CouplingAdd(Pressure pressure, const PetscScalar p[], PetscScalar y[]);
 PetscErrorCode CouplingReset(Pressure pressure);
+/* InterfaceSetUp - gives wall particles the liquid that they touch, and its jump of the pressure, ghosts too; after
+   RowsNumber. Collective. InterfaceAdd - adds what the jumps contribute to the right-hand side ([n_rows]), after
+   OperatorSetUp. InterfaceSum - adds to sum the jumps between particle a and its neighbours of the other liquid, times
+   the row's factor and x_b - x_a. They do nothing where liquids mix. Not collective. */
+PetscErrorCode InterfaceSetUp(Pressure pressure);
+void           InterfaceAdd(Pressure pressure, PetscScalar rhs[]);
+void InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM]);
+
 /* SetConvergence - after the solver's options have been read: it stops at density_tolerance, or else at -ksp_rtol and
    -ksp_atol in the 2-norm of the residual. Collective. */
 PetscErrorCode SetConvergence(Pressure pressure);

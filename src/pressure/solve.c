@@ -130,6 +130,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
   for (PetscInt r = 0; r < cloud->n_fluid; r++)
     rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
+  InterfaceAdd(pressure, rhs);
   for (PetscInt r = 0; r < cloud->n_rows; r++) /* isolated particles have no pressure */
     if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
   PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
@@ -145,6 +146,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
   PetscCall(RowsNumber(pressure));
   if (!pressure->ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
   pressure->dt = dt;
+  PetscCall(InterfaceSetUp(pressure));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(OperatorSetUp(pressure));
   PetscCall(SetNullSpace(pressure, pressure->operator));
@@ -245,6 +247,7 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
   PetscCall(PetscArrayzero(values, cloud->n_rows));
   for (PetscInt r = 0; r < cloud->n_fluid; r++)
     values[r] = pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
+  InterfaceAdd(pressure, values);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -80,6 +80,9 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names
                                     "Names of the regions of the fine spacing, shaped like bodies, separated by "
                                     "commas; with -spacing_coarse",
                                     "SceneSetFromOptions", fine->name, &fine->count, NULL));
+  PetscCall(PetscOptionsBool("-bodies_overlap",
+                             "Bodies may overlap: where they do the liquid is that of the first in -bodies",
+                             "SceneSetFromOptions", scene->overlap, &scene->overlap, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
                                 "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity_amplitude",
@@ -187,6 +190,9 @@ static PetscErrorCode CheckGrading(Scene scene)
                  domain->graded ? "-fine, the names of the regions that have the fine spacing," : "-spacing_coarse (m)",
                  OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
   if (!domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheckUser(!scene->overlap, domain->comm, "-bodies_overlap cannot be used with -spacing_coarse yet");
+  PetscCheckUser(scene->interface_tension == 0, domain->comm,
+                 "-interface_tension cannot be used with -spacing_coarse yet");
   PetscCheckUser(!SceneSolidsMove(scene), domain->comm,
                  "solids that move cannot be used with -spacing_coarse yet: they would leave what is fine");
   PetscCheckUser(!SceneViscosityVaries(scene), domain->comm,
@@ -222,10 +228,11 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
     PetscCall(RegionSetFromOptions(scene->fine[b], &Choices));
     PetscCall(BodyCheckInside(scene->fine[b]));
   }
+  PetscCall(LiquidsSetFromOptions(scene));
   PetscCall(FrameCheck(scene));
   PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
-  PetscCall(SceneCheckOverlap(scene));
+  if (!scene->overlap) PetscCall(SceneCheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -359,6 +366,19 @@ PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM])
   return SceneFrameTurns(scene) ? energy + FramePotential(scene, x) : energy;
 }
 
+PetscBool SceneBodiesOverlap(Scene scene)
+{
+  return scene->overlap;
+}
+
+PetscReal SceneFreeDistance(Scene scene, PetscInt body, const PetscReal x[DIM])
+{
+  PetscReal s = BodyDistance(scene->body[body], x);
+
+  for (PetscInt b = 0; b < body && scene->overlap; b++) s = PetscMax(s, -BodyDistance(scene->body[b], x));
+  return s;
+}
+
 PetscBool SceneHasViscosity(Scene scene)
 {
   for (PetscInt b = 0; b < scene->count; b++) {
@@ -376,6 +396,7 @@ PetscBool SceneOneDensity(Scene scene)
 
 PetscBool SceneHasTension(Scene scene)
 {
+  if (scene->interface_tension > 0) return PETSC_TRUE;
   for (PetscInt b = 0; b < scene->count; b++) {
     if (scene->body[b]->material.tension > 0) return PETSC_TRUE;
   }

@@ -188,6 +188,18 @@ PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has one: modules nobody needs are skipped. */
 PetscBool SceneHasViscosity(Scene scene);
 PetscBool SceneHasTension(Scene scene);
+/* Two liquids that do not mix. SceneInterfaceTension - sigma (N/m) of their interface; 0: there is none.
+   SceneInterfaceDensity - the least densities (kg/m3) on both sides added: what its waves move. SceneLiquid - 0 or 1,
+   which of them a body is; 0 without an interface. SceneTensions - the tension of each pair of liquid 0, liquid
+   1 and gas as the sum of the parts of both (N/m), of which one may be negative. */
+PetscReal SceneInterfaceTension(Scene scene);
+PetscReal SceneInterfaceDensity(Scene scene);
+PetscInt  SceneLiquid(Scene scene, PetscInt body);
+void      SceneTensions(Scene scene, PetscReal part[3]);
+/* SceneBodiesOverlap - whether bodies may: a place in several is that of the first. SceneFreeDistance - signed distance
+   of x (m) to the surface of what a body then has, negative inside. */
+PetscBool SceneBodiesOverlap(Scene scene);
+PetscReal SceneFreeDistance(Scene scene, PetscInt body, const PetscReal x[DIM]);
 /* SceneOneDensity - whether all bodies have the same rest density. */
 PetscBool SceneOneDensity(Scene scene);
 

@@ -78,6 +78,9 @@ struct _p_Scene {
   Body      solid[SCENE_MAX_BODIES];
   PetscInt  fine_regions;
   Body      fine[SCENE_MAX_BODIES];                 /* shapes alone, around which the spacing is fine */
+  PetscBool overlap;                                /* bodies may: see SceneBodiesOverlap */
+  PetscReal interface_tension;                      /* N/m; 0: the liquids mix */
+  PetscInt  liquid[SCENE_MAX_BODIES];               /* 0 or 1: see SceneLiquid */
   PetscReal gravity[DIM];                           /* m/s2 */
   PetscReal central_rate;                           /* 1/s */
   PetscReal amplitude[DIM], angular_frequency;      /* of the part of gravity that swings, m/s2, rad/s */
@@ -100,6 +103,9 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
+/* LiquidsSetFromOptions - -interface_tension, -interface_bodies; refuses (UserError) what does not make two liquids.
+   After the bodies. Collective. */
+PetscErrorCode LiquidsSetFromOptions(Scene scene);
 /* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
 /* ViscosityRegisterAll - adds the models of viscosity.c to a list. Not collective. */

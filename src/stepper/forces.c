@@ -24,12 +24,36 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal area   = TrialSurfaceArea(cloud, a),
                     inflow = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
+    PetscReal value;
 
     if (area == 0) continue;
-    trial->sum[SUM_TENSION_WORK] += capillary[a] * inflow;
+    value = cloud->liquid ? capillary[a] - cloud->jump[a] : capillary[a]; /* the rest is that of the liquid's surface */
+    trial->sum[SUM_TENSION_WORK] += value * inflow;
     trial->sum[SUM_INFLOW] += inflow;
     trial->sum[SUM_AREA] += area;
-    trial->sum[SUM_CAPILLARY_AREA] += capillary[a] * area;
+    trial->sum[SUM_CAPILLARY_AREA] += value * area;
+  }
+}
+
+/* The same of the whole surface of each of two liquids that do not mix, towards gas and the other liquid, under the
+   part of the pressure that goes with it (the cloud's jump). */
+static void SumInterfaceWork(Cloud cloud, PetscReal dt, StepTrial *trial)
+{
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], *normal = cloud->field[FIELD_NORMAL];
+
+  for (PetscInt a = 0; a < cloud->n_fluid && cloud->liquid; a++) {
+    const PetscInt at = SUM_LIQUIDS + LIQUID_SUMS * cloud->liquid[a];
+    PetscReal      n[DIM], flow, area = TrialSurfaceArea(cloud, a);
+
+    flow = area > 0 ? 2 * cloud->volume[a] * Dot(v + DIM * a, normal + DIM * a) : 0;
+    if (cloud->meets[a]) {
+      TrialInterface(cloud, a, n, &flow);
+      area += 2 * cloud->volume[a] * Norm(n);
+    }
+    trial->sum[SUM_TENSION_WORK] += cloud->jump[a] * dt * flow;
+    trial->sum[at] += dt * flow;
+    trial->sum[at + 1] += area;
+    trial->sum[at + 2] += cloud->jump[a] * area;
   }
 }
 
@@ -72,6 +96,7 @@ static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial
   if (acts) {
     trial->sum[SUM_TENSION_WORK] = dt * (MassWeightedDot(cloud, FIELD_ACCELERATION) - before);
     SumCapillaryWork(cloud, dt, trial);
+    SumInterfaceWork(cloud, dt, trial);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

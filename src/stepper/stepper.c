@@ -201,6 +201,8 @@ static PetscErrorCode CheckSolids(Stepper s)
                  " with -time_centered, the default");
   PetscCheckUser(!SceneFrameTurns(s->cloud->scene) || consistent, s->cloud->comm,
                  "-frame_rotation_rate needs -scheme " SCHEME_CONSISTENT ", the default");
+  PetscCheckUser(SceneInterfaceTension(s->cloud->scene) == 0 || consistent, s->cloud->comm,
+                 "-interface_tension needs -scheme " SCHEME_CONSISTENT ", the default");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -319,6 +321,8 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   PetscReal        tension = sum[SUM_TENSION_WORK];
 
   if (sum[SUM_AREA] > 0) tension -= sum[SUM_INFLOW] * sum[SUM_CAPILLARY_AREA] / sum[SUM_AREA];
+  for (const PetscReal *of = sum + SUM_LIQUIDS; of <= sum + SUM_LIQUIDS_LAST; of += LIQUID_SUMS)
+    if (of[1] > 0) tension -= of[0] * of[2] / of[1];
 
   state->time               = PetscAbsReal(end - state->time - dt) <= 1e-9 * dt ? end : state->time + dt;
   state->time_step          = dt;

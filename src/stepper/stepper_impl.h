@@ -5,6 +5,8 @@
 #include "../operators/operators.h"
 #include "stepper.h"
 
+#define LIQUID_SUMS 3
+
 /* What a trial of a step sums over the fluid, and what it finds the largest of; of this rank until TrialReduce, then of
    all. "Inside" are the particles that are neither on nor near the free surface. */
 typedef enum {
@@ -20,6 +22,8 @@ typedef enum {
   SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
   SUM_AREA,           /* of that surface, m2 */
   SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
+  SUM_LIQUIDS,        /* the last three of both liquids that do not mix: of their whole surfaces, without the gas's part */
+  SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
   SUM_KINETIC,        /* kinetic energy, J */
   SUM_MASS,           /* kg */
   SUM_COUNT
@@ -216,6 +220,9 @@ void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
 /* TrialDiagnose - density error, largest density, area of the free surface and (if asked) divergence of FIELD_VELOCITY,
    at the positions of the last StepSearch. Not collective. */
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);
+/* TrialInterface - n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds to *flow
+   (m3/s), if it is not NULL, what flows into a's liquid through its share of their interface. Not collective. */
+void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow);
 /* TrialSurfaceArea - area of the free surface of one particle's share, m2. Not collective. */
 PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
 /* TrialReduce - adds kinetic energy and mass; sums and largest values of all ranks. Collective. */

@@ -99,6 +99,24 @@ static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *
   bounds->viscosity_flow = PetscMax(bounds->viscosity_flow, bounds->viscosity);
 }
 
+/* The least step (s) of the waves of all surfaces over -time_capillary_limit: those of an interface move the liquid on
+   both sides. */
+static PetscReal CapillaryStep(Stepper stepper)
+{
+  Scene           scene = stepper->cloud->scene;
+  const PetscReal h = KernelSmoothingLength(stepper->cloud->kernel), sigma = SceneInterfaceTension(scene);
+  PetscReal       step = PETSC_MAX_REAL;
+
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    const Material *m = BodyMaterial(SceneBody(scene, b));
+
+    if (m->tension > 0) step = PetscMin(step, PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
+  }
+  if (sigma > 0)
+    step = PetscMin(step, PetscSqrtReal(SceneInterfaceDensity(scene) * h * h * h / (2 * PETSC_PI * sigma)));
+  return step;
+}
+
 /* What each cause allows. */
 static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT])
 {
@@ -115,13 +133,8 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
     bounds.speed = PetscMin(bounds.speed, stepper->ops.bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
   if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
   BoundByViscosities(stepper, extreme[THICKEST], &bounds);
-  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
-    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
-
-    if (m->tension > 0 && TensionReach(stepper->tension) > 0)
-      bounds.tension = PetscMin(bounds.tension, limits->capillary_limit *
-                                                  PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension)));
-  }
+  if (TensionReach(stepper->tension) > 0 && SceneHasTension(cloud->scene))
+    bounds.tension = limits->capillary_limit * CapillaryStep(stepper);
   return bounds;
 }
 
@@ -237,6 +250,9 @@ static void FindScales(Stepper stepper, Scales *scales)
     if (TensionReach(stepper->tension) > 0)
       scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
   }
+  if (TensionReach(stepper->tension) > 0 && SceneInterfaceTension(cloud->scene) > 0)
+    scales->capillary = PetscMax(scales->capillary, SceneInterfaceTension(cloud->scene) /
+                                                      (SceneInterfaceDensity(cloud->scene) * h));
   scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
   scales->speed = PetscMax(scales->speed, DomainWallSpeed(cloud->domain));
 }

@@ -8,6 +8,40 @@ PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a)
   return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
 }
 
+void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY];
+  PetscReal        scale_w, scale_f, inverse_h2;
+
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  n[0] = n[1] = n[2] = 0;
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt  b = cloud->list[k];
+    const PetscReal f = cloud->domain->volume * scale_f * cloud->slope[k];
+
+    if (!CloudMeets(cloud, a, b)) continue;
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal part = f * (x[DIM * a + d] - x[DIM * b + d]);
+
+      n[d] += part;
+      if (flow) *flow -= cloud->volume[a] * part * (v[DIM * a + d] + v[DIM * b + d]);
+    }
+  }
+}
+
+/* sigma times the area of the interface of two liquids, J: on each side 2 int |sum V grad W| over it is the area. */
+static PetscReal InterfaceEnergy(Cloud cloud)
+{
+  const PetscReal sigma = SceneInterfaceTension(cloud->scene);
+  PetscReal       area = 0, n[DIM];
+
+  for (PetscInt a = 0; a < cloud->n_fluid && sigma > 0; a++) {
+    TrialInterface(cloud, a, n, NULL);
+    area += cloud->volume[a] * Norm(n);
+  }
+  return sigma * area;
+}
+
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
@@ -25,6 +59,7 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
     trial->sum[SUM_DENSITY2] += PetscSqr(ratio - 1);
     trial->sum[SUM_INSIDE]++;
   }
+  trial->sum[SUM_SURFACE_ENERGY] += InterfaceEnergy(cloud);
   if (!trial->diagnose) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, 1, &div));
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div, NULL, NULL));

@@ -32,9 +32,10 @@ PetscErrorCode BandDestroy(Band *band)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static inline PetscBool OnSurface(Cloud cloud, PetscInt a)
+static inline PetscBool OnSurface(const Band *band, Cloud cloud, PetscInt a)
 {
-  return (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && cloud->integer[INT_LAYER][a] == 0);
+  return (PetscBool)((cloud->integer[INT_SURFACE][a] == 1 || (band->also && band->also[a])) &&
+                     cloud->integer[INT_LAYER][a] == 0);
 }
 
 /* The box (m) around the surface particles of this rank, or of all ranks if they share: its lower corner and minus its
@@ -45,7 +46,7 @@ static PetscErrorCode SurfaceBox(const Band *band, Cloud cloud, const unsigned c
   PetscFunctionBegin;
   for (PetscInt d = 0; d < 2 * DIM; d++) box[d] = PETSC_MAX_REAL;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    if (!OnSurface(cloud, a) || (keep && !(keep[a] & bits))) continue;
+    if (!OnSurface(band, cloud, a) || (keep && !(keep[a] & bits))) continue;
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal x = BandClamp(band, d, cloud->field[FIELD_POSITION][DIM * a + d]);
 
@@ -126,7 +127,7 @@ PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal kno
   PetscCall(SetWindow(band, cloud, keep, bits, &count));
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if (OnSurface(cloud, a) && (!keep || keep[a] & bits))
+    if (OnSurface(band, cloud, a) && (!keep || keep[a] & bits))
       band->surface[BandCell(band, cloud->field[FIELD_POSITION] + DIM * a)] = 1;
   if (band->shared)
     PetscCallMPI(

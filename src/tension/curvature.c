@@ -327,8 +327,9 @@ static PetscReal WeightedMean(Tension tension, PetscInt m, const float *restrict
   return f * fit->inverse_w;
 }
 
-static inline PetscReal Sigma(Cloud cloud, PetscInt a)
+static inline PetscReal Sigma(Tension tension, Cloud cloud, PetscInt a)
 {
+  if (tension->phase) return tension->part;
   return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 }
 
@@ -360,7 +361,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
     length = Norm(g);
     if (slope) {
       share[a] = SheetShare(tension, V * phi, V * length);
-      slope[a] = Sigma(cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
+      slope[a] = Sigma(tension, cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
     }
     if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H * tension->size < tension->threshold) continue;
@@ -397,7 +398,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     ContactSlant(tension, &around, a, normal + DIM * a, 1);
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
-    capillary[a] = Sigma(cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a);
+    capillary[a] = Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a);
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
     *used += around.n;
   }
@@ -516,7 +517,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+PetscErrorCode CurvatureApply(Tension tension, Cloud cloud)
 {
   PetscInt64 used = 0;                /* weights */
   PetscReal *normal, *share, *scalar; /* the depth, then sigma kappa */
@@ -538,6 +539,13 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal));
   PetscCall(ContactRestore(tension, cloud));
   PetscCall(CloudRestoreWork(cloud, &normal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+{
+  PetscFunctionBegin;
+  PetscCall(cloud->liquid ? InterfaceApply(tension, cloud) : CurvatureApply(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -93,6 +93,7 @@ typedef struct {
   PetscInt       reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
   PetscInt       first[DIM], n[DIM], capacity;                 /* the cells around the surface particles */
   unsigned char *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
+  const PetscInt *also;          /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
 } Band;
 
 /* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
@@ -248,7 +249,12 @@ struct _p_Tension {
   PetscReal    threshold, same_side, thinnest; /* see curvature.c */
   FaceType     face[DIM][2];                   /* of the box */
   ContactAngle contact[DIM][2];                /* of its walls */
-  SolidContact solid;
+  /* curvature: of two liquids, the one whose surface is looked at (see interface.c): bits of LiquidSort, 0 where liquids
+     mix; its part of the tension, N/m; [n_total] bits */
+  PetscInt       phase;
+  PetscReal      part;
+  unsigned char *phases;
+  SolidContact   solid;
   Images       images;
   PetscBool    slanted;                  /* a contact angle is not 90 degrees: see ContactSlant */
   PetscBool    walls;                    /* the box has any */
@@ -359,6 +365,12 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
    slope ([n_total], Pa m2; that of ghosts is overwritten) is sigma times SheetSlope times share, and share ([n_owned])
    SheetShare, of the owned particles; both become zero in threads. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
+
+/* InterfaceApply - with two liquids in place of one pass of CurvatureApply: sets what that sets, and the cloud's liquid,
+   meets, jump and jump_slope. CurvatureApply - the forces of sheets, FIELD_CAPILLARY and its slope for the surface of
+   tension->phase; the latter must be zero before. Collective. */
+PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
+PetscErrorCode CurvatureApply(Tension tension, Cloud cloud);
 
 /* CahnHilliardStress - S ([n_owned][6], N/m2) of Eq. (7), zero beyond the band; leaves the liquid sorted. Collective.
  */

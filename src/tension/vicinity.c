@@ -142,8 +142,11 @@ PetscErrorCode TensionSort(Tension tension, Cloud cloud)
   if (tension->graded)
     PetscCall(SortLevels(tension, cloud));
   else {
-    PetscCall(BandMark(&tension->bands[0], cloud, KernelSmoothingLength(tension->kernel), support, NULL, 0));
-    PetscCall(LiquidSort(TensionLevel(tension, 0), cloud, support, 1, NULL, 0));
+    const unsigned char *keep = tension->phase ? tension->phases : NULL;
+
+    PetscCall(
+      BandMark(&tension->bands[0], cloud, KernelSmoothingLength(tension->kernel), support, keep, tension->phase));
+    PetscCall(LiquidSort(TensionLevel(tension, 0), cloud, support, 1, keep, tension->phase));
   }
   for (PetscInt l = 0; l < tension->levels; l++) {
     if (cloud->weight) LiquidLoad(TensionLevel(tension, l), WEIGHT_COLUMN, 1, cloud->weight);

@@ -1,0 +1,82 @@
+/* Between two liquids that do not mix the pressure jumps: of two neighbours a and b on both sides (CloudMeets), b's
+   pressure counts as p_b + [p], with the jump [p] of surface tension at b's place in the gradient at a, and at the
+   middle between both in Eq. (8), where both rows must see the same one. */
+#include "pressure_impl.h"
+
+/* The liquid that fills most of a wall particle's row, and the mean of its jump next to the interface. */
+static void WallLiquid(Cloud cloud, PetscInt a)
+{
+  PetscReal filled[2] = {0, 0}, weight = 0, jump = 0, slope[DIM] = {0, 0, 0};
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt b = cloud->list[k];
+
+    if (cloud->integer[INT_LAYER][b] == 0) filled[cloud->liquid[b]] += cloud->laplacian[k];
+  }
+  cloud->liquid[a] = filled[0] + filled[1] == 0 ? -1 : filled[1] > filled[0];
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt b = cloud->list[k];
+
+    if (cloud->integer[INT_LAYER][b] != 0 || cloud->liquid[b] != cloud->liquid[a] || cloud->jump[b] == 0) continue;
+    weight += cloud->laplacian[k];
+    jump += cloud->laplacian[k] * cloud->jump[b];
+    for (PetscInt d = 0; d < DIM; d++) slope[d] += cloud->laplacian[k] * cloud->jump_slope[DIM * b + d];
+  }
+  cloud->jump[a]  = weight > 0 ? jump / weight : 0;
+  for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = weight > 0 ? slope[d] / weight : 0;
+}
+
+PetscErrorCode InterfaceSetUp(Pressure pressure)
+{
+  Cloud cloud = pressure->cloud;
+
+  PetscFunctionBegin;
+  if (!cloud->liquid) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) WallLiquid(cloud, a);
+  for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
+    const PetscInt r = ParentRow(pressure, a);
+
+    cloud->liquid[a] = cloud->liquid[r];
+    cloud->jump[a]   = cloud->jump[r];
+    for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = cloud->jump_slope[DIM * r + d];
+  }
+  PetscCall(CloudUpdateIntArray(cloud, cloud->liquid));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->jump));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, cloud->jump_slope));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    cloud->meets[a] = 0;
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->meets[a]; k++)
+      cloud->meets[a] = CloudMeets(cloud, a, cloud->list[k]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void InterfaceAdd(Pressure pressure, PetscScalar rhs[])
+{
+  Cloud cloud = pressure->cloud;
+
+  for (PetscInt a = 0; a < cloud->n_owned && cloud->liquid; a++) {
+    const PetscInt row = a < cloud->n_rows ? a : ParentRow(pressure, a);
+    PetscReal      sum = 0;
+
+    if (!cloud->meets[a]) continue;
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
+      if (CloudMeets(cloud, a, cloud->list[k]))
+        sum += PairWeight(pressure, k) * CloudJump(cloud, a, cloud->list[k], 0.5);
+    rhs[row] += pressure->weight_scale * sum;
+  }
+}
+
+void InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt b = row->index[k];
+    PetscReal      c;
+
+    if (!CloudMeets(cloud, a, b)) continue;
+    c = CloudJump(cloud, a, b, 1) * row->f[k];
+    for (PetscInt d = 0; d < DIM; d++) sum[d] += c * (x[DIM * b + d] - x[DIM * a + d]);
+  }
+}

@@ -1,0 +1,98 @@
+/* Two liquids that do not mix: which bodies are which, and the tension of the interface between them. */
+#include "scene_impl.h"
+
+/* Reads -interface_bodies; makes its bodies the second liquid, without it all but the first body. */
+static PetscErrorCode Divide(Scene scene, PetscInt names, char *name[])
+{
+  const MPI_Comm comm = scene->domain->comm;
+  PetscInt       second;
+
+  PetscFunctionBegin;
+  PetscCheckUser(names > 0 || scene->count == 2, comm,
+                 "-interface_tension needs two bodies, or the names of those of one liquid as -interface_bodies: "
+                 "there %s %" PetscInt_FMT " in -bodies",
+                 scene->count == 1 ? "is" : "are", scene->count);
+  if (names == 0) scene->liquid[1] = 1;
+  for (PetscInt k = 0; k < names; k++) {
+    PetscBool same = PETSC_FALSE;
+
+    for (PetscInt b = 0; b < scene->count && !same; b++) {
+      PetscCall(PetscStrcmp(name[k], scene->body[b]->name, &same));
+      if (same) scene->liquid[b] = 1;
+    }
+    PetscCheckUser(same, comm, "-interface_bodies: %s is none of -bodies", name[k]);
+  }
+  second = 0;
+  for (PetscInt b = 0; b < scene->count; b++) second += scene->liquid[b];
+  PetscCheckUser(second < scene->count, comm,
+                 "-interface_bodies names all of -bodies: those that it does not name are the other liquid");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A liquid has one surface tension. */
+static PetscErrorCode CheckTensions(Scene scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->count; a++)
+    for (PetscInt b = a + 1; b < scene->count; b++)
+      PetscCheckUser(scene->liquid[a] != scene->liquid[b] ||
+                       scene->body[a]->material.tension == scene->body[b]->material.tension,
+                     scene->domain->comm,
+                     "-%stension and -%stension differ, but with -interface_tension both bodies are of one liquid: "
+                     "-interface_bodies says which are",
+                     scene->body[a]->prefix, scene->body[b]->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LiquidsSetFromOptions(Scene scene)
+{
+  char     *name[SCENE_MAX_BODIES];
+  PetscInt  names = SCENE_MAX_BODIES;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(scene->domain->comm, NULL, "Two liquids that do not mix", "Scene");
+  PetscCall(OptionReal("-interface_tension", "Tension of the interface between two liquids (N/m); 0: they mix",
+                       "[0, inf)", &scene->interface_tension));
+  PetscCall(PetscOptionsStringArray("-interface_bodies",
+                                    "Names of the bodies of one of these liquids; default with two bodies: the second",
+                                    "SceneSetFromOptions", name, &names, &set));
+  PetscOptionsEnd();
+  if (scene->interface_tension > 0) {
+    PetscCall(Divide(scene, set ? names : 0, name));
+    PetscCall(CheckTensions(scene));
+  }
+  for (PetscInt k = 0; set && k < names; k++) PetscCall(PetscFree(name[k]));
+  PetscCheckUser(!set || scene->interface_tension > 0, scene->domain->comm,
+                 "-interface_bodies needs -interface_tension (N/m)");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal SceneInterfaceTension(Scene scene)
+{
+  return scene->interface_tension;
+}
+
+PetscReal SceneInterfaceDensity(Scene scene)
+{
+  PetscReal least[2] = {PETSC_MAX_REAL, PETSC_MAX_REAL};
+
+  for (PetscInt b = 0; b < scene->count; b++)
+    least[scene->liquid[b]] = PetscMin(least[scene->liquid[b]], scene->body[b]->material.density);
+  return least[0] + least[1];
+}
+
+PetscInt SceneLiquid(Scene scene, PetscInt body)
+{
+  return scene->liquid[body];
+}
+
+void SceneTensions(Scene scene, PetscReal part[3])
+{
+  PetscReal gas[2] = {0, 0};
+
+  for (PetscInt b = 0; b < scene->count; b++) gas[scene->liquid[b]] = scene->body[b]->material.tension;
+  part[0] = 0.5 * (gas[0] + scene->interface_tension - gas[1]);
+  part[1] = 0.5 * (gas[1] + scene->interface_tension - gas[0]);
+  part[2] = 0.5 * (gas[0] + gas[1] - scene->interface_tension);
+}
