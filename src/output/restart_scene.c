@@ -157,6 +157,19 @@ static PetscErrorCode AddBodies(Lines *lines, Domain domain, Scene scene)
   return PETSC_SUCCESS;
 }
 
+/* Nothing of liquids that mix. */
+static PetscErrorCode AddLiquids(Lines *lines, Scene scene)
+{
+  char names[LINE_LENGTH];
+
+  PetscFunctionBegin;
+  if (SceneInterfaceTension(scene) == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AddLine(lines, "-interface_tension = %.9g", (double)SceneInterfaceTension(scene)));
+  PetscCall(SceneInterfaceBodies(scene, names, sizeof(names)));
+  PetscCall(AddLine(lines, "-interface_bodies = %s", names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode RestartSceneText(Output output, char **text)
 {
   const Cloud     cloud  = output->cloud;
@@ -180,6 +193,7 @@ PetscErrorCode RestartSceneText(Output output, char **text)
             (double)(KernelSupport(cloud->kernel) / KernelSmoothingLength(cloud->kernel)),
             (double)(KernelSelf(cloud->kernel) * PetscPowRealInt(KernelSmoothingLength(cloud->kernel), domain->dim))));
   PetscCall(AddBodies(&lines, domain, scene));
+  PetscCall(AddLiquids(&lines, scene));
   SceneSolidsAtStart(scene);
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
     PetscCall(AddLine(&lines, "solid %d of -solids = %s", (int)b + 1, BodyName(SceneSolid(scene, b))));

@@ -100,8 +100,9 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
   return PETSC_TRUE;
 }
 
-/* The share of the lattice cell around x that is inside body b and box, displaced as the body displaces it; *length: the
-   mean length (m) of the rings in the cell before they are displaced, zero outside, in solids and in earlier bodies. */
+/* The share of the lattice cell around x that is inside body b and box, displaced as the body displaces it; *length:
+   the mean length (m) of the rings in the cell before they are displaced, zero outside, in solids and in earlier
+   bodies. */
 static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, PetscInt b, const PetscReal x[DIM],
                            PetscReal *length)
 {

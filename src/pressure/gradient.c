@@ -21,6 +21,27 @@ static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscRea
   Vec4Store(Simd3Sum(sum, zero), out);
 }
 
+/* What the neighbours of the other liquid, which does not mix with a's, have beside Eq. (9): the jump of the pressure,
+   and the density of a in place of their own, so that a pressure that balances the surfaces pushes nothing whatever the
+   densities are. */
+static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscReal scale, PetscReal out[DIM])
+{
+  const Cloud      cloud   = pressure->cloud;
+  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE],
+                  *x  = cloud->field[FIELD_POSITION];
+  const PetscReal own = p[a] - 2 * cloud->field[FIELD_CAPILLARY][a], rho = density[a];
+
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt b = row->index[k];
+    PetscReal      c;
+
+    if (!CloudMeets(cloud, a, b)) continue;
+    c =
+      (own + p[b] + CloudJump(cloud, a, b, 1)) / rho - rest[b] * (own / (rho * rho) + p[b] / (density[b] * density[b]));
+    for (PetscInt d = 0; d < DIM; d++) out[d] += scale * c * row->f[k] * (x[DIM * b + d] - x[DIM * a + d]);
+  }
+}
+
 /* Eq. (9) for one row; scale: see RowScale. */
 static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal scale,
                          PetscReal out[DIM])
@@ -39,12 +60,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
     c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
   }
   SumAlong(cloud, a, row, c, out);
-  if (cloud->liquid && cloud->meets[a]) {
-    PetscReal jump[DIM] = {0, 0, 0};
-
-    InterfaceSum(cloud, a, row, jump);
-    for (PetscInt d = 0; d < DIM; d++) out[d] += scale / density[a] * jump[d];
-  }
+  if (cloud->liquid && cloud->meets[a]) AddLiquid(pressure, a, row, scale, out);
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
 

@@ -22,7 +22,7 @@ static void WallLiquid(Cloud cloud, PetscInt a)
     jump += cloud->laplacian[k] * cloud->jump[b];
     for (PetscInt d = 0; d < DIM; d++) slope[d] += cloud->laplacian[k] * cloud->jump_slope[DIM * b + d];
   }
-  cloud->jump[a]  = weight > 0 ? jump / weight : 0;
+  cloud->jump[a] = weight > 0 ? jump / weight : 0;
   for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = weight > 0 ? slope[d] / weight : 0;
 }
 

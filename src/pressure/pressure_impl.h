@@ -155,7 +155,7 @@ PetscErrorCode CouplingReset(Pressure pressure);
    the row's factor and x_b - x_a. They do nothing where liquids mix. Not collective. */
 PetscErrorCode InterfaceSetUp(Pressure pressure);
 void           InterfaceAdd(Pressure pressure, PetscScalar rhs[]);
-void InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM]);
+void           InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM]);
 
 /* SetConvergence - after the solver's options have been read: it stops at density_tolerance, or else at -ksp_rtol and
    -ksp_atol in the 2-norm of the residual. Collective. */

@@ -96,3 +96,39 @@ void SceneTensions(Scene scene, PetscReal part[3])
   part[1] = 0.5 * (gas[1] + scene->interface_tension - gas[0]);
   part[2] = 0.5 * (gas[0] + gas[1] - scene->interface_tension);
 }
+
+PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length)
+{
+  PetscFunctionBegin;
+  names[0] = 0;
+  for (PetscInt b = 0; b < scene->count; b++) {
+    if (scene->liquid[b] == 0) continue;
+    if (names[0]) PetscCall(PetscStrlcat(names, ",", length));
+    PetscCall(PetscStrlcat(names, scene->body[b]->name, length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer)
+{
+  static const char *const spreads[3] = {
+    "the other liquid spreads between this one and gas, as a film that gets thinner than a particle",
+    "this liquid spreads between the other one and gas, as a film that gets thinner than a particle",
+    "gas comes between the liquids, which part"};
+  PetscReal part[3];
+  char      names[SCENE_MAX_BODIES * SCENE_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  if (scene->interface_tension == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SceneInterfaceBodies(scene, names, sizeof(names)));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "interface of %g N/m around the liquid of %s\n",
+                                   (double)scene->interface_tension, names));
+  SceneTensions(scene, part);
+  for (PetscInt k = 0; k < 3; k++)
+    if (part[k] < 0 && (k < 2 || part[0] + part[2] > 0 || part[1] + part[2] > 0))
+      PetscCall(PetscViewerASCIIPrintf(viewer,
+                                       "  warning: where both meet gas no angles balance the tensions: %s (spreading "
+                                       "coefficient %.3g N/m)\n",
+                                       spreads[k], (double)(-2 * part[k])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

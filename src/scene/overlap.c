@@ -101,7 +101,8 @@ PetscErrorCode SceneCheckOverlap(Scene scene)
       if (overlap) PetscCall(RefuseShapeless(scene->body[b]));
       if (overlap) PetscCall(RefuseShapeless(scene->body[a]));
       PetscCheckUser(!overlap, scene->domain->comm,
-                     "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch",
+                     "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch, or "
+                     "-bodies_overlap gives what several have to the first in -bodies",
                      scene->body[a]->name, scene->body[b]->name, (double)x[0], (double)x[1], (double)x[2]);
     }
   }

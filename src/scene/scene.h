@@ -193,9 +193,11 @@ PetscBool SceneHasTension(Scene scene);
    which of them a body is; 0 without an interface. SceneTensions - the tension of each pair of liquid 0, liquid
    1 and gas as the sum of the parts of both (N/m), of which one may be negative. */
 PetscReal SceneInterfaceTension(Scene scene);
-PetscReal SceneInterfaceDensity(Scene scene);
-PetscInt  SceneLiquid(Scene scene, PetscInt body);
-void      SceneTensions(Scene scene, PetscReal part[3]);
+/* SceneInterfaceBodies - the names of the bodies of liquid 1, separated by commas. */
+PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length);
+PetscReal      SceneInterfaceDensity(Scene scene);
+PetscInt       SceneLiquid(Scene scene, PetscInt body);
+void           SceneTensions(Scene scene, PetscReal part[3]);
 /* SceneBodiesOverlap - whether bodies may: a place in several is that of the first. SceneFreeDistance - signed distance
    of x (m) to the surface of what a body then has, negative inside. */
 PetscBool SceneBodiesOverlap(Scene scene);

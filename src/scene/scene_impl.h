@@ -106,6 +106,8 @@ const BodyChoice *BodyTypeEmitter(void);
 /* LiquidsSetFromOptions - -interface_tension, -interface_bodies; refuses (UserError) what does not make two liquids.
    After the bodies. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);
+/* LiquidsView - prints the interface and warns if one of the three spreads between the others. Collective. */
+PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer);
 /* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
 /* ViscosityRegisterAll - adds the models of viscosity.c to a list. Not collective. */

@@ -114,6 +114,7 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
     PetscCall(ViewNumbers(scene, b, viewer));
     PetscCall(PetscViewerASCIIPopTab(viewer));
   }
+  PetscCall(LiquidsView(scene, viewer));
   for (PetscInt b = 0; b < scene->solids; b++) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "solid "));
     PetscCall(BodyView(scene->solid[b], viewer));

@@ -22,10 +22,10 @@ typedef enum {
   SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
   SUM_AREA,           /* of that surface, m2 */
   SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
-  SUM_LIQUIDS,        /* the last three of both liquids that do not mix: of their whole surfaces, without the gas's part */
+  SUM_LIQUIDS, /* the last three of both liquids that do not mix: of their whole surfaces, without the gas's part */
   SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
-  SUM_KINETIC,        /* kinetic energy, J */
-  SUM_MASS,           /* kg */
+  SUM_KINETIC, /* kinetic energy, J */
+  SUM_MASS,    /* kg */
   SUM_COUNT
 } TrialSum;
 typedef enum {

@@ -251,8 +251,8 @@ static void FindScales(Stepper stepper, Scales *scales)
       scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
   }
   if (TensionReach(stepper->tension) > 0 && SceneInterfaceTension(cloud->scene) > 0)
-    scales->capillary = PetscMax(scales->capillary, SceneInterfaceTension(cloud->scene) /
-                                                      (SceneInterfaceDensity(cloud->scene) * h));
+    scales->capillary =
+      PetscMax(scales->capillary, SceneInterfaceTension(cloud->scene) / (SceneInterfaceDensity(cloud->scene) * h));
   scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
   scales->speed = PetscMax(scales->speed, DomainWallSpeed(cloud->domain));
 }

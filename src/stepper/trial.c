@@ -33,7 +33,7 @@ void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
 static PetscReal InterfaceEnergy(Cloud cloud)
 {
   const PetscReal sigma = SceneInterfaceTension(cloud->scene);
-  PetscReal       area = 0, n[DIM];
+  PetscReal       area  = 0, n[DIM];
 
   for (PetscInt a = 0; a < cloud->n_fluid && sigma > 0; a++) {
     TrialInterface(cloud, a, n, NULL);

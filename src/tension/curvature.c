@@ -361,7 +361,8 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
     length = Norm(g);
     if (slope) {
       share[a] = SheetShare(tension, V * phi, V * length);
-      slope[a] = Sigma(tension, cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
+      slope[a] =
+        Sigma(tension, cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
     }
     if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H * tension->size < tension->threshold) continue;

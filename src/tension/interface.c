@@ -1,10 +1,10 @@
 /* The tension of the interface between two liquids that do not mix, as jumps of the pressure.
 
    Of liquids A and B beside gas, each pair's tension is the sum of two parts, sigma_AB = s_A + s_B, sigma_A = s_A + s_G
-   and sigma_B = s_B + s_G (Smith, Solis and Chopp 2002). So each of the three has one tension all over its boundary, and
-   lines where all three meet need nothing of their own: the parts pull with their own corners, and they balance at the
-   angles of Neumann's triangle. The boundary of A has the curvature that the free surface of A alone would have, and
-   that is how it is found (curvature.c), for A, for B, and for both together, whose surface is that of the gas.
+   and sigma_B = s_B + s_G (Smith, Solis and Chopp 2002). So each of the three has one tension all over its boundary,
+   and lines where all three meet need nothing of their own: the parts pull with their own corners, and they balance at
+   the angles of Neumann's triangle. The boundary of A has the curvature that the free surface of A alone would have,
+   and that is how it is found (curvature.c), for A, for B, and for both together, whose surface is that of the gas.
 
    The pressure of A is raised by s_A kappa_A (the cloud's jump), that of B by s_B kappa_B; the gas has minus s_G
    kappa_AB, kappa_AB the curvature of both together. Two neighbours of different liquids see each other's pressure less

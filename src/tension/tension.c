@@ -48,6 +48,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->size_most   = DomainSizeMost(domain);
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
+  t->interface   = (PetscBool)(SceneInterfaceTension(scene) > 0);
   t->ratio       = 1.75;
   t->calibration = 3.959;
   t->band        = 1;
@@ -119,6 +120,11 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscCheckUser(curvature || tension->solid.count == 0, tension->comm,
                  "-tension_type %s knows no contact angles, but a solid has one; " TENSION_CURVATURE " does",
                  tension->type);
+  PetscCheckUser(curvature || !tension->interface, tension->comm,
+                 "-interface_tension cannot be used with -tension_type %s; " TENSION_CURVATURE " can", tension->type);
+  PetscCheckUser(!tension->slanted || !tension->interface, tension->comm,
+                 "-interface_tension cannot be used with contact angles other than 90 degrees yet: the interface would "
+                 "have another one than the free surface");
   if (!tension->apply) tension->active = PETSC_FALSE;
   PetscCheckUser(!same || !tension->graded, tension->comm,
                  "-tension_type " TENSION_CAHN_HILLIARD

@@ -85,15 +85,15 @@ static inline void LiquidPosition(const Liquid *liquid, PetscInt place, PetscRea
 #define BAND_CELLS 4 /* cells in the length of the radius; fewer if that were too many cells */
 
 typedef struct {
-  MPI_Comm       comm;
-  PetscInt       dim;
-  PetscBool      shared;                                       /* ranks tell each other of their surface particles */
-  PetscReal      radius, lower[DIM], upper[DIM];               /* m; points beyond these count as on them */
-  PetscReal      size;                                         /* of a cell, m */
-  PetscInt       reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
-  PetscInt       first[DIM], n[DIM], capacity;                 /* the cells around the surface particles */
-  unsigned char *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
-  const PetscInt *also;          /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
+  MPI_Comm        comm;
+  PetscInt        dim;
+  PetscBool       shared;                                       /* ranks tell each other of their surface particles */
+  PetscReal       radius, lower[DIM], upper[DIM];               /* m; points beyond these count as on them */
+  PetscReal       size;                                         /* of a cell, m */
+  PetscInt        reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
+  PetscInt        first[DIM], n[DIM], capacity;                 /* the cells around the surface particles */
+  unsigned char  *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
+  const PetscInt *also;           /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
 } Band;
 
 /* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
@@ -249,22 +249,23 @@ struct _p_Tension {
   PetscReal    threshold, same_side, thinnest; /* see curvature.c */
   FaceType     face[DIM][2];                   /* of the box */
   ContactAngle contact[DIM][2];                /* of its walls */
-  /* curvature: of two liquids, the one whose surface is looked at (see interface.c): bits of LiquidSort, 0 where liquids
-     mix; its part of the tension, N/m; [n_total] bits */
+  PetscBool    interface;                      /* the scene has two liquids that do not mix */
+  /* curvature: of two liquids, the one whose surface is looked at (see interface.c): bits of LiquidSort, 0 where
+     liquids mix; its part of the tension, N/m; [n_total] bits */
   PetscInt       phase;
   PetscReal      part;
   unsigned char *phases;
   SolidContact   solid;
-  Images       images;
-  PetscBool    slanted;                  /* a contact angle is not 90 degrees: see ContactSlant */
-  PetscBool    walls;                    /* the box has any */
-  PetscReal    depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
-  PetscReal    fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
-  PetscReal    plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
-  NormalFit   *fit[SIZE_LEVELS];         /* [fit_capacity], by place in the sorted liquid of the level */
-  PetscInt     fit_capacity[SIZE_LEVELS];
-  float       *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
-  PetscInt64   weight_capacity;
+  Images         images;
+  PetscBool      slanted;                  /* a contact angle is not 90 degrees: see ContactSlant */
+  PetscBool      walls;                    /* the box has any */
+  PetscReal      depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal      fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
+  PetscReal      plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  NormalFit     *fit[SIZE_LEVELS];         /* [fit_capacity], by place in the sorted liquid of the level */
+  PetscInt       fit_capacity[SIZE_LEVELS];
+  float         *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
+  PetscInt64     weight_capacity;
 };
 
 /* TensionSort - finds where the particles of each level are near the surface (BandMark), and sorts the liquid for these
@@ -366,9 +367,9 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
    SheetShare, of the owned particles; both become zero in threads. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
 
-/* InterfaceApply - with two liquids in place of one pass of CurvatureApply: sets what that sets, and the cloud's liquid,
-   meets, jump and jump_slope. CurvatureApply - the forces of sheets, FIELD_CAPILLARY and its slope for the surface of
-   tension->phase; the latter must be zero before. Collective. */
+/* InterfaceApply - with two liquids in place of one pass of CurvatureApply: sets what that sets, and the cloud's
+   liquid, meets, jump and jump_slope. CurvatureApply - the forces of sheets, FIELD_CAPILLARY and its slope for the
+   surface of tension->phase; the latter must be zero before. Collective. */
 PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
 PetscErrorCode CurvatureApply(Tension tension, Cloud cloud);
 
