@@ -11,23 +11,6 @@ import physics  # noqa: E402
 RHO, MU, SIGMA = 1100.0, 3.5e-3, 0.067  # kg/m3, Pa s, N/m
 
 
-def fit(t, q, frequency, damping):
-    """Frequency and damping (1/s) of exp(-b t)(A cos wt + B sin wt) + C by least squares, from a first guess; and the
-    root of the mean square of what is left over the largest q."""
-    def rest(w, b):
-        shape = np.exp(-b * t)
-        A = np.column_stack([shape * np.cos(w * t), shape * np.sin(w * t), np.ones_like(t)])
-        return np.sqrt(((A @ np.linalg.lstsq(A, q, rcond=None)[0] - q)**2).mean())
-
-    best, step = np.array([frequency, damping]), np.array([0.1 * frequency, damping])
-    while step[0] > 1e-6 * frequency:
-        around = [best + step * (i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-        errors = [rest(*p) for p in around]
-        k = int(np.argmin(errors))
-        best, step = around[k], step * (0.5 if k == 4 else 1)
-    return best[0], best[1], min(errors) / np.abs(q - q.mean()).max()
-
-
 def check(folder):
     times, q = [], []
     mode = 2
@@ -50,7 +33,7 @@ def check(folder):
     scale = SIGMA / (RHO * radius**3)  # Lamb, art. 275 and 355
     damping = (4 if dim == 2 else (mode - 1) * (2 * mode + 1)) * MU / (RHO * radius**2)
     frequency = np.sqrt((6 if dim == 2 else mode * (mode - 1) * (mode + 2)) * scale - damping**2)
-    w, b, error = fit(np.array(times), np.array(q), frequency, damping)
+    w, b, error = physics.damped_cosine(np.array(times), np.array(q), frequency, damping)
     return [
         physics.relative("period", 2e3 * np.pi / w, 2e3 * np.pi / frequency, 0.01 if rings else 0.02, "ms"),
         physics.relative("damping rate", b, damping, 0.3 if rings else 0.5, "1/s"),

@@ -87,6 +87,24 @@ static PetscBool InsideBox(Domain domain, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
+/* Whether body b, of whose surface x (m) is at a distance (m), has the point of its lattice nearest to x: of points as
+   far as its level some belong to it and others, where bodies overlap, to the next body. */
+static PetscBool Takes(Packing packing, PetscInt b, PetscReal level, PetscReal distance, const PetscReal x[DIM])
+{
+  const Domain domain = packing->cloud->domain;
+  Lattice      lattice;
+  PetscInt     at[DIM];
+
+  if (!SceneBodiesOverlap(packing->cloud->scene) || PetscAbsReal(distance - level) > POINT_TOLERANCE * domain->spacing)
+    return (PetscBool)(distance <= level);
+  LatticeOfBody(domain, domain->spacing, SceneBody(packing->cloud->scene, b), &lattice);
+  for (PetscInt d = 0; d < DIM; d++) {
+    at[d] = (PetscInt)PetscFloorReal((x[d] - lattice.origin[d]) / lattice.pitch[d] + 0.5);
+    at[d] = PetscMax(0, PetscMin(lattice.n[d] - 1, at[d]));
+  }
+  return (PetscBool)(PointDistance(packing, b, CellIndex(lattice.n, at[0], at[1], at[2]), x) <= level);
+}
+
 /* Whether point x (m) is inside the box and closer to the inside of body number b than its level, and of no earlier
    body. */
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM])
@@ -96,7 +114,7 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
   if (!InsideBox(packing->cloud->domain, x)) return PETSC_FALSE;
   if (PointDistance(packing, b, point, x) > level[b] || SceneSolidDistance(scene, x, NULL) <= 0) return PETSC_FALSE;
   for (PetscInt other = 0; other < b; other++)
-    if (BodyDistance(SceneBody(scene, other), x) <= level[other]) return PETSC_FALSE;
+    if (Takes(packing, other, level[other], BodyDistance(SceneBody(scene, other), x), x)) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 

@@ -116,16 +116,18 @@ PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer)
     "this liquid spreads between the other one and gas, as a film that gets thinner than a particle",
     "gas comes between the liquids, which part"};
   PetscReal part[3];
+  PetscBool gas; /* it has a tension with one of them */
   char      names[SCENE_MAX_BODIES * SCENE_NAME_LENGTH];
 
   PetscFunctionBegin;
   if (scene->interface_tension == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SceneInterfaceBodies(scene, names, sizeof(names)));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "interface of %g N/m around the liquid of %s\n",
+  PetscCall(PetscViewerASCIIPrintf(viewer, "interface of %g N/m between the liquid of %s and the other\n",
                                    (double)scene->interface_tension, names));
   SceneTensions(scene, part);
+  gas = (PetscBool)(part[0] + part[2] > 0 || part[1] + part[2] > 0);
   for (PetscInt k = 0; k < 3; k++)
-    if (part[k] < 0 && (k < 2 || part[0] + part[2] > 0 || part[1] + part[2] > 0))
+    if (part[k] < 0 && (gas || k != 2))
       PetscCall(PetscViewerASCIIPrintf(viewer,
                                        "  warning: where both meet gas no angles balance the tensions: %s (spreading "
                                        "coefficient %.3g N/m)\n",

@@ -180,6 +180,9 @@ PetscErrorCode SpectrumLimits(Spectrum s, PetscReal dt)
     nu = PetscMax(nu, s->cloud->field[FIELD_VISCOSITY][a] / s->cloud->rest_density[a]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &nu, 1, MPIU_REAL, MPIU_MAX, s->cloud->comm));
   if (nu > 0) PetscCall(PrintViscosity(s, nu, dt));
-  if (TensionReach(s->tension) > 0) PetscCall(PrintTension(s, dt));
+  if (SceneInterfaceTension(s->cloud->scene) > 0)
+    PetscCall(PetscPrintf(s->cloud->comm, "    tension    not looked for with an interface between liquids\n"));
+  else if (TensionReach(s->tension) > 0)
+    PetscCall(PrintTension(s, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

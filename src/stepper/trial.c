@@ -19,7 +19,7 @@ void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
     const PetscInt  b = cloud->list[k];
     const PetscReal f = cloud->domain->volume * scale_f * cloud->slope[k];
 
-    if (!CloudMeets(cloud, a, b)) continue;
+    if (cloud->integer[INT_LAYER][b] != 0 || !CloudMeets(cloud, a, b)) continue; /* no wall is an interface */
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal part = f * (x[DIM * a + d] - x[DIM * b + d]);
 

@@ -518,7 +518,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CurvatureApply(Tension tension, Cloud cloud)
+static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 {
   PetscInt64 used = 0;                /* weights */
   PetscReal *normal, *share, *scalar; /* the depth, then sigma kappa */
@@ -540,13 +540,6 @@ PetscErrorCode CurvatureApply(Tension tension, Cloud cloud)
   if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal));
   PetscCall(ContactRestore(tension, cloud));
   PetscCall(CloudRestoreWork(cloud, &normal));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
-{
-  PetscFunctionBegin;
-  PetscCall(cloud->liquid ? InterfaceApply(tension, cloud) : CurvatureApply(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -38,7 +38,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscInt bits, PetscRea
   tension->bands[0].also = also;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  PetscCall(CurvatureApply(tension, cloud));
+  PetscCall(tension->apply(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -367,11 +367,9 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
    SheetShare, of the owned particles; both become zero in threads. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
 
-/* InterfaceApply - with two liquids in place of one pass of CurvatureApply: sets what that sets, and the cloud's
-   liquid, meets, jump and jump_slope. CurvatureApply - the forces of sheets, FIELD_CAPILLARY and its slope for the
-   surface of tension->phase; the latter must be zero before. Collective. */
+/* InterfaceApply - with two liquids in place of one pass of the model's apply, once for the surface of each liquid and
+   once for that of both: sets what that sets, and the cloud's meets, jump and jump_slope. Collective. */
 PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
-PetscErrorCode CurvatureApply(Tension tension, Cloud cloud);
 
 /* CahnHilliardStress - S ([n_owned][6], N/m2) of Eq. (7), zero beyond the band; leaves the liquid sorted. Collective.
  */

@@ -134,6 +134,21 @@ for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-
                              ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
                              ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
     refused("free_body_and_" + name, FLOAT + options, words)
+LIQUIDS = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -bodies drop,bath,top -drop_upper 0.5,0.5
+ -bath_lower 0.5,0 -bath_upper 1.5,0.5 -top_lower 1.5,0 -top_upper 2,0.5 -interface_tension 1 -steps_max 2 """
+for name, options, words in (("three_bodies", "", ["-interface_bodies", "3"]),
+                             ("all_bodies", "-interface_bodies drop,bath,top", ["all of -bodies"]),
+                             ("no_such_body", "-interface_bodies oil", ["oil"]),
+                             ("two_tensions", "-interface_bodies drop -bath_tension 1",
+                              ["-bath_tension", "-top_tension"]),
+                             ("no_interface", "-interface_tension 0 -interface_bodies drop", ["-interface_tension"]),
+                             ("cahn_hilliard", "-interface_bodies drop -tension_type cahn_hilliard", ["curvature"]),
+                             ("printed_scheme", "-interface_bodies drop -scheme density_invariant", ["consistent"]),
+                             ("contact_angle", "-interface_bodies drop -box_ymin wall -wall_contact_angle 60", ["90"]),
+                             ("grading", "-interface_bodies drop -spacing_coarse 0.1 -fine f -f_upper 0.5,1",
+                              ["-interface_tension", "-spacing_coarse"])):
+    refused("interface_and_" + name, LIQUIDS + options, words)
+refused("overlap_and_poisson", LIQUIDS + "-interface_bodies drop -bodies_overlap -packing_type poisson", ["lattice"])
 refused("contact_angle_of_free_body", FLOAT + "-part_contact_angle 60", ["-part_contact_angle", "-part_mass"])
 refused("contact_angle_of_open_face", GOOD + "-box_xmin_contact_angle 60", ["-box_xmin_contact_angle", "open"])
 refused("contact_angle_of_solid_with_cahn_hilliard", PLANE + "-part_contact_angle 60 -tension_type cahn_hilliard",

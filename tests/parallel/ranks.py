@@ -65,6 +65,11 @@ WETTED = """-spacing 0.8e-3 -box_lower 0,0,0 -box_upper 12e-3,9.6e-3,8e-3 -box_x
  -drop_radius 4e-3 -drop_center 3.2e-3,8e-3,1e-3 -drop_tension 0.067 -drop_viscosity 3.5e-3 -solids ball
  -ball_shape sphere -ball_radius 2.4e-3 -ball_center 7e-3,8e-3,2e-3 -ball_velocity 0,0,0.1 -ball_contact_angle 120
  -time_step 4e-5 """
+# A drop of one liquid sinks into the surface of another, between walls.
+LENS = """-dimension 2 -spacing 0.8e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies drop,bath -bodies_overlap -drop_shape sphere -drop_radius 3e-3 -drop_center 4e-3,4.8e-3 -drop_density 700
+ -drop_tension 0.03 -drop_velocity 0,-0.2 -bath_upper 16e-3,5.6e-3 -bath_viscosity 3.5e-3 -bath_tension 0.067
+ -interface_tension 0.045 -time_step 1e-4 """
 TOLERANCE = 1e-10  # spacings
 COMMON = "-ksp_rtol 1e-12 -steps_max 20 "
 
@@ -95,5 +100,6 @@ compare("graded_tori", GRADED_TORI, (2, 4), 1e-3, 3, TOLERANCE)
 compare("periodic_2d", PERIODIC_2D, (2, 3, 4), 0.02, 4, TOLERANCE)
 compare("floating", FLOATING, (2, 3, 4), 0.02, 1, TOLERANCE)
 compare("wetted", WETTED, (2, 4), 0.8e-3, 1, TOLERANCE)
+compare("lens", LENS, (2, 3, 4), 0.8e-3, 1, TOLERANCE)
 compare("lonely", LONELY, (2, 4), 1e-3, 1, TOLERANCE)
 runs.done()

@@ -46,6 +46,11 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3 -snapshot_double
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2
  -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4 """
+# A lens of one liquid on another.
+LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies drop,bath -bodies_overlap -drop_shape sphere -drop_radius 3e-3 -drop_center 5e-3,5e-3 -drop_density 700
+ -drop_tension 0.03 -drop_velocity 0,-0.2 -bath_upper 16e-3,6e-3 -bath_viscosity 3.5e-3 -bath_tension 0.067
+ -interface_tension 0.045 -snapshot_double -checkpoint_interval 3e-3 -sort_interval 7 -time_step_max 3e-4 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
@@ -100,6 +105,7 @@ test("impact", IMPACT, 1e-3, 1, [])
 test("impact_parallel", IMPACT, 1e-3, 2, [1, 3])
 test("plane", PLANE, 0.02, 1, [2])
 test("rings", RINGS, 1e-3, 2, [1])
+test("lens", LENS, 1e-3, 1, [2])
 test("tori", TORI, 1e-3, 1, [3])
 test("graded", GRADED, 1e-3, 2, [1])
 test("graded_tori", GRADED_TORI, 1e-3, 2, [1])

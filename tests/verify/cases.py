@@ -188,6 +188,18 @@ ENTRIES += [Entry("contact_angle", "edge of a film, 12 spacings thick", file="ed
             Entry("contact_angle", "edge of a film, 3 spacings thick", "-film_upper 5e-3,0.3e-3", TEST,
                   file="edge.opts")]
 
+# two liquids that do not mix: tensions of the lens, the bath and between them, mN/m
+ENTRIES += [Entry("two_liquids", f"lens, {one:g}, {other:g} and {between:g} mN/m",
+                  f"-lens_tension {one}e-3 -bath_tension {other}e-3 -interface_tension {between}e-3")
+            for one, other, between in ((60, 70, 30), (40, 60, 40))]
+ENTRIES += [Entry("two_liquids", "lens, rings", file="lens_rings.opts")]
+ENTRIES += [Entry("two_liquids", f"pair, {between:g} mN/m between", f"-interface_tension {between}e-3", file="pair.opts")
+            for between in (33.5, 67, 100)]
+ENTRIES += [Entry("two_liquids", "drop, 2-d", size=TEST, file="drop.opts"),
+            Entry("two_liquids", "drop, 3-d", file="sphere.opts"), Entry("two_liquids", "drop, rings", file=RINGS),
+            Entry("two_liquids", "period, 2-d", file="swing.opts"),
+            Entry("two_liquids", "period, rings", file="swing_rings.opts")]
+
 ENTRIES += tensions("retracting_sheet", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 0.25e-3))
 ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", TEST)]
 
@@ -205,7 +217,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup",
-                "coated_plate", "floating_box"}
+                "coated_plate", "floating_box", "two_liquids"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
