@@ -7,6 +7,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
+import runs  # noqa: E402
 
 RHO, G, SIGMA = 1000.0, 9.81, 0.072
 STEPS = 2000  # of the slope angle along the outline
@@ -52,6 +53,15 @@ def young_laplace(size, angle, shape):
     return shape(middle, angle)[:2]
 
 
+def weight_on_the_wall(folder, due, unit):
+    """The force on the wall and the pull of the drop's edge, which together are the weight, in the mean of the last
+    quarter."""
+    s = runs.series(folder)
+    both = sum(s[name] for name in s.dtype.names if name.startswith(("force_ymin_y", "force_tension_y")))
+    return physics.relative("weight on the wall, with the pull of the edge",
+                            -both[s["time"] > 0.75 * s["time"][-1]].mean(), due, 0.01, unit)
+
+
 def check(folder):
     states = list(physics.snapshots(folder))
     head, f = states[-1][1:]
@@ -64,6 +74,7 @@ def check(folder):
     top = np.sort(x[middle, 1])[-4:].mean() + d0 / 2
     return [physics.relative("height", 1e3 * top, 1e3 * height, 0.02 if rings else 0.05, "mm"),
             physics.relative("half width", 1e3 * (np.sort(x[low, 0])[-2:].mean() + d0 / 2), 1e3 * width, 0.05, "mm"),
+            weight_on_the_wall(folder, RHO * G * physics.volumes(head, f).sum(), "N" if rings else "N/m"),
             physics.lost(head, states[0][2], f)]
 
 

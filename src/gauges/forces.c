@@ -26,7 +26,8 @@ static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOpti
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-gauge_forces",
-                             "The series holds the force of the liquid on each wall of the box and each solid (N); "
+                             "The series holds the force of the liquid on each wall of the box and each solid (N), and "
+                             "the pull of surface tension at all lines of contact together; "
                              "of a solid that moves freely, not exactly the one that moves it",
                              "GaugesMeasure", gauges->forces, &gauges->forces, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -38,9 +39,25 @@ static PetscInt ReceiverCount(Gauges gauges)
   return WallFace(gauges->cloud->domain, -1, NULL, NULL) + SceneSolidCount(gauges->cloud->scene);
 }
 
+/* How many columns the pull of lines of contact has, and the direction of number 'index': those without a mirror,
+   behind which there is liquid that is not counted, and of rings that along the axis. */
+static PetscInt PullDirection(Gauges gauges, PetscInt index, PetscInt *direction)
+{
+  const Domain domain = gauges->cloud->domain;
+  PetscInt     count  = 0;
+
+  for (PetscInt d = domain->rings ? 1 : 0; d < domain->dim && gauges->tension; d++) {
+    if (domain->face[d][0] == FACE_SYMMETRY || domain->face[d][1] == FACE_SYMMETRY) continue;
+    if (count == index) *direction = d;
+    count++;
+  }
+  return count;
+}
+
 static PetscInt Columns_Forces(Gauges gauges)
 {
-  return gauges->forces ? ReceiverCount(gauges) * gauges->cloud->domain->dim : 0;
+  if (!gauges->forces) return 0;
+  return ReceiverCount(gauges) * gauges->cloud->domain->dim + PullDirection(gauges, -1, NULL);
 }
 
 static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], size_t length)
@@ -50,6 +67,11 @@ static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], s
   const PetscInt faces = WallFace(gauges->cloud->domain, index, &d, &s);
 
   PetscFunctionBegin;
+  if (index >= ReceiverCount(gauges)) {
+    (void)PullDirection(gauges, column - ReceiverCount(gauges) * dim, &d);
+    PetscCall(PetscSNPrintf(name, length, "force_tension_%c_%s", AxisName(d), GaugeUnit(gauges->cloud->domain, "N")));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscSNPrintf(name, length, "force_%s_%c_%s",
                           index < faces ? FaceNames[d][s] : BodyName(SceneSolid(gauges->cloud->scene, index - faces)),
                           AxisName(column % dim), GaugeUnit(gauges->cloud->domain, "N")));
@@ -113,11 +135,28 @@ static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal he
   }
 }
 
-/* Force [receivers][dim] of the liquid's pressure and viscosity, N (N/m in two dimensions). */
+/* Adds the pull at lines of contact: tension pushes on the free surface, -int sigma kappa n dA, and would not push on
+   liquid as a whole if no solid pulled it by its edge; it pulls the solid back as much. */
+static void AddPull(Gauges gauges, PetscReal pull[])
+{
+  Cloud            cloud   = gauges->cloud;
+  const PetscInt   columns = PullDirection(gauges, -1, NULL);
+  const PetscReal *normal = cloud->field[FIELD_NORMAL], *capillary = cloud->field[FIELD_CAPILLARY];
+
+  for (PetscInt k = 0; k < columns; k++) {
+    PetscInt d = 0;
+
+    (void)PullDirection(gauges, k, &d);
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) pull[k] -= 2 * cloud->volume[a] * capillary[a] * normal[DIM * a + d];
+  }
+}
+
+/* Force [receivers][dim] of the liquid's pressure and viscosity, and the pull of its tension, N (N/m in two
+   dimensions). */
 static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 {
   Cloud          cloud   = gauges->cloud;
-  const PetscInt columns = ReceiverCount(gauges) * cloud->domain->dim;
+  const PetscInt columns = Columns_Forces(gauges);
   PetscReal     *held;
 
   PetscFunctionBegin;
@@ -133,6 +172,7 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     AddToReceivers(gauges, PETSC_FALSE, held, force);
   }
   PetscCall(CloudRestoreWork(cloud, &held));
+  AddPull(gauges, force + ReceiverCount(gauges) * cloud->domain->dim);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)columns, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -36,10 +36,11 @@ PetscErrorCode GaugesDestroy(Gauges *gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected)
+void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension)
 {
   gauges->viscosity = viscosity;
   gauges->corrected = corrected;
+  gauges->tension   = tension;
 }
 
 PetscErrorCode GaugesSetFromOptions(Gauges gauges)

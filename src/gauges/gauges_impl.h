@@ -51,6 +51,7 @@ struct _p_Gauges {
   Cloud            cloud;        /* borrowed */
   const Viscosity *viscosity;    /* borrowed; NULL: not known */
   PetscBool        corrected;    /* the gradient of pressure is */
+  PetscBool        tension;      /* FIELD_CAPILLARY is the pressure that it puts on the free surface */
   PetscReal        level;        /* m; NAN: not given and not measured */
   PetscBool        level_given;  /* by -gauge_level */
   PetscReal        multiplicity; /* how many copies of the simulated part make the whole */

@@ -134,7 +134,8 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(SpectrumSetFromOptions(sim->spectrum));
   PetscCall(GaugesCreate(sim->cloud, &sim->gauges));
   PetscCall(GaugesSetFromOptions(sim->gauges));
-  GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), PressureGradientCorrected(sim->pressure));
+  GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), PressureGradientCorrected(sim->pressure),
+                  TensionOnSurface(sim->tension));
   PetscCall(OutputCreate(sim->cloud, sim->gauges, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
   PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,

@@ -141,6 +141,11 @@ PetscReal TensionStepLimit(Tension tension)
   return tension->step_limit;
 }
 
+PetscBool TensionOnSurface(Tension tension)
+{
+  return (PetscBool)(tension->active && !strcmp(tension->type, TENSION_CURVATURE));
+}
+
 PetscReal TensionReach(Tension tension)
 {
   return tension->active ? KernelSupport(tension->kernel) : 0;

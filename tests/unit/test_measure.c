@@ -164,6 +164,38 @@ static PetscErrorCode TestForces(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A pressure of 5 Pa on the free surface, 2 m wide, is what lines of contact pull up with; beside a mirror there is no
+   sum to the side. */
+static PetscErrorCode TestPull(void)
+{
+  static const char *const scenes[] = {TANK "-gauge_forces", TANK "-box_xmin symmetry -gauge_forces"};
+
+  PetscFunctionBegin;
+  for (PetscInt mirror = 0; mirror < 2; mirror++) {
+    PetscReal force[COLUMNS_MOST];
+    char      name[64];
+    Setup     s;
+    Gauges    gauges;
+    PetscInt  last;
+
+    PetscCall(Open(scenes[mirror], NULL, &s, &gauges));
+    GaugesSetForces(gauges, NULL, PETSC_TRUE, PETSC_TRUE);
+    PetscCall(SetupMoments(&s));
+    for (PetscInt a = 0; a < s.cloud->n_owned; a++) s.cloud->field[FIELD_CAPILLARY][a] = 5;
+    last = GaugesColumns(gauges) - 1;
+    PetscCall(GaugesMeasure(gauges, force));
+    PetscCall(GaugesColumnName(gauges, last, name, sizeof(name)));
+    CHECK(!strcmp(name, "force_tension_y_N/m"), "name_of_the_pull");
+    CHECK_CLOSE(force[last] / 10, 1, 0.02, "pull_at_lines_of_contact");
+    if (mirror)
+      CHECK(last == 6, "no_pull_beside_a_mirror");
+    else
+      CHECK_CLOSE(force[last - 1] / 10, 0, 1e-12, "no_pull_to_the_side");
+    PetscCall(Close(&s, &gauges));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The surface at 1.5 m: in the middle, at the foot of a wall, over the solid. */
 static PetscErrorCode TestHeights(void)
 {
@@ -234,6 +266,7 @@ int main(int argc, char **argv)
   PetscCall(TestTotals(3));
   PetscCall(TestDroplets());
   PetscCall(TestForces());
+  PetscCall(TestPull());
   PetscCall(TestHeights());
   PetscCall(TestPeriodic());
   PetscCall(TestLines());
