@@ -375,6 +375,18 @@ __attribute__((noinline)) static void ApplyRings(Cloud cloud, const Viscosity *v
   }
 }
 
+/* By what a pair of fluid particles at rest density must weigh more where neighbours are missing, so that the sum is
+   the dissipation of the liquid that there is: the sums of a and b are short by the share s = sum V W < 1 of the kernel
+   that is filled. On a lattice a sheet of one, two or three particles resists a stretch with 0.53, 0.75 and 0.88 of its
+   viscosity without it, with 1.00, 0.99 and 1.06 with it. */
+static inline PetscReal Filling(Cloud cloud, PetscInt a, PetscInt b)
+{
+  const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
+
+  if (cloud->integer[INT_LAYER][b]) return 1;
+  return 0.5 * (PetscMax(1, rest[a] / rho[a]) + PetscMax(1, rest[b] / rho[b]));
+}
+
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                        PetscReal pair[])
 {
@@ -401,6 +413,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
                      : 0;
       if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2 * PetscSqr(CloudPairSize(cloud, a, b));
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
+      if (density == rest) c[k] *= Filling(cloud, a, b);
     }
   }
   if (cloud->domain->rings) WeighRings(cloud, viscosity, mu, density, pair);

@@ -80,6 +80,7 @@ struct _p_Pressure {
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
   PetscInt   empty_rows;    /* of all ranks, without pairs: deep in a solid, say. They have no part in the constant */
   PetscReal  dt;            /* s, of the right-hand side */
+  PetscReal  kept_share;    /* PressureKeep */
 
   /* numbers of the rows */
   PetscInt  row_layout;             /* the cloud's layout that they are for */

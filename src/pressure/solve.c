@@ -115,6 +115,44 @@ static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscReal PressureKeptShare(Pressure pressure, PetscReal dt)
+{
+  const PetscReal time = PetscMax(pressure->relaxation_time, pressure->relaxation_steps * dt);
+
+  return PetscMax(0, 1 - dt / time);
+}
+
+PetscErrorCode PressureKeep(Pressure pressure, PetscReal share)
+{
+  PetscFunctionBegin;
+  pressure->kept_share = share;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal PressureKept(Pressure pressure)
+{
+  return pressure->kept_share;
+}
+
+/* Adds to the right-hand side what the kept share of the pressure of the cloud makes of the left one. That pressure
+   has its share of the surface's in it. */
+static PetscErrorCode AddKept(Pressure pressure, PetscScalar rhs[])
+{
+  Cloud           cloud = pressure->cloud;
+  const PetscReal share = pressure->kept_share;
+  PetscReal      *y;
+
+  PetscFunctionBegin;
+  if (share == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, 1, &y));
+  PetscCall(PressureMultiply(pressure, cloud->field[FIELD_PRESSURE], y));
+  for (PetscInt r = 0; r < cloud->n_fluid; r++)
+    y[r] -= pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
+  for (PetscInt r = 0; r < cloud->n_rows; r++) rhs[r] += share * y[r];
+  PetscCall(CloudRestoreWork(cloud, &y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The right-hand side b, after OperatorSetUp: the source times the mass of the row, and what the free surface
    contributes, whose missing neighbours have the pressure of surface tension. */
 static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
@@ -131,6 +169,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   for (PetscInt r = 0; r < cloud->n_fluid; r++)
     rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
   InterfaceAdd(pressure, rhs);
+  PetscCall(AddKept(pressure, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++) /* isolated particles have no pressure */
     if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
   PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));

@@ -112,3 +112,12 @@ void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], Pet
   BodyVelocity(body, x, v);
   for (PetscInt d = 0; d < DIM; d++) v[d] += (speed - 1) * body->uniform[d];
 }
+
+PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
+{
+  const PetscReal speed = Norm(body->uniform);
+  PetscReal       rear[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) rear[d] = x[d] - behind * body->uniform[d] / speed;
+  return (PetscBool)(BodyDistance(body, rear) < 0);
+}

@@ -167,11 +167,13 @@ void BodyDisplace(Body body, PetscReal x[DIM]);
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
 /* BodyEmits - whether the body is an emitter. BodyEmissions - how many times it has been filled up to and at the time
    (s). BodyEmissionShift - how far (m, along x) liquid of emission number k, from 0 on, has moved by then if it moved
-   with the emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). */
+   with the emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). BodyHolds - whether liquid of the
+   emitter at x (m) still moves with it: what is 'behind' (m) upstream of it lies in the shape. */
 PetscBool BodyEmits(Body body);
 PetscInt  BodyEmissions(Body body, PetscReal time);
 void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
 void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
+PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
 /* SceneEmits - whether any body is an emitter. */
 PetscBool SceneEmits(Scene scene);
 /* SceneSetTime - the time (s) at which gravity is asked for from here on: it may swing. */

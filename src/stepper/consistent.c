@@ -125,8 +125,9 @@ PetscErrorCode SchemeCreate_Consistent(Stepper stepper)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&scheme));
-  scheme->project = StepProject;
-  stepper->scheme = scheme;
+  scheme->project         = StepProject;
+  stepper->scheme         = scheme;
+  stepper->keeps_pressure = PETSC_TRUE;
   stepper->ops    = (SchemeOps){.setfromoptions = ConsistentSetFromOptions,
                                 .check          = CheckConsistent,
                                 .view           = ConsistentView,

@@ -77,6 +77,8 @@ typedef struct {
   PetscInt64    capacity;                         /* of pair */
   PetscInt      layout;                           /* the local order the solver was made for */
   PetscInt      held_count, held_capacity, *held; /* fluid particles inside emitters, which keep their velocity */
+  PetscReal    *push;                             /* [n_fluid][3] dt times the kept share of -grad p/rho, m/s */
+  PetscInt      push_capacity;                    /* particles */
   KSP           ksp;
   Mat           A;
   Vec           x, b; /* velocities of the fluid, [n_fluid][3] */
@@ -125,6 +127,7 @@ struct _p_Stepper {
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
   PetscReal force_time;       /* when forces act, in steps after the start of the step */
+  PetscBool keeps_pressure;   /* implicit steps keep a share of the former pressure: StepKick takes it out */
 };
 
 /* StepTooFar - whether the trial has moved a particle further than a step may: then neighbours need not be looked for,
@@ -161,7 +164,8 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
 PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
 /* StepProject - FIELD_PRESSURE of owned particles and ghosts by PressureSolve, Eqs. (8), (11). */
 PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result);
-/* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9). */
+/* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9), after what an implicit step has kept of
+   the former pressure has been taken out of FIELD_VELOCITY_STAR. */
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt);
 /* StepDriftOn - FIELD_POSITION_NEW = from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10), or without v, where the first half
    of the drift is done. from ([n_fluid][3], m). */
@@ -236,10 +240,12 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
 /* ViscosityIsExplicit - in this step; false also without viscosity. Not collective. */
 PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
+   ViscousGetPush - an array [n_fluid][3] that stays until the end of the step, borrowed.
    ViscousSolve - FIELD_VELOCITY_STAR (of the fluid, without viscosity) becomes the velocity u with u = v* + dt V u,
    ghosts included, walls with their own velocity. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
+PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report);
 PetscErrorCode ViscousDestroy(Stepper stepper);
 

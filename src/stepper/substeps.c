@@ -60,11 +60,14 @@ PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt)
 {
   Cloud            cloud  = stepper->cloud;
-  const PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR];
+  PetscReal       *v_star = cloud->field[FIELD_VELOCITY_STAR];
+  const PetscReal *kept   = stepper->viscous.push;
   PetscReal       *v      = cloud->field[FIELD_VELOCITY_NEW], *a;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_KICK), 0, 0, 0, 0));
+  if (PressureKept(stepper->pressure) > 0)
+    for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] -= kept[k];
   PetscCall(CloudGetWork(cloud, DIM, &a));
   PetscCall(PressureAcceleration(stepper->pressure, a));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */

@@ -33,8 +33,23 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lists the liquid inside emitters. It moves with their velocity, as a wall does: were it free in this solve, which a
-   long step ends near rest relative to its neighbours, the liquid that has left would drag it along, and tear. */
+PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push)
+{
+  Viscous *viscous = &stepper->viscous;
+
+  PetscFunctionBegin;
+  if (stepper->cloud->n_fluid > viscous->push_capacity) {
+    viscous->push_capacity = stepper->cloud->capacity;
+    PetscCall(PetscFree(viscous->push));
+    PetscCall(PetscMalloc1(DIM * viscous->push_capacity, &viscous->push));
+  }
+  *push = viscous->push;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lists the liquid that emitters hold, or held at the start of this step. It moves with their velocity, as a wall does:
+   were it free in this solve, which a long step ends near rest relative to its neighbours, the liquid that has left
+   would drag it along, and tear. */
 static PetscErrorCode FindHeld(Stepper stepper)
 {
   Cloud    cloud   = stepper->cloud;
@@ -49,9 +64,11 @@ static PetscErrorCode FindHeld(Stepper stepper)
     PetscCall(PetscMalloc1(viscous->held_capacity, &viscous->held));
   }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    Body body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
+    const PetscReal path   = viscous->dt * Norm(cloud->field[FIELD_VELOCITY] + DIM * a),
+                    radius = 0.5 * CloudSize(cloud, a) * cloud->domain->spacing;
+    Body body              = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
 
-    if (BodyEmits(body) && BodyDistance(body, cloud->field[FIELD_POSITION] + DIM * a) < 0)
+    if (BodyEmits(body) && BodyHolds(body, cloud->field[FIELD_POSITION] + DIM * a, radius + path))
       viscous->held[viscous->held_count++] = a;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -174,6 +191,7 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscCall(Reset(&stepper->viscous));
   PetscCall(PetscFree(stepper->viscous.pair));
   PetscCall(PetscFree(stepper->viscous.held));
+  PetscCall(PetscFree(stepper->viscous.push));
   PetscCall(PetscFree(stepper->free_follow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
