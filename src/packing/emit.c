@@ -69,8 +69,7 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Liquid inside an emitter moves with its velocity until the whole of a particle has left, which is when the next
-   filling comes: were the last row free from when its middle has left, honey would fall freely for as long. */
+/* Liquid inside an emitter moves with its velocity. */
 static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
 {
   const Scene    scene = packing->cloud->scene;
@@ -79,11 +78,10 @@ static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(packing->cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscInt   b      = arrays.integer[INT_BODY][a];
-    const PetscReal *x      = arrays.real[FIELD_POSITION] + DIM * a;
-    const PetscReal  radius = 0.5 * packing->cloud->domain->spacing * ParticleSize(packing->cloud->domain, &arrays, a);
+    const PetscInt   b = arrays.integer[INT_BODY][a];
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
 
-    if (b >= 0 && BodyEmits(SceneBody(scene, b)) && BodyHolds(SceneBody(scene, b), x, radius))
+    if (b >= 0 && BodyEmits(SceneBody(scene, b)) && BodyDistance(SceneBody(scene, b), x) < 0)
       BodyEmissionVelocity(SceneBody(scene, b), time, x, arrays.real[FIELD_VELOCITY] + DIM * a);
   }
   PetscCall(ParticlesClose(packing->cloud->particles, &arrays));

@@ -64,13 +64,10 @@ PetscErrorCode PressureCheckRings(Pressure pressure);
    unchanged. dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
 /* PressureKeep - from now on the equation is for the pressure less this share (1) of the one that the cloud has before
-   the solve: a velocity that the share acts in already is given, and only the rest is looked for. The solution is the
-   whole pressure. 0: all of it is looked for. PressureKept - that share. PressureKeptShare - the share that makes
-   pressures which accelerate nothing fade in the time in which density errors are repaired, in steps of dt (s). Not
-   collective. */
+   the solve: a velocity in which the share has acted is given, and only the rest is looked for. The solution is the
+   whole pressure. 0: all of it is looked for. PressureKept - that share. Not collective. */
 PetscErrorCode PressureKeep(Pressure pressure, PetscReal share);
 PetscReal      PressureKept(Pressure pressure);
-PetscReal      PressureKeptShare(Pressure pressure, PetscReal dt);
 /* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
  * call. Collective. */
 PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b);

@@ -115,13 +115,6 @@ static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal PressureKeptShare(Pressure pressure, PetscReal dt)
-{
-  const PetscReal time = PetscMax(pressure->relaxation_time, pressure->relaxation_steps * dt);
-
-  return PetscMax(0, 1 - dt / time);
-}
-
 PetscErrorCode PressureKeep(Pressure pressure, PetscReal share)
 {
   PetscFunctionBegin;

@@ -108,11 +108,11 @@ static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial
    is free of an error of the splitting.
 
    Where viscosity alone makes the pressure, dt grad p/rho is many times the velocity that the step is about. The
-   projection is approximate: a pressure found anew would leave dt (L p - div grad p)/rho of divergence, L the operator
-   of the equation, and the density of a stretching sheet fell by a tenth, until it tore. So of the former pressure only
-   the share dt/T is taken out again, T the time in which the density is repaired, and the projection looks for the
-   rest: the density error that remains is dt^2 (L p - div grad p)/rho, and pressures that accelerate nothing, which
-   would add up, fade within T. */
+   projection is approximate: a pressure that is looked for anew leaves dt (L p - div grad p)/rho of divergence, L the
+   operator of the equation, and the density of a stretching sheet fell by a tenth, until it tore. So most of the former
+   pressure stays in the velocity, and the projection looks for the rest, as large as in a step of the explicit limit:
+   what remains of divergence is as small as there. Were all of it kept, pressures that accelerate nothing would add up.
+ */
 static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscReal density[], StepTrial *trial)
 {
   Cloud           cloud  = stepper->cloud;
@@ -120,7 +120,7 @@ static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscR
   const PetscInt  n      = DIM * cloud->n_fluid;
   const PetscBool split  = PressureTakesDivergence(stepper->pressure);
   const PetscReal before = MassWeightedDot(cloud, FIELD_VELOCITY_STAR),
-                  share  = stepper->keeps_pressure && split ? PressureKeptShare(stepper->pressure, dt) : 0;
+                  share  = stepper->keeps_pressure && split ? PetscMax(0, 1 - stepper->bounds.viscosity_flow / dt) : 0;
 
   PetscFunctionBegin;
   PetscCall(ViscousGetPush(stepper, &push));

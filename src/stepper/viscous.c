@@ -47,9 +47,11 @@ PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lists the liquid that emitters hold, or held at the start of this step. It moves with their velocity, as a wall does:
-   were it free in this solve, which a long step ends near rest relative to its neighbours, the liquid that has left
-   would drag it along, and tear. */
+/* Lists the liquid that emitters hold, and gives it their velocity. It moves as a wall does: were it free in this
+   solve, which a long step ends near rest relative to its neighbours, the liquid that has left would drag it along, and
+   tear. A row is held until the whole of its particles has left, which is when the next filling comes: were it free
+   from when their middles have, a sheet of honey would fall freely for as long, 6 % of the time in fillings of 8 rows.
+ */
 static PetscErrorCode FindHeld(Stepper stepper)
 {
   Cloud    cloud   = stepper->cloud;
@@ -64,12 +66,15 @@ static PetscErrorCode FindHeld(Stepper stepper)
     PetscCall(PetscMalloc1(viscous->held_capacity, &viscous->held));
   }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal path   = viscous->dt * Norm(cloud->field[FIELD_VELOCITY] + DIM * a),
-                    radius = 0.5 * CloudSize(cloud, a) * cloud->domain->spacing;
-    Body body              = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
+    const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
+    const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
+    PetscReal        v[DIM], radius = 0.5 * CloudSize(cloud, a) * cloud->domain->spacing;
 
-    if (BodyEmits(body) && BodyHolds(body, cloud->field[FIELD_POSITION] + DIM * a, radius + path))
-      viscous->held[viscous->held_count++] = a;
+    if (!BodyEmits(body)) continue;
+    BodyEmissionVelocity(body, stepper->time, x, v);
+    if (!BodyHolds(body, x, radius + viscous->dt * Norm(v))) continue;
+    PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY] + DIM * a, v, DIM));
+    viscous->held[viscous->held_count++] = a;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
