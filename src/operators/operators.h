@@ -140,9 +140,11 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
    which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not
    collective. */
 PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, PetscReal scale);
-/* The same term as a linear operator, for an implicit solve. OperatorsViscosityPairs - pair[] has a coefficient for
-   each place of the neighbour lists of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair
-   v_ab; of rings, behind them, one for each of the fluid, 1/s, for its growth. OperatorsViscosityApply - out
+/* The same term as a linear operator, for an implicit solve; with the rest density it counts what neighbours are
+   missing at a free surface, by FIELD_DENSITY of owned particles and ghosts, which the explicit term does not.
+   OperatorsViscosityPairs - pair[] has a coefficient for each place of the neighbour lists of the fluid (cloud->first):
+   cleary sum pair (v_ab.r_ab) r_ab, morris sum pair v_ab; of rings, behind them, one for each of the fluid, 1/s, for
+   its growth. OperatorsViscosityApply - out
    ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose ghosts it updates; collective.
    OperatorsViscosityDiagonal - the operator's diagonal
    ([n_fluid][3], 1/s, not positive). */

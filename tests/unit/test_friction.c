@@ -70,6 +70,53 @@ static PetscErrorCode TestPair(ViscosityForm form, PetscReal crowd, const char l
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the implicit viscosity (nu = 0.001) dissipates in a sheet of 'rows' times 'columns' particles that is stretched
+   at the rate 1. */
+static PetscErrorCode Stretch(PetscInt rows, PetscInt columns, PetscReal *loss)
+{
+  const Viscosity viscosity = {.form = VISCOSITY_CLEARY};
+  PetscReal       x[DIM * 100], sum = 0, *pair, *out;
+  Setup           s;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rows * columns; k++) {
+    x[DIM * k]     = k / rows - 0.5 * columns;
+    x[DIM * k + 1] = k % rows;
+    x[DIM * k + 2] = 0;
+  }
+  PetscCall(SetupFill(FLAT "-a_density 1000 -a_viscosity 1", rows * columns, x, 0, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(CloudUpdate(s.cloud, FIELD_DENSITY));
+  PetscCall(PetscMalloc2(s.cloud->first[s.cloud->n_owned], &pair, DIM * s.cloud->n_fluid, &out));
+  for (PetscInt a = 0; a < s.cloud->n_owned; a++)
+    for (PetscInt d = 0; d < DIM; d++)
+      s.cloud->field[FIELD_VELOCITY][DIM * a + d] = (d ? -1 : 1) * s.cloud->field[FIELD_POSITION][DIM * a + d];
+  PetscCall(OperatorsViscosityPairs(s.cloud, &viscosity, s.cloud->rest_density, pair));
+  PetscCall(OperatorsViscosityApply(s.cloud, &viscosity, pair, s.cloud->field[FIELD_VELOCITY], out));
+  for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++) sum -= s.cloud->field[FIELD_VELOCITY][k] * out[k];
+  PetscCall(PetscFree2(pair, out));
+  *loss = SetupSum(sum);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sheets of one to three particles resist a stretch with 4 nu times their thickness: the difference of two lengths has
+   no ends. */
+static PetscErrorCode TestSheets(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt rows = 1; rows <= 3; rows++) {
+    PetscReal longer, shorter;
+    char      name[96];
+
+    PetscCall(Stretch(rows, 26, &longer));
+    PetscCall(Stretch(rows, 16, &shorter));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "stretch_of_a_sheet_of_%d", (int)rows));
+    CHECK_CLOSE((longer - shorter) / (10 * rows * 4e-3), 1, 0.07, name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Two particles 0.7 apart: the sums of grad W, with and without the term against pairing; four in a square, too few for
    a correction. */
 static PetscErrorCode TestSums(void)
@@ -362,6 +409,7 @@ int main(int argc, char **argv)
   PetscCall(TestPair(VISCOSITY_CLEARY, 1, "cleary"));
   PetscCall(TestPair(VISCOSITY_CLEARY, 1.1, "cleary_summed_density"));
   PetscCall(TestPair(VISCOSITY_MORRIS, 1, "morris"));
+  PetscCall(TestSheets());
   PetscCall(TestSums());
   PetscCall(TestJump());
   PetscCall(TestWalls("-box_lower 0,2 -box_upper 10,8 -box_y wall -a_upper 10,8", "walls"));

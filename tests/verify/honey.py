@@ -29,9 +29,15 @@ def last(folder):
 
 
 # A filling of the emitter lasts 40 ms; where the solve did not hold its liquid, the sheet tore at the joints at 120 ms.
-x, _ = last(run("sheet", SHEET + """ -honey_type emitter -honey_lower -2.5e-3,55e-3 -honey_upper 2.5e-3,59e-3
- -honey_velocity 0,-0.1 -time_end 0.14 -snapshot_interval 0.14"""))
+# Where the last row was free before the next filling came, its end fell with 0.18 m/s just then. Where each step looked
+# for the whole pressure, the density error was 0.014 at the end and 0.1 later, when the sheet tore.
+folder = run("sheet", SHEET + """ -honey_type emitter -honey_lower -2.5e-3,55e-3 -honey_upper 2.5e-3,59e-3
+ -honey_velocity 0,-0.1 -time_end 0.2 -snapshot_interval 0.2 -series_interval 0.01""")
+x, v = last(folder)
 runs.check_within(np.diff(np.sort(x[:, 1])).max() / SPACING, 0, 1.5, "sheet from an emitter, widest gap in spacings")
+near = (x[:, 1] > 52e-3) & (x[:, 1] < 54e-3)
+runs.check_within(-v[near, 1].mean(), 0.1, 0.12, "sheet from an emitter, speed below it before it is filled, m/s")
+runs.check_within(runs.series(folder)["density_error"][-1], 0, 0.007, "sheet from an emitter, density error")
 
 # Without the pressure in the viscous solve the surface crept upwards, by half a spacing in 150 ms.
 folder = run("tank", """-spacing 1e-3 -box_lower 0,0 -box_upper 40e-3,40e-3 -box_x wall -box_ymin wall
@@ -47,5 +53,5 @@ for ratio in (30, 3):
  -time_end 0.02 -snapshot_interval 0.02 -viscosity_step_ratio {ratio}"""))
     speed.append(-v[x[:, 1] < x[:, 1].min() + 2 * SPACING, 1].mean())
 runs.check_within(speed[1], 0.050, 0.062, "hanging sheet, speed of its end, m/s")
-runs.check_within(speed[0] / speed[1], 0.95, 1.07, "hanging sheet, speed in large steps over that in small ones")
+runs.check_within(speed[0] / speed[1], 0.98, 1.02, "hanging sheet, speed in large steps over that in small ones")
 runs.done()
