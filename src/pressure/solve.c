@@ -128,21 +128,22 @@ PetscReal PressureKept(Pressure pressure)
 }
 
 /* Adds to the right-hand side what the kept share of the pressure of the cloud makes of the left one. That pressure
-   has its share of the surface's in it. */
+   has its share of what surfaces contribute. */
 static PetscErrorCode AddKept(Pressure pressure, PetscScalar rhs[])
 {
   Cloud           cloud = pressure->cloud;
   const PetscReal share = pressure->kept_share;
-  PetscReal      *y;
+  PetscReal      *left, *surfaces;
 
   PetscFunctionBegin;
   if (share == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CloudGetWork(cloud, 1, &y));
-  PetscCall(PressureMultiply(pressure, cloud->field[FIELD_PRESSURE], y));
-  for (PetscInt r = 0; r < cloud->n_fluid; r++)
-    y[r] -= pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
-  for (PetscInt r = 0; r < cloud->n_rows; r++) rhs[r] += share * y[r];
-  PetscCall(CloudRestoreWork(cloud, &y));
+  PetscCall(CloudGetWork(cloud, 1, &left));
+  PetscCall(CloudGetWork(cloud, 1, &surfaces));
+  PetscCall(PressureMultiply(pressure, cloud->field[FIELD_PRESSURE], left));
+  PetscCall(PressureCapillary(pressure, surfaces));
+  for (PetscInt r = 0; r < cloud->n_rows; r++) rhs[r] += share * (left[r] - surfaces[r]);
+  PetscCall(CloudRestoreWork(cloud, &surfaces));
+  PetscCall(CloudRestoreWork(cloud, &left));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
