@@ -143,7 +143,7 @@ PetscReal TensionStepLimit(Tension tension)
 
 PetscBool TensionOnSurface(Tension tension)
 {
-  return (PetscBool)(tension->active && !strcmp(tension->type, TENSION_CURVATURE));
+  return (PetscBool)(tension->active && !tension->interface && !strcmp(tension->type, TENSION_CURVATURE));
 }
 
 PetscReal TensionReach(Tension tension)

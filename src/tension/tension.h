@@ -28,7 +28,8 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);
-/* TensionOnSurface - whether there is tension and acts as FIELD_CAPILLARY, see TensionApply. Not collective. */
+/* TensionOnSurface - whether there is tension and all of it acts as FIELD_CAPILLARY on the free surface, see
+   TensionApply. Not collective. */
 PetscBool TensionOnSurface(Tension tension);
 /* TensionStepLimit - the default of -time_capillary_limit in a scheme with forces at the middle of the step. Not
    collective. */
