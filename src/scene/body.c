@@ -77,6 +77,11 @@ PetscReal BodyContactAngle(Body solid)
   return solid->contact_angle;
 }
 
+PetscReal BodyContactHysteresis(Body solid)
+{
+  return solid->contact_hysteresis;
+}
+
 PetscInt BodyColor(Body body)
 {
   return body->color;

@@ -193,6 +193,17 @@ static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject
   PetscCall(OptionReal("-contact_angle",
                        "Angle in the liquid at which its free surface meets the solid (degrees); 0: it does not wet it",
                        "[0, 180)", &body->contact_angle));
+  PetscCall(OptionReal("-contact_hysteresis",
+                       "The advancing angle less the receding one, around that angle, between which lines stick there "
+                       "(degrees)",
+                       "[0, 180)", &body->contact_hysteresis));
+  PetscCheckUser(body->contact_hysteresis == 0 || body->contact_angle > 0, body->domain->comm,
+                 "-%scontact_hysteresis needs -%scontact_angle", body->prefix, body->prefix);
+  PetscCheckUser(body->contact_hysteresis == 0 ||
+                   0.5 * body->contact_hysteresis < PetscMin(body->contact_angle, 180 - body->contact_angle),
+                 body->domain->comm,
+                 "-%scontact_hysteresis %g: half of it below and above the contact angle, %g, must stay in (0, 180)",
+                 body->prefix, (double)body->contact_hysteresis, (double)body->contact_angle);
   PetscCheckUser(body->contact_angle == 0 || !body->free, body->domain->comm,
                  "-%scontact_angle cannot be used with -%smass: the surface's pull on a free body is not computed",
                  body->prefix, body->prefix);

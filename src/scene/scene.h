@@ -87,7 +87,9 @@ PetscBool   SceneViscosityVaries(Scene scene);
 PetscInt    BodyColor(Body body);                    /* integer label for pictures; default: the body's index */
 PetscInt    SceneSolidCount(Scene scene);            /* number of solids */
 Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; has no material */
-/* BodyContactAngle - of a solid -<s>_contact_angle (degrees), 0 if it has none. */
+/* BodyContactAngle - of a solid -<s>_contact_angle (degrees), 0 if it has none. BodyContactHysteresis - its
+   -<s>_contact_hysteresis (degrees). */
+PetscReal BodyContactHysteresis(Body solid);
 PetscReal BodyContactAngle(Body solid);
 /* SceneSolidDistance - signed distance of x (m) to the nearest solid, negative inside one; PETSC_MAX_REAL without any.
  *nearest (may be NULL): its index. */

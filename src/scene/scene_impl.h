@@ -65,9 +65,10 @@ struct _p_Body {
   char                type[SCENE_NAME_LENGTH];
   void               *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
   PetscInt            color;
-  PetscReal           contact_angle; /* of a solid, degrees; 0: none given */
-  struct _p_Motion   *motion;        /* of a solid that moves; else NULL */
-  struct _p_Free     *free;          /* of a solid that moves freely; else NULL */
+  PetscReal           contact_angle;      /* of a solid, degrees; 0: none given */
+  PetscReal           contact_hysteresis; /* of a solid, degrees */
+  struct _p_Motion   *motion;             /* of a solid that moves; else NULL */
+  struct _p_Free     *free;               /* of a solid that moves freely; else NULL */
 };
 
 struct _p_Scene {

@@ -42,6 +42,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
   if (SceneSolidsMove(cloud->scene)) SolidsWork(cloud, dt, trial);
   PetscCall(StepKick(stepper, dt));
+  PetscCall(TensionHold(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
   PetscCall(FreeKick(stepper, dt, trial));
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));

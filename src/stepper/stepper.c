@@ -201,6 +201,8 @@ static PetscErrorCode CheckSolids(Stepper s)
                  " with -time_centered, the default");
   PetscCheckUser(!SceneFrameTurns(s->cloud->scene) || consistent, s->cloud->comm,
                  "-frame_rotation_rate needs -scheme " SCHEME_CONSISTENT ", the default");
+  PetscCheckUser(!TensionSticks(s->tension) || consistent, s->cloud->comm,
+                 "a contact angle with hysteresis needs -scheme " SCHEME_CONSISTENT ", the default");
   PetscCheckUser(SceneInterfaceTension(s->cloud->scene) == 0 || consistent, s->cloud->comm,
                  "-interface_tension needs -scheme " SCHEME_CONSISTENT ", the default");
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,11 +20,19 @@
 #define SLANT_MOST  0.58 /* cot 60 degrees */
 #define ANGLE_LEAST 20.  /* degrees: contact angles nearer to 0 or 180 were not tried */
 
-static ContactAngle FromDegrees(PetscReal degrees)
+/* 'hysteresis': by how much the advancing angle is above the receding one, around 'degrees'. */
+static ContactAngle FromDegrees(PetscReal degrees, PetscReal hysteresis)
 {
   const PetscReal angle   = degrees * (PETSC_PI / 180);
-  ContactAngle    contact = {angle, PetscCosReal(angle), PetscSinReal(angle), 0, PetscTanReal(angle)};
+  ContactAngle    contact = {angle, PetscCosReal(angle), PetscSinReal(angle), 0, PetscTanReal(angle), 0};
 
+  if (hysteresis > 0) {
+    const PetscReal half = 0.5 * hysteresis * (PETSC_PI / 180);
+
+    contact       = FromDegrees(degrees == 90 ? 90 : acos(contact.cosine * PetscCosReal(half)) * (180 / PETSC_PI), 0);
+    contact.stick = PetscSinReal(angle) * PetscSinReal(half);
+    return contact;
+  }
   if (degrees == 90 || degrees == 0) return contact;
   contact.slant = PetscMin(SLANT_MOST, 1 / contact.rest);
   contact.rest  = 1 / contact.rest > SLANT_MOST ? 1 / (1 / contact.rest - SLANT_MOST) : PETSC_MAX_REAL;
@@ -44,7 +52,12 @@ PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene)
   for (PetscInt s = 0; s < SceneSolidCount(scene); s++)
     if (BodyContactAngle(SceneSolid(scene, s)) > 0) solid->count = SceneSolidCount(scene);
   PetscCall(PetscCalloc1(solid->count, &solid->angle));
-  for (PetscInt s = 0; s < solid->count; s++) solid->angle[s] = FromDegrees(BodyContactAngle(SceneSolid(scene, s)));
+  for (PetscInt s = 0; s < solid->count; s++) {
+    const Body body = SceneSolid(scene, s);
+
+    solid->angle[s] = FromDegrees(BodyContactAngle(body), BodyContactHysteresis(body));
+    if (solid->angle[s].stick > 0) tension->sticks = PETSC_TRUE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,22 +75,35 @@ PetscErrorCode ContactDestroy(Tension tension)
 
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
-  PetscReal common = 90;
+  PetscReal common = 90, sticking = 0;
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-wall_contact_angle",
                        "angle in the liquid at which the free surface meets the walls of the box (degrees)", "(0, 180)",
                        &common));
+  PetscCall(OptionReal("-wall_contact_hysteresis",
+                       "the advancing angle less the receding one, around that angle, between which lines stick there "
+                       "(degrees)",
+                       "[0, 180)", &sticking));
   for (PetscInt f = tension->rings ? 1 : 0; f < 2 * tension->dim; f++) {
     const PetscInt d = f / 2, side = f % 2;
     char           option[64];
-    PetscReal      angle = common;
+    PetscReal      angle = common, hysteresis = sticking;
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_angle", "xyz"[d], side ? "max" : "min"));
     PetscCall(OptionReal(option, "that of this wall, if it differs (degrees)", "(0, 180)", &angle));
     PetscCheckUser(angle == common || tension->face[d][side] == FACE_WALL, tension->comm,
                    "%s: the face is %s; only a wall has a contact angle", option, FaceTypes[tension->face[d][side]]);
-    tension->contact[d][side] = FromDegrees(angle);
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_hysteresis", "xyz"[d], side ? "max" : "min"));
+    PetscCall(OptionReal(option, "that of this wall, if it differs (degrees)", "[0, 180)", &hysteresis));
+    PetscCheckUser(hysteresis == sticking || tension->face[d][side] == FACE_WALL, tension->comm,
+                   "%s: the face is %s; only a wall has contact angles", option, FaceTypes[tension->face[d][side]]);
+    PetscCheckUser(0.5 * hysteresis < PetscMin(angle, 180 - angle), tension->comm,
+                   "-wall_contact_hysteresis or %s %g: half of it below and above the contact angle, %g, must stay in "
+                   "(0, 180)",
+                   option, (double)hysteresis, (double)angle);
+    tension->contact[d][side] = FromDegrees(angle, hysteresis);
+    if (tension->face[d][side] == FACE_WALL && hysteresis > 0) tension->sticks = PETSC_TRUE;
     if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].slant != 0) tension->slanted = PETSC_TRUE;
   }
   for (PetscInt s = 0; s < tension->solid.count; s++)

@@ -23,8 +23,8 @@ typedef struct _p_Tension *Tension;
 /* TensionCreate - for the bodies of a scene; nothing is borrowed beyond the calls. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
 /* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -tension_sheets,
-   -wall_contact_angle, -box_<face>_contact_angle; cahn_hilliard: -tension_calibration (kappa/(sigma H)), -tension_band.
-   Collective. */
+   -wall_contact_angle, -wall_contact_hysteresis and those of faces, -box_<face>_contact_angle and so on; cahn_hilliard:
+   -tension_calibration (kappa/(sigma H)), -tension_band. Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);
@@ -38,6 +38,11 @@ PetscReal TensionStepLimit(Tension tension);
    FIELD_ACCELERATION or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero
    otherwise). Only near a surface particle is anything evaluated. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
+/* TensionHold - what contact lines that stick (-wall_contact_hysteresis) take in dt (s) from the velocities v
+   ([n_fluid][3], m/s) after the pressure has acted; adds its work (J) to *work. TensionSticks - whether any does. Not
+   collective. */
+PetscErrorCode TensionHold(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
+PetscBool      TensionSticks(Tension tension);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);
 

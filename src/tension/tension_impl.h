@@ -179,6 +179,7 @@ typedef struct {
   PetscReal angle, cosine, sine; /* in the liquid, rad */
   PetscReal slant;               /* by how much images are moved along the wall, over their distance */
   PetscReal rest;                /* 1/(cot(angle) - slant) */
+  PetscReal stick;               /* (cos r - cos a)/2 of the receding and the advancing angle: see hysteresis.c */
 } ContactAngle;
 
 /* The images that one wall, or all solids, add to the collected particles: those from begin to end - 1. */
@@ -258,6 +259,7 @@ struct _p_Tension {
   SolidContact   solid;
   Images         images;
   PetscBool      slanted;                  /* a contact angle is not 90 degrees: see ContactSlant */
+  PetscBool      sticks;                   /* a contact line does: see hysteresis.c */
   PetscBool      walls;                    /* the box has any */
   PetscReal      depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
   PetscReal      fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
