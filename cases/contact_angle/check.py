@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Contact angle and width of a drop on a wall; of a film (edge.opts), the pull on its edge.
+"""Contact angle and width of a drop on a wall; of a film (edge.opts), the pull on its edge; of a drop on an incline
+(incline.opts), whether it sticks or slides.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -79,6 +80,24 @@ def pull(states, options):
                              1 - np.cos(np.radians(float(options["-wall_contact_angle"]))), 0.1)]
 
 
+def incline(states, options):
+    """Speed along the wall in the second half of the run as a capillary number, from the mean position: a drop with
+    hysteresis stays where it is below rho g A sin(slope) = sigma (cos r - cos a), and slides above."""
+    wall = next(name for name in options if name.endswith("_contact_hysteresis"))
+    angle, half = (np.radians(float(options[name])) for name in (wall.replace("hysteresis", "angle"), wall))
+    normal = np.array([float(c) for c in options.get("-slope_normal", "0,1").split(",")])
+    along = np.array([normal[1], -normal[0]]) / np.linalg.norm(normal)
+    force = float(options["-drop_density"]) * physics.volumes(*states[0][1:]).sum() * (
+        np.array([float(c) for c in options["-gravity"].split(",")]) @ along)
+    over = force / (2 * SIGMA * np.sin(angle) * np.sin(half / 2))
+    late = states[len(states) // 2:]
+    places = [f["position"][f["body"] >= 0][:, :2].mean(axis=0) @ along for _, _, f in late]
+    number = np.polyfit([t for t, _, _ in late], places, 1)[0] * float(options["-drop_viscosity"]) / SIGMA
+    name = f"capillary number of its speed at {over:.2f} of the force that moves it"
+    return [physics.at_most(name, number, 1e-3) if over < 1 else physics.at_least(name, number, 2e-3),
+            physics.lost(states[0][1], states[0][2], states[-1][2])]
+
+
 def met(head, f):
     """The angle (rad) at which the circle nearest to the outline meets wall or sphere, and its radius (m)."""
     options = physics.options(head)
@@ -96,6 +115,8 @@ def check(folder):
     states = list(physics.snapshots(folder))
     head, f = states[-1][1:]
     options = physics.options(head)
+    if any(name.endswith("_contact_hysteresis") for name in options):
+        return incline(states, options)
     if "-film_tension" in options:
         return pull(states, options)
     wanted = float(next((v for name, v in options.items() if name.endswith("_contact_angle")), 90))

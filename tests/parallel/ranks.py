@@ -64,6 +64,7 @@ WETTED = """-spacing 0.8e-3 -box_lower 0,0,0 -box_upper 12e-3,9.6e-3,8e-3 -box_x
  -wall_contact_angle 60 -box_xmin_contact_angle 110 -gravity 0,0,-9.81 -bodies drop -drop_shape sphere
  -drop_radius 4e-3 -drop_center 3.2e-3,8e-3,1e-3 -drop_tension 0.067 -drop_viscosity 3.5e-3 -solids ball
  -ball_shape sphere -ball_radius 2.4e-3 -ball_center 7e-3,8e-3,2e-3 -ball_velocity 0,0,0.1 -ball_contact_angle 120
+ -wall_contact_hysteresis 30 -ball_contact_hysteresis 20
  -time_step 4e-5 """
 # A drop of one liquid sinks into the surface of another, between walls.
 LENS = """-dimension 2 -spacing 0.8e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81

@@ -550,6 +550,43 @@ static PetscErrorCode TestPrinted(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The two lines of a half circle on a floor, or on a solid: what they hold back together of liquid that moves along it,
+   over sigma (cos r - cos a)/2; a slow particle is stopped, and their work is what the kinetic energy loses. */
+static PetscErrorCode TestHold(const char options[], const char name[])
+{
+  const PetscReal dt = 1e-3, stick = PetscSinReal(20 * PETSC_PI / 180), along[DIM] = {0.8, 0.6, 0};
+  PetscReal       force = 0, fastest = 0, energy = 0, work[2] = {0, 0}, *fast, *slow;
+  char            label[64];
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscMalloc2(DIM * s.cloud->n_fluid, &fast, DIM * s.cloud->n_fluid, &slow));
+  for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++) {
+    fast[k] = s.scene && SceneSolidCount(s.scene) ? along[k % DIM] : k % DIM == 0;
+    slow[k] = 1e-12 * fast[k];
+  }
+  PetscCall(TensionHold(s.tension, s.cloud, dt, fast, &work[0]));
+  PetscCall(TensionHold(s.tension, s.cloud, dt, slow, &work[1]));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal speed = Norm(fast + DIM * a);
+
+    force += (1 - speed) / dt;
+    energy += 0.5 * (speed * speed - 1);
+    if (speed < 1 - 1e-5) fastest = PetscMax(fastest, Norm(slow + DIM * a));
+  }
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_holds_the_lines", name));
+  CHECK_CLOSE(SetupSum(force) / stick, 2, 0.2, label);
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_stops_slow_liquid", name));
+  CHECK(SetupMax(fastest) < 1e-13, label);
+  PetscCall(PetscSNPrintf(label, sizeof(label), "%s_work", name));
+  CHECK_CLOSE(SetupSum(work[0]) / SetupSum(energy), 1, 1e-9, label);
+  PetscCall(PetscFree2(fast, slow));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -562,6 +599,12 @@ int main(int argc, char **argv)
   PetscCall(TestThread());
   PetscCall(TestContact());
   PetscCall(TestContactSolid());
+  PetscCall(
+    TestHold(FLOOR "-a_density 1 -a_shape sphere -a_radius 16 -a_center 0,0 -wall_contact_hysteresis 40 ", "floor"));
+  PetscCall(TestHold("-dimension 2 -spacing 1 -box_lower -40,-40 -box_upper 40,40 -bodies a -a_tension 1 -a_density 1 "
+                     "-a_shape sphere -a_radius 16 -a_center 0,0 -solids s -s_shape half_space -s_point 0,0 -s_normal "
+                     "-0.6,0.8 -s_contact_angle 90 -s_contact_hysteresis 40 ",
+                     "solid"));
   PetscCall(TestBand());
   PetscCall(TestPrinted());
   PetscCall(PetscOptionsClear(NULL));
