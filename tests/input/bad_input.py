@@ -152,7 +152,7 @@ refused("overlap_and_poisson", LIQUIDS + "-interface_bodies drop -bodies_overlap
 refused("hysteresis_beyond_0", GOOD + "-wall_contact_angle 30 -wall_contact_hysteresis 60", ["hysteresis", "(0, 180)"])
 refused("hysteresis_of_open_face", GOOD + "-box_xmin_contact_hysteresis 20", ["-box_xmin_contact_hysteresis", "open"])
 refused("hysteresis_of_solid_without_angle", PLANE + "-part_contact_hysteresis 20", ["-part_contact_angle"])
-refused("hysteresis_with_printed_scheme", GOOD + "-film_tension 0.07 -wall_contact_hysteresis 20 -scheme density_invariant",
+refused("hysteresis_with_printed_scheme", GOOD + "-film_tension 1 -wall_contact_hysteresis 9 -scheme density_invariant",
         ["-scheme consistent"])
 refused("contact_angle_of_free_body", FLOAT + "-part_contact_angle 60", ["-part_contact_angle", "-part_mass"])
 refused("contact_angle_of_open_face", GOOD + "-box_xmin_contact_angle 60", ["-box_xmin_contact_angle", "open"])
