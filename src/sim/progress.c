@@ -1,4 +1,5 @@
 #include "sim_impl.h"
+#include <unistd.h>
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress)
 {
@@ -20,6 +21,20 @@ static PetscReal Done(Sim sim, const Progress *progress)
   return sim->steps_max ? (PetscReal)steps / sim->steps_max : 0;
 }
 
+/* Says once that thick liquid tears, which it would do much later or never. */
+static PetscErrorCode SayFrayed(Sim sim, Progress *progress)
+{
+  PetscFunctionBegin;
+  if (progress->frayed || sim->progress_interval <= 0 || StepperFrayed(sim->stepper) == 0)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  progress->frayed = PETSC_TRUE;
+  PetscCall(PetscPrintf(sim->comm,
+                        "%st = %8.3f ms: a sheet or thread of viscous liquid is one particle thick; it tears there as "
+                        "its particles do, not as the liquid would: try a smaller -spacing\n",
+                        isatty(STDOUT_FILENO) ? "\n" : "", (double)sim->state.time * 1e3));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 {
   const StepState *state   = &sim->state;
@@ -30,6 +45,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 
   PetscFunctionBegin;
   progress->iterations += state->iterations;
+  PetscCall(SayFrayed(sim, progress));
   PetscCall(ProgressDue(sim->comm, last, &due));
   if (due)
     PetscCall(ProgressPrint(sim->comm, Done(sim, progress),

@@ -36,6 +36,7 @@ typedef struct {
   double    started; /* s, on the program's clock */
   PetscReal start_time;
   PetscInt  start_step, iterations;
+  PetscBool frayed; /* said that liquid tears */
 } Progress;
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);

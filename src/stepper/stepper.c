@@ -289,6 +289,11 @@ const Viscosity *StepperViscosity(Stepper stepper)
   return &stepper->viscosity;
 }
 
+PetscInt StepperFrayed(Stepper stepper)
+{
+  return stepper->frayed;
+}
+
 /* The viscosity of the particles where it varies, after a search, into the swarm as if it were of the step before: the
    first step goes by it. */
 static PetscErrorCode StoreViscosity(Stepper stepper)
@@ -398,6 +403,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
+  stepper->frayed = (PetscInt)trial.sum[SUM_FRAYED];
   PetscCall(JoinAndSplit(stepper, &trial, (PetscBool)(state->lost > lost), state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -25,6 +25,7 @@ typedef enum {
   SUM_LIQUIDS, /* the last three of both liquids that do not mix: of their whole surfaces, without the gas's part */
   SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
   SUM_KINETIC, /* kinetic energy, J */
+  SUM_FRAYED,  /* particles of thick liquid with neighbours along a line at most */
   SUM_MASS,    /* kg */
   SUM_COUNT
 } TrialSum;
@@ -121,6 +122,7 @@ struct _p_Stepper {
   PetscReal      relaxation_step;                            /* s; 0: as in the run */
   PetscReal      time;                                       /* s, at the start of the step */
   PetscBool      first;                                      /* the step is the first of a run */
+  PetscInt       frayed;                                     /* StepperFrayed */
   PetscReal      free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* of each solid that is free, N, N m */
   PetscReal     *free_follow; /* [solids][FREE_MOTIONS][FREE_MOTIONS] of free_viscous.c; NULL: not needed so far */
   /* chosen by the scheme at its creation */

@@ -92,7 +92,8 @@ ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")
 # solids that move
 ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
             Entry("floating_box"), Entry("floating_box", "sphere", file="sphere.opts"),
-            Entry("coated_plate"), Entry("rotating_cup"),
+            Entry("coated_plate"), Entry("honey"), Entry("honey", "0.25 mm", "-spacing 0.25e-3", size=LONG),
+            Entry("rotating_cup"),
             Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 
 # no free surface; the start is a lattice with random displacements of up to a quarter spacing
@@ -223,7 +224,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup",
-                "coated_plate", "floating_box", "two_liquids"}
+                "coated_plate", "honey", "floating_box", "two_liquids"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)

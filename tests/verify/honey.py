@@ -39,6 +39,21 @@ near = (x[:, 1] > 52e-3) & (x[:, 1] < 54e-3)
 runs.check_within(-v[near, 1].mean(), 0.1, 0.12, "sheet from an emitter, speed below it before it is filled, m/s")
 runs.check_within(runs.series(folder)["density_error"][-1], 0, 0.007, "sheet from an emitter, density error")
 
+# Said at once where it is one particle thick (0.32 s, torn at 0.39 s), and not before.
+WATCH = "a sheet or thread of viscous liquid is one particle thick"
+
+
+def said(folder):
+    """Whether the run's log holds the sentence."""
+    with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+        return WATCH in file.read()
+
+
+runs.check("sheet of ten particles, no word of tearing", not said(folder))
+runs.check("sheet of five particles that thins to one, said", said(run("thin", """-spacing 1e-3 -box_lower -10e-3,0
+ -box_upper 10e-3,60e-3 -honey_type emitter -honey_lower -2.5e-3,55e-3 -honey_upper 2.5e-3,59e-3
+ -honey_velocity 0,-0.1 -time_end 0.35""")))
+
 # Without the pressure in the viscous solve the surface crept upwards, by half a spacing in 150 ms.
 folder = run("tank", """-spacing 1e-3 -box_lower 0,0 -box_upper 40e-3,40e-3 -box_x wall -box_ymin wall
  -honey_upper 40e-3,20e-3 -time_end 0.15 -snapshot_interval 0.15""")
