@@ -42,7 +42,7 @@ RINGS = """-dimension axisymmetric -spacing 0.8e-3 -box_lower 0,-6.4e-3 -box_upp
  -drop_velocity 0,-3 -drop_density 1100 -drop_viscosity 3.5e-3 -drop_tension 0.067 -time_step 4e-5
  -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3.2e-3 -ball_velocity 0,1
  -jet_type emitter -jet_lower 8e-3,3.2e-3 -jet_upper 11.2e-3,4e-3 -jet_velocity 0,-2 -jet_tension 0.067
- -viscosity_solver implicit -viscous_ksp_rtol 1e-13 -film_viscosity_model carreau
+ -viscosity_solver implicit -viscous_ksp_rtol 1e-14 -film_viscosity_model carreau
  -film_viscosity_exponent 0.5 -film_viscosity_time 0.1 -drop_viscosity_model herschel_bulkley -drop_yield_stress 5 """
 # Two rings of liquid, one that grows thin and one that grows fat: particles join and split.
 TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall
