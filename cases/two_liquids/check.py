@@ -65,13 +65,17 @@ def circle(points):
 
 
 def section(head, f):
-    """Positions, areas and bodies of the liquid's particles in a plane, of rings on both sides of the axis."""
+    """Positions, areas and bodies of the liquid's particles in a plane, of bodies of revolution on both sides of the
+    axis: rings, or in three dimensions a quarter of all around the x axis."""
     liquid = f["body"] >= 0
-    x, area, body = f["position"][liquid, :2], physics.volumes(head, f)[liquid], f["body"][liquid]
-    if not physics.rings(head):
-        return x, area, body
-    area = area / (2 * np.pi * np.maximum(x[:, 0], 0.25 * float(head["spacing"])))
-    return np.vstack([x, x * (-1, 1)]), np.tile(area, 2), np.tile(body, 2)
+    x, area, body = f["position"][liquid], physics.volumes(head, f)[liquid], f["body"][liquid]
+    if int(head["dimension"]) == 2 and not physics.rings(head):
+        return x[:, :2], area, body
+    other = (-1, 1) if physics.rings(head) else (1, -1)
+    r = x[:, 0] if physics.rings(head) else np.linalg.norm(x[:, 1:], axis=1)
+    x = x[:, :2] if physics.rings(head) else np.column_stack([x[:, 0], r])
+    area = area * (1 if physics.rings(head) else 4) / (2 * np.pi * np.maximum(r, 0.25 * float(head["spacing"])))
+    return np.vstack([x, x * other]), np.tile(area, 2), np.tile(body, 2)
 
 
 def angles(head, f):

@@ -202,6 +202,7 @@ ENTRIES += [Entry("two_liquids", f"lens, {one:g}, {other:g} and {between:g} mN/m
 ENTRIES += [Entry("two_liquids", "lens, rings", file="lens_rings.opts")]
 ENTRIES += [Entry("two_liquids", f"pair, {between:g} mN/m between", f"-interface_tension {between}e-3",
                   file="pair.opts") for between in (33.5, 67, 100)]
+ENTRIES += [Entry("two_liquids", "pair, 3-d", file="pair_3d.opts")]
 ENTRIES += [Entry("two_liquids", "drop, 2-d", size=TEST, file="drop.opts"),
             Entry("two_liquids", "drop, 3-d", file="sphere.opts"), Entry("two_liquids", "drop, rings", file=RINGS),
             Entry("two_liquids", "period, 2-d", file="swing.opts"),
