@@ -1,8 +1,7 @@
 /* Contact lines that stick. Between the receding angle r and the advancing angle a nothing moves the line. The surface
-   meets the wall under the angle between them, of cosine (cos r + cos a)/2, and the line resists with up to sigma (cos
-   r
-   - cos a)/2 a length: it advances where the surface would meet the wall at a, and recedes at r. A drop on an incline
-   stays where it is up to m g sin(slope) = sigma (cos r - cos a) times its width.
+   meets the wall under the angle between them, of cosine (cos r + cos a)/2, and the line resists with a pull of up to
+   sigma (cos r - cos a)/2: it advances where the surface would meet the wall at a, and recedes at r. On an incline a
+   drop stays where it is up to m g sin(slope) = sigma (cos r - cos a) times its width.
 
    The resistance acts along the wall on the particles near wall and free surface, as dry friction does: it stops them,
    or takes what it can from their velocity. The part of the free surface that a particle has is 2 V |n|, n = sum V grad
