@@ -2,7 +2,6 @@
    wide, a thousand neighbours: they are summed in single precision, relative to a point nearby. */
 #include "tension_impl.h"
 
-#define FAR_AWAY       10        /* supports */
 #define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over that of a particle at rest density */
 #define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
 
@@ -22,37 +21,12 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
     }
 }
 
-/* The n collected candidates in single precision, their positions relative to 'origin', in tension->single; *m: how
-   many with those beyond all reach that fill up the last vector. */
-static PetscErrorCode Narrow(Tension tension, PetscInt n, PetscInt columns, const PetscReal origin[DIM], PetscInt *m)
-{
-  const Liquid *liquid = tension->liquid;
-  float        *to;
-
-  PetscFunctionBegin;
-  *m = (n + KERNEL_LANES - 1) / KERNEL_LANES * KERNEL_LANES;
-  if (*m > tension->single_stride) {
-    tension->single_stride = *m + *m / 4 / KERNEL_LANES * KERNEL_LANES;
-    PetscCall(PetscFree(tension->single));
-    PetscCall(PetscMalloc1(LIQUID_WIDTH * tension->single_stride, &tension->single));
-  }
-  for (PetscInt w = 0; w < columns; w++) {
-    const PetscReal *restrict from = liquid->near + w * liquid->stride, shift = w < DIM ? origin[w] : 0;
-
-    to = tension->single + w * tension->single_stride;
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < n; k++) to[k] = (float)(from[k] - shift);
-    for (PetscInt k = n; k < *m; k++) to[k] = w < DIM ? (float)(FAR_AWAY * liquid->support) : 0;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Of m <= CHUNK candidates from 'begin' on: x - c_b (m) and the kernel's F without its scale. */
 static inline void Separations(Tension tension, PetscInt begin, PetscInt m, const float x[DIM], float *restrict dx,
                                float *restrict dy, float *restrict dz, float *restrict F)
 {
-  const float *restrict cx = tension->single + begin, *restrict cy = cx + tension->single_stride,
-                        *restrict cz = cy + tension->single_stride;
+  const float *restrict cx = tension->liquid->single + begin, *restrict cy = cx + tension->liquid->single_stride,
+                        *restrict cz = cy + tension->liquid->single_stride;
   const float x0 = x[0], y0 = x[1], z0 = x[2];
   PetscReal   scale_w, scale_f, inverse_h2;
   float       s[CHUNK];
@@ -89,9 +63,9 @@ static inline void AddGradient(PetscReal scale, PetscInt m, const float dx[], co
    and in DENSITY_COLUMN. */
 static void SumGradients(Tension tension, PetscInt m, const float x[DIM], PetscReal gradient[2][DIM])
 {
-  const PetscInt stride     = tension->single_stride;
-  const float *restrict w   = tension->single + VOLUME_COLUMN * stride;
-  const float *restrict rho = tension->single + DENSITY_COLUMN * stride;
+  const PetscInt stride     = tension->liquid->single_stride;
+  const float *restrict w   = tension->liquid->single + VOLUME_COLUMN * stride;
+  const float *restrict rho = tension->liquid->single + DENSITY_COLUMN * stride;
   float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK], weighted[CHUNK];
   PetscReal scale_w, scale_f, inverse_h2;
 
@@ -117,9 +91,10 @@ static void SumGradients(Tension tension, PetscInt m, const float x[DIM], PetscR
 /* The sum of S_b grad W^H at x over m candidates, S_b in the columns 3 to 8. */
 static void SumForce(Tension tension, PetscInt m, const float x[DIM], PetscReal force[DIM])
 {
-  const PetscInt stride    = tension->single_stride;
-  const float *restrict xx = tension->single + DIM * stride, *restrict yy = xx + stride, *restrict zz = yy + stride,
-                        *restrict xy = zz + stride, *restrict xz = xy + stride, *restrict yz = xz + stride;
+  const PetscInt stride    = tension->liquid->single_stride;
+  const float *restrict xx = tension->liquid->single + DIM * stride, *restrict yy = xx + stride,
+                        *restrict zz = yy + stride, *restrict xy = zz + stride, *restrict xz = xy + stride,
+                        *restrict yz = xz + stride;
   float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK];
   PetscReal scale_w, scale_f, inverse_h2;
 
@@ -202,7 +177,7 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
   const PetscBool summed      = tension->summed;
   PetscReal       origin[DIM] = {0};
-  PetscInt        cell = -1, n = 0, m = 0;
+  PetscInt        cell = -1, m = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
@@ -214,9 +189,8 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
     if (!Evaluated(tension, cloud, a, x)) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
-      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, summed ? DIM + 2 : DIM), 1, &n));
       PetscCall(PetscArraycpy(origin, x, DIM));
-      PetscCall(Narrow(tension, n, summed ? DIM + 2 : DIM, origin, &m));
+      PetscCall(LiquidCollectSingle(liquid, cell, COLUMNS(0, summed ? DIM + 2 : DIM), origin, &m));
     }
     for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
     SumGradients(tension, m, place, gradient);
@@ -236,7 +210,7 @@ static PetscErrorCode AddForce(Tension tension, Cloud cloud)
   Liquid         *liquid      = tension->liquid;
   const PetscReal V           = cloud->domain->volume;
   PetscReal       origin[DIM] = {0};
-  PetscInt        cell = -1, n = 0, m = 0;
+  PetscInt        cell = -1, m = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
@@ -249,9 +223,8 @@ static PetscErrorCode AddForce(Tension tension, Cloud cloud)
     if (!Evaluated(tension, cloud, a, x)) continue;
     if (LiquidCell(liquid, p) != cell) {
       cell = LiquidCell(liquid, p);
-      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 6), 1, &n));
       PetscCall(PetscArraycpy(origin, x, DIM));
-      PetscCall(Narrow(tension, n, DIM + 6, origin, &m));
+      PetscCall(LiquidCollectSingle(liquid, cell, COLUMNS(0, DIM + 6), origin, &m));
     }
     for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
     SumForce(tension, m, place, force);

@@ -1,6 +1,8 @@
 /* The liquid sorted into cells, and the part of it around a cell in columns, over which the compiler can vectorise. */
 #include "tension_impl.h"
 
+#define FAR_AWAY 10 /* supports, of what fills up the last vector */
+
 /* The largest size of the liquid's level in each cell, from which LiquidCollect knows how far to reach. */
 static PetscErrorCode FindLargest(Liquid *liquid, Cloud cloud)
 {
@@ -66,15 +68,9 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
       liquid->sorted[(column + w) * liquid->count + k] = field[width * LiquidParticle(liquid, k) + w];
 }
 
-/* Copies columns of the particles in the cells first to last of the line y, z behind the n collected ones; returns
-   their number. */
-static PetscInt CopyLine(Liquid *liquid, PetscInt n, PetscInt y, PetscInt z, PetscInt first, PetscInt last,
-                         PetscInt columns)
+/* Copies columns of the 'length' particles from 'begin' on behind the n collected ones. */
+static void CopyLine(Liquid *liquid, PetscInt n, PetscInt begin, PetscInt length, PetscInt columns)
 {
-  const CellGrid *grid = &liquid->grid;
-  const PetscInt  line = CellIndex(grid->n, 0, y, z), begin = grid->start[line + PetscMax(0, first)],
-                 length = grid->start[line + PetscMin(grid->n[0] - 1, last) + 1] - begin;
-
   for (PetscInt w = 0; columns >> w; w++) {
     PetscReal *restrict to         = liquid->near + w * liquid->stride + n;
     const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin;
@@ -83,11 +79,25 @@ static PetscInt CopyLine(Liquid *liquid, PetscInt n, PetscInt y, PetscInt z, Pet
     SIMD_LOOP()
     for (PetscInt k = 0; k < length; k++) to[k] = from[k];
   }
-  return length;
 }
 
-/* One pass over the cells around c: counts the particles and copies the columns whose bits are set. */
-static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
+/* The same in single precision, positions relative to 'origin'. */
+static void NarrowLine(Liquid *liquid, PetscInt n, PetscInt begin, PetscInt length, PetscInt columns,
+                       const PetscReal origin[DIM])
+{
+  for (PetscInt w = 0; columns >> w; w++) {
+    float *restrict to             = liquid->single + w * liquid->single_stride + n;
+    const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin, shift = w < DIM ? origin[w] : 0;
+
+    if (!(columns >> w & 1)) continue;
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < length; k++) to[k] = (float)(from[k] - shift);
+  }
+}
+
+/* One pass over the cells around c: counts the particles and copies the columns whose bits are set, to 'near' or, with
+   an origin, to 'single'. */
+static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns, const PetscReal origin[])
 {
   const CellGrid *grid  = &liquid->grid;
   const PetscInt  reach = liquid->reach;
@@ -96,9 +106,18 @@ static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns)
   CellCoordinates(grid->n, c, cell);
   for (PetscInt z = PetscMax(0, cell[2] - reach); z <= PetscMin(grid->n[2] - 1, cell[2] + reach); z++)
     for (PetscInt y = PetscMax(0, cell[1] - reach); y <= PetscMin(grid->n[1] - 1, cell[1] + reach); y++) {
-      const PetscInt along = liquid->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])];
+      const PetscInt along = liquid->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])],
+                     line  = CellIndex(grid->n, 0, y, z);
+      PetscInt begin, length;
 
-      if (along >= 0) n += CopyLine(liquid, n, y, z, cell[0] - along, cell[0] + along, columns);
+      if (along < 0) continue;
+      begin  = grid->start[line + PetscMax(0, cell[0] - along)];
+      length = grid->start[line + PetscMin(grid->n[0] - 1, cell[0] + along) + 1] - begin;
+      if (origin)
+        NarrowLine(liquid, n, begin, length, columns, origin);
+      else
+        CopyLine(liquid, n, begin, length, columns);
+      n += length;
     }
   return n;
 }
@@ -109,13 +128,32 @@ PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, Petsc
 
   PetscFunctionBegin;
   if (radius != liquid->radius) SetReach(liquid, radius);
-  *n = Gather(liquid, c, 0);
+  *n = Gather(liquid, c, 0, NULL);
   if (*n * copies > liquid->stride) {
     liquid->stride = *n * copies * 2;
     PetscCall(PetscFree(liquid->near));
     PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->stride, &liquid->near));
   }
-  Gather(liquid, c, columns);
+  Gather(liquid, c, columns, NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LiquidCollectSingle(Liquid *liquid, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
+                                   PetscInt *m)
+{
+  const PetscInt n = Gather(liquid, c, 0, NULL);
+
+  PetscFunctionBegin;
+  *m = (n + KERNEL_LANES - 1) / KERNEL_LANES * KERNEL_LANES;
+  if (*m > liquid->single_stride) {
+    liquid->single_stride = *m + *m / 4 / KERNEL_LANES * KERNEL_LANES;
+    PetscCall(PetscFree(liquid->single));
+    PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->single_stride, &liquid->single));
+  }
+  Gather(liquid, c, columns, origin);
+  for (PetscInt w = 0; columns >> w; w++)
+    for (PetscInt k = n; k < *m; k++)
+      liquid->single[w * liquid->single_stride + k] = w < DIM ? (float)(FAR_AWAY * liquid->support) : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,6 +163,7 @@ PetscErrorCode LiquidReset(Liquid *liquid)
   PetscCall(CellGridReset(&liquid->grid));
   PetscCall(PetscFree(liquid->sorted));
   PetscCall(PetscFree(liquid->near));
+  PetscCall(PetscFree(liquid->single));
   PetscCall(PetscFree(liquid->index));
   PetscCall(PetscFree(liquid->largest));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -184,7 +184,6 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(ContactDestroy(*tension));
   PetscCall(PetscFree((*tension)->weight));
-  PetscCall(PetscFree((*tension)->single));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
     PetscCall(LiquidReset(&(*tension)->liquids[l]));
     PetscCall(BandDestroy(&(*tension)->bands[l]));

@@ -26,13 +26,14 @@
 typedef struct {
   CellGrid   grid;
   PetscReal  support; /* m, of size 1 */
-  PetscInt   capacity, count, stride;
+  PetscInt   capacity, count, stride, single_stride;
   PetscReal  smallest, most; /* sizes (1) of its level: what is around those larger than the one, up to the other */
   PetscReal *largest; /* [cells] of graded particles: the largest size of this level in the cell; NULL: one size */
   PetscReal  radius;  /* m, for which the table is: the support of the last cell's particles */
   PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within it: see CellsAlong */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
+  float     *single; /* [LIQUID_WIDTH][single_stride] those that LiquidCollectSingle found */
   PetscInt  *index;  /* [count] local index of each particle before the sort: see LiquidParticle */
 } Liquid;
 
@@ -56,6 +57,10 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
    near; there are *n of them. near has room for 'copies' times as many. */
 #define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
 PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
+/* LiquidCollectSingle - the same in single precision, to 'single', positions relative to 'origin' (m); *m: how many,
+   with those beyond all reach that fill up the last vector (KERNEL_LANES). */
+PetscErrorCode LiquidCollectSingle(Liquid *liquid, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
+                                   PetscInt *m);
 PetscErrorCode LiquidReset(Liquid *liquid);
 
 /* LiquidHas - whether particle a is of the liquid's level of sizes. */
@@ -242,8 +247,6 @@ struct _p_Tension {
 
   PetscReal calibration, band; /* cahn_hilliard */
   PetscBool summed;            /* cahn_hilliard: the summed density, not that at rest */
-  float   *single; /* [LIQUID_WIDTH][single_stride] cahn_hilliard: the collected columns, positions from a near point */
-  PetscInt single_stride;
 
   PetscBool    sheets;                         /* curvature: sheet.c is used */
   PetscReal    sharpening;                     /* of the curvature */
