@@ -1,6 +1,7 @@
 #include "stepper_impl.h"
 
-#define MAX_HALVINGS 10 /* of a time step that is rolled back */
+#define MAX_HALVINGS 10    /* of a time step that is rolled back */
+#define STALLED      1e-12 /* of the time is a step that does not advance it */
 
 static PetscFunctionList SchemeList = NULL;
 
@@ -373,6 +374,13 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   stepper->first = (PetscBool)(state->step == 0);
   stepper->time  = state->time;
   *failed        = PETSC_TRUE;
+  if (StepperSteadyStep(stepper, 1) < STALLED * PetscAbsReal(state->time)) {
+    PetscCall(PetscSNPrintf(why, length,
+                            "the time step has fallen to %.1e s, which does not advance the time any more: speeds or "
+                            "forces have run away; try a smaller -time_cfl or spacing",
+                            (double)dt));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (SceneSolidsMove(cloud->scene)) {
     PetscCall(SolidsCheck(cloud, state->time, state->time + dt, why, length));
     if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);

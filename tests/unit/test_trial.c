@@ -450,6 +450,33 @@ static PetscErrorCode TestShaken(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A particle so fast that no step of its bound advances the time. */
+static PetscErrorCode TestStalled(void)
+{
+  const PetscReal x[DIM]   = {1, 1, 0};
+  StepState       state    = {.time = 1, .step = 1, .previous_time_step = 1e-3};
+  PetscBool       failed   = PETSC_FALSE;
+  char            why[512] = "";
+  ParticleArrays  arrays;
+  Stepper         stepper;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(
+    SetupFill("-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -bodies a -energy_max 0 -gravity 0,-9.81", 1, x,
+              0, &s));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  if (arrays.n) arrays.real[FIELD_VELOCITY][0] = 1e15;
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(MakeStepper(&s, &stepper));
+  PetscCall(StepperAdvance(stepper, 2, PETSC_FALSE, &state, &failed, why, sizeof(why)));
+  CHECK(failed && strstr(why, "does not advance the time"), "stalled");
+  CHECK_CLOSE(state.time, 1, 0, "stalled: time");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A linear pressure accelerates by -grad p/rho, a step moves by the mean of both velocities, a position that is not a
    number is found. */
 static PetscErrorCode TestSubsteps(void)
@@ -522,6 +549,7 @@ int main(int argc, char **argv)
   PetscCall(TestImplicit(PETSC_TRUE));
   PetscCall(TestCapillaryWork());
   PetscCall(TestShaken());
+  PetscCall(TestStalled());
   PetscCall(TestSubsteps());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
