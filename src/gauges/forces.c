@@ -46,7 +46,8 @@ static PetscInt PullDirection(Gauges gauges, PetscInt index, PetscInt *direction
   const Domain domain = gauges->cloud->domain;
   PetscInt     count  = 0;
 
-  for (PetscInt d = domain->rings ? 1 : 0; d < domain->dim && gauges->tension; d++) {
+  if (!gauges->tension || ReceiverCount(gauges) == 0) return 0;
+  for (PetscInt d = domain->rings ? 1 : 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_SYMMETRY || domain->face[d][1] == FACE_SYMMETRY) continue;
     if (count == index) *direction = d;
     count++;

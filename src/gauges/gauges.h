@@ -34,7 +34,8 @@ typedef struct {
 /* GaugesCreate - for the particles of a cloud (borrowed), whose scene must know its bodies. Collective. */
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
 /* GaugesSetForces - the forces on walls hold those of this viscosity (borrowed), too, and are those of a corrected
-   gradient of pressure, or of pairs; tension: and the pull of surface tension by curvature. Not collective. */
+   gradient of pressure, or of pairs; tension: and the pull of surface tension, whose pressure FIELD_CAPILLARY is. Not
+   collective. */
 void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension);
 /* GaugesSetFromOptions - all options -gauge_...; refuses (UserError) values that make no sense. Collective. */
 PetscErrorCode GaugesSetFromOptions(Gauges gauges);

@@ -124,8 +124,7 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                  "-interface_tension cannot be used with -tension_type %s; " TENSION_CURVATURE " can", tension->type);
   PetscCheckUser((!tension->slanted && !tension->sticks) || !tension->interface, tension->comm,
                  "-interface_tension cannot be used with contact angles other than 90 degrees or hysteresis yet: the "
-                 "interface would "
-                 "have another one than the free surface");
+                 "interface would have another one than the free surface");
   if (!tension->apply) tension->active = PETSC_FALSE;
   PetscCheckUser(!same || !tension->graded, tension->comm,
                  "-tension_type " TENSION_CAHN_HILLIARD

@@ -3,7 +3,8 @@
    curvature (default): the pressure solver puts sigma times the curvature on the free surface; see curvature.c for how
    the curvature is found, sheet.c what sheets of one or two particles have instead. A drop's pressure is 2 sigma/R to
    0.1 % at R/d0 = 8 (sigma/R to 0.5 % in 2-d). Momentum is conserved as well as the curvature is known, not exactly.
-   Walls and solids have contact angles. Two liquids that do not mix have a tension between them, too (interface.c).
+   Walls and solids have contact angles. Two liquids that do not mix have a tension between them, too (interface.c). All
+   of it but that of sheets is in FIELD_CAPILLARY.
 
    cahn_hilliard: Eqs. (5)-(7) of Kuri et al. with a longer kernel W^H. The divergence of S uses the same kernel as grad
    phi: the paper's mixture (W^h outside) makes a resting drop roughen, because only with one kernel does S_a . grad

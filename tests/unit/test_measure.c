@@ -169,13 +169,13 @@ static PetscErrorCode TestForces(void)
 static PetscErrorCode TestPull(void)
 {
   static const char *const scenes[] = {TANK "-gauge_forces", TANK "-box_xmin symmetry -gauge_forces"};
+  Setup  s;
+  Gauges gauges;
 
   PetscFunctionBegin;
   for (PetscInt mirror = 0; mirror < 2; mirror++) {
     PetscReal force[COLUMNS_MOST];
     char      name[64];
-    Setup     s;
-    Gauges    gauges;
     PetscInt  last;
 
     PetscCall(Open(scenes[mirror], NULL, &s, &gauges));
@@ -193,6 +193,10 @@ static PetscErrorCode TestPull(void)
       CHECK_CLOSE(force[last - 1] / 10, 0, 1e-12, "no_pull_to_the_side");
     PetscCall(Close(&s, &gauges));
   }
+  PetscCall(Open(SPACE "-box_lower 0,0 -box_upper 2,2 -bodies a -a_upper 1,1 -gauge_forces", NULL, &s, &gauges));
+  GaugesSetForces(gauges, NULL, PETSC_TRUE, PETSC_TRUE);
+  CHECK(GaugesColumns(gauges) == 0, "no_pull_where_nothing_is_wetted");
+  PetscCall(Close(&s, &gauges));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
