@@ -25,7 +25,7 @@ static PetscReal Done(Sim sim, const Progress *progress)
 static PetscErrorCode SayFrayed(Sim sim, Progress *progress)
 {
   PetscFunctionBegin;
-  if (progress->frayed || sim->progress_interval <= 0 || StepperFrayed(sim->stepper) == 0)
+  if (progress->frayed || StepperFrayed(sim->stepper) == 0)
     PetscFunctionReturn(PETSC_SUCCESS);
   progress->frayed = PETSC_TRUE;
   PetscCall(PetscPrintf(sim->comm,
