@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 """The main case from several random packings: what is a trend and what is chance.
 
-    seeds.py [--rings | --graded] [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
+    seeds.py [--rings] [--graded] [--speed 3.13 2.42] [--spacing 0.5 0.35] [--seeds 5] [--jobs 2] [--readme]
 
-A quarter of the box; with --rings the impact as rings in pools of 22.5 and 40 mm radius, at 0.25 and 0.125 mm; with
---graded these rings within 9 mm of the impact only, growing to four times as much. Runs that output/drop_impact_seeds/
-holds to their end are not run again. Writes seeds.csv (mean and standard deviation of the curves) and curves_seeds.png,
-of rings seeds_rings.csv and curves_seeds_rings.png, of graded ones seeds_graded.csv and curves_seeds_graded.png, beside
-this file, and prints a table; --readme puts it into README.md.
+A quarter of the box; with --graded at 0.25 mm, with one spacing and with graded.opts (fine within 6 mm of the impact,
+growing to four times as much). With --rings the impact as rings in pools of 22.5 and 40 mm radius, at 0.25 and 0.125
+mm; with --rings --graded these rings within 9 mm of the impact only. Runs that output/drop_impact_seeds/ holds to their
+end are not run again. Writes seeds.csv (mean and standard deviation of the curves) and curves_seeds.png beside this
+file, their names with _rings, _graded or both, and prints a table; --readme puts it into README.md.
 """
 import argparse
 import csv
@@ -30,7 +30,8 @@ import runs  # noqa: E402
 
 OUTPUT = os.path.join(ROOT, "output", "drop_impact_seeds")
 FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/speed_242.opts"}
-GRADED = "-options_file cases/drop_impact/graded.opts -core_radius 9e-3"
+GRADED = "-options_file cases/drop_impact/graded.opts"
+RINGS_GRADED = GRADED + " -core_radius 9e-3"
 RATIO = 4  # of coarse and fine spacing
 RING_FILES = {"3.13": "", "2.42": "-options_file cases/drop_impact/axisymmetric_242.opts"}
 POOLS = {"22.5": "_box", "40": ""}  # mm: radius, and the kind of reference
@@ -45,7 +46,6 @@ class Group(NamedTuple):
     """Runs that are held against the same reference. pool: radius in mm, of rings; else empty."""
     speed: str
     pool: str = ""
-    graded: bool = False
 
     def title(self):
         return f"{self.speed} m/s" + (f", pool of {self.pool} mm" if self.pool else "")
@@ -57,20 +57,36 @@ class Group(NamedTuple):
         """With finer cells, until about 36 ms; none in the narrow pool."""
         return rundata.read_reference(float(self.speed), "_fine") if self.pool == "40" else None
 
-    def options(self, spacing):
-        """Of runs at this spacing, mm."""
-        fine = f"{spacing}e-3"
-        if self.graded:
-            fine += f" -spacing_coarse {RATIO * float(spacing):g}e-3"
+    def options(self, grid):
+        """Of runs with this grid."""
         if not self.pool:
             return (f"-options_file cases/drop_impact/case.opts -options_file options/quarter.opts {FILES[self.speed]} "
-                    f"-spacing {fine} -snapshot_interval 0")
-        return (f"-options_file cases/drop_impact/axisymmetric.opts {RING_FILES[self.speed]} {GRADED * self.graded} "
-                f"-spacing {fine} -box_upper {self.pool}e-3,30e-3 -film_upper {self.pool}e-3,0 -snapshot_interval 5e-3")
+                    f"{grid.options(GRADED)} -snapshot_interval 0")
+        return (f"-options_file cases/drop_impact/axisymmetric.opts {RING_FILES[self.speed]} "
+                f"{grid.options(RINGS_GRADED)} -box_upper {self.pool}e-3,30e-3 -film_upper {self.pool}e-3,0 "
+                "-snapshot_interval 5e-3")
 
-    def folder(self, spacing, seed):
-        parts = self.speed, self.pool, "graded" * self.graded, spacing, str(seed)
+    def folder(self, grid, seed):
+        parts = self.speed, self.pool, "graded" * grid.graded, grid.spacing, str(seed)
         return os.path.join(OUTPUT, "_".join(filter(None, parts)))
+
+
+class Grid(NamedTuple):
+    """The particles of a set of runs. spacing: mm, as it was typed."""
+    spacing: str
+    graded: bool = False
+
+    def options(self, files):
+        """files: those of a graded run."""
+        if not self.graded:
+            return f"-spacing {self.spacing}e-3"
+        return f"{files} -spacing {self.spacing}e-3 -spacing_coarse {self.coarse():g}e-3"
+
+    def coarse(self):
+        return RATIO * float(self.spacing)
+
+    def title(self):
+        return f"{self.spacing} to {self.coarse():g} mm" if self.graded else f"{self.spacing} mm"
 
 
 def finished(folder):
@@ -80,11 +96,11 @@ def finished(folder):
         return False
 
 
-def run(group, spacing, seed):
+def run(group, grid, seed):
     """Runs one packing, unless its run is there."""
-    folder = group.folder(spacing, seed)
+    folder = group.folder(grid, seed)
     if not finished(folder):
-        options = f"{group.options(spacing)} -packing_seed {seed} -checkpoint_interval 0"
+        options = f"{group.options(grid)} -packing_seed {seed} -checkpoint_interval 0"
         subprocess.run([runs.PROGRAM, *options.split(), "-output_dir", folder, "-output_overwrite",
                         "-progress_interval", "0"], cwd=ROOT, env=runs.environment(), check=True,
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
@@ -126,9 +142,9 @@ def write_table(results):
     for group in dict.fromkeys(group for group, _ in results):
         references = [table for table in (group.reference(), group.finer_reference()) if table]
         wanted = [figures_of(table, table) for table in references]
-        runs_of = {spacing: tables for (g, spacing), tables in results.items() if g == group}
-        sets = {spacing: [figures_of(table, references[0]) for table in tables] for spacing, tables in runs_of.items()}
-        heads = [f"{spacing} mm" for spacing in sets] + ["reference", "with finer cells"][:len(references)]
+        runs_of = {grid: tables for (g, grid), tables in results.items() if g == group}
+        sets = {grid: [figures_of(table, references[0]) for table in tables] for grid, tables in runs_of.items()}
+        heads = [grid.title() for grid in sets] + ["reference", "with finer cells"][:len(references)]
         text += f"\n| {group.title()} | " + " | ".join(heads) + " |\n" + "|---" * (len(heads) + 1) + "|\n"
         for reference, words in zip(references, ("", ", finer cells")):
             for k, name in enumerate(("D", "phi")):
@@ -147,16 +163,17 @@ def write_table(results):
 def write_curves(results, path):
     with open(path, "w", encoding="utf-8", newline="") as file:
         file.write("# Mean and standard deviation over packing seeds of the drop impact; SI, but pool: its radius "
-                   "in mm (empty: a quarter of the box); by seeds.py\n")
-        writer = csv.writer(file)
+                   "in mm (empty: a quarter of the box), coarse: the coarse spacing (empty: one spacing); by seeds.py\n")
+        writer = csv.writer(file, lineterminator="\n")
         names = [f"{column}_{kind}" for column in COLUMNS for kind in ("mean", "spread")]
-        writer.writerow(["speed", "pool", "spacing", "time", *names])
-        for (group, spacing), tables in results.items():
+        writer.writerow(["speed", "pool", "spacing", "coarse", "time", *names])
+        for (group, grid), tables in results.items():
             values = np.array([[on(table, c, TIMES) for c in COLUMNS] for table in tables])
             mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
             for k, time in enumerate(TIMES):
                 row = [f"{x:.5g}" for pair in zip(mean[:, k], spread[:, k]) for x in pair]
-                writer.writerow([group.speed, group.pool, f"{spacing}e-3", f"{time:.5g}", *row])
+                coarse = f"{grid.coarse():g}e-3" if grid.graded else ""
+                writer.writerow([group.speed, group.pool, f"{grid.spacing}e-3", coarse, f"{time:.5g}", *row])
 
 
 def draw(results, path):
@@ -172,10 +189,10 @@ def draw(results, path):
             panel = axes[row][column]
             panel.plot(1e3 * TIMES, 1e3 * on(reference, name, TIMES), color="black", lw=1.6,
                        label="reference (axisymmetric VOF)")
-            for k, ((_, spacing), tables) in enumerate((key, t) for key, t in results.items() if key[0] == group):
+            for k, ((_, grid), tables) in enumerate((key, t) for key, t in results.items() if key[0] == group):
                 values = 1e3 * np.array([on(table, name, TIMES) for table in tables])
                 mean, spread = values.mean(axis=0), values.std(axis=0, ddof=1)
-                panel.plot(1e3 * TIMES, mean, color=f"C{k}", lw=1.6, label=f"{spacing} mm, {len(tables)} packings")
+                panel.plot(1e3 * TIMES, mean, color=f"C{k}", lw=1.6, label=f"{grid.title()}, {len(tables)} packings")
                 panel.fill_between(1e3 * TIMES, mean - spread, mean + spread, color=f"C{k}", alpha=0.25, lw=0)
             panel.set(ylabel=label, ylim=(0, None), xlim=(0, 60))
             panel.grid(color="0.9", lw=0.8)
@@ -190,21 +207,22 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--speed", nargs="+", choices=FILES, default=list(FILES), help="m/s")
     parser.add_argument("--rings", action="store_true", help="as rings, in two pools")
-    parser.add_argument("--graded", action="store_true", help="as rings, fine near the impact only")
-    parser.add_argument("--spacing", nargs="+", metavar="MM", help="0.5 0.35; of rings 0.25 0.125")
+    parser.add_argument("--graded", action="store_true", help="fine near the impact only")
+    parser.add_argument("--spacing", nargs="+", metavar="MM", help="0.5 0.35; with --graded 0.25; of rings 0.25 0.125")
     parser.add_argument("--seeds", type=int, default=5, help="number of packings")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time")
     parser.add_argument("--readme", action="store_true", help="put the table into README.md")
     arguments = parser.parse_args()
-    rings = arguments.rings or arguments.graded
-    spacings = arguments.spacing or (["0.25", "0.125"] if rings else ["0.5", "0.35"])
-    keys = [(Group(speed, pool, arguments.graded), spacing) for speed in arguments.speed
-            for pool in (POOLS if rings else [""]) for spacing in spacings]
+    rings, graded = arguments.rings, arguments.graded
+    spacings = arguments.spacing or (["0.25", "0.125"] if rings else ["0.25"] if graded else ["0.5", "0.35"])
+    grids = [Grid(spacing, kind) for kind in ([graded] if rings else range(graded + 1)) for spacing in spacings]
+    keys = [(Group(speed, pool), grid) for speed in arguments.speed for pool in (POOLS if rings else [""])
+            for grid in grids]
     jobs = [(*key, seed) for key in keys for seed in range(1, arguments.seeds + 1)]
     with ThreadPoolExecutor(arguments.jobs) as pool:
         tables = list(pool.map(lambda job: run(*job), jobs))
     results = {key: [table for job, table in zip(jobs, tables) if job[:2] == key] for key in keys}
-    kind = "_graded" if arguments.graded else "_rings" if arguments.rings else ""
+    kind = "_rings" * rings + "_graded" * graded
     write_curves(results, os.path.join(HERE, f"seeds{kind}.csv"))
     draw(results, os.path.join(HERE, f"curves_seeds{kind}.png"))
     text = write_table(results)
