@@ -174,4 +174,11 @@ PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const 
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal time_offset,
                                    PetscReal div[], PetscReal gradient[], PetscReal jump[]);
 
+/* OperatorsJoin - parent [n_total] of the trees of sets: fluid particles, ghosts too, that chains of owned ones connect
+   whose neighbours are closer than 'distance' (m; of graded particles times the pair's size). */
+void OperatorsJoin(Cloud cloud, PetscReal distance, PetscInt parent[]);
+/* OperatorsSpreadLeast - each of the 'width' numbers of a particle, value [n_total][width], given of owned ones, becomes
+   the least of its set, on whatever ranks that lies; width: 1, 3 or 6. Collective. */
+PetscErrorCode OperatorsSpreadLeast(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[]);
+
 #endif

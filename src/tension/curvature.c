@@ -259,9 +259,9 @@ static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 }
 
 /* kappa (1/m) of the free surface from the sums around a particle at x (m) with normal n; at most that of a drop of one
-   spacing. */
+   spacing. loose: of a ring that is a row of drops. */
 static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal x[DIM],
-                           const PetscReal n[DIM])
+                           const PetscReal n[DIM], PetscBool loose)
 {
   const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / (tension->size * tension->spacing);
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
@@ -290,7 +290,7 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   depth = m->s / m->w;
   if (tension->rings) { /* phi is a sum over the plane, which k2 does not lower */
     k1    = trace;
-    k2    = HoopCurvature(m, x[0]);
+    k2    = loose ? 0 : HoopCurvature(m, x[0]);
     kappa = CarryToSurface(tension, k1, 0, depth);
   } else
     kappa = CarryToSurface(tension, k1, k2, depth);
@@ -364,7 +364,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
       slope[a] =
         Sigma(tension, cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
     }
-    if (slope && tension->rings) SheetHoop(tension, cloud, a, slope[a], V * phi);
+    if (slope && tension->rings && !LooseHas(tension, a)) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H * tension->size < tension->threshold) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
     depth[a] = tension->size * FlatDepth(tension, V * phi);
@@ -399,7 +399,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     ContactSlant(tension, &around, a, normal + DIM * a, 1);
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
-    capillary[a] = Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a);
+    capillary[a] = Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a));
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
     *used += around.n;
   }
@@ -527,6 +527,7 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(CloudGetWork(cloud, 1, &scalar));
   PetscCall(CloudGetWork(cloud, 1, &share));
+  if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));
   PetscCall(ContactFindSolids(tension, cloud));
   PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
   PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
@@ -550,6 +551,11 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
   PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
                        &tension->sharpening));
+  if (tension->rings)
+    PetscCall(OptionReal("-tension_slender",
+                         "radius of a ring in flight over that of its section above which it is a row of drops, without "
+                         "a pull around the axis (1); 0: none is",
+                         "[0, inf)", &tension->slender));
   PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,7 @@
 /* The class: the registered models, the options and tables they share. */
 #include "tension_impl.h"
 
+#define SLENDER    5    /* default of -tension_slender: see loose.c */
 #define STEP_LIMIT 0.25 /* with twice this a capillary wave of cahn_hilliard grows */
 
 static PetscFunctionList TensionList = NULL;
@@ -42,6 +43,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->comm        = domain->comm;
   t->dim         = domain->dim;
   t->rings       = domain->rings;
+  t->slender     = SLENDER;
   t->graded      = domain->graded;
   t->size        = 1;
   t->liquid      = t->liquids;
@@ -183,6 +185,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(ContactDestroy(*tension));
   PetscCall(PetscFree((*tension)->weight));
+  PetscCall(PetscFree((*tension)->loose));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
     PetscCall(LiquidReset(&(*tension)->liquids[l]));
     PetscCall(BandDestroy(&(*tension)->bands[l]));

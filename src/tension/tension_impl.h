@@ -249,6 +249,8 @@ struct _p_Tension {
   PetscBool summed;            /* cahn_hilliard: the summed density, not that at rest */
 
   PetscBool    sheets;                         /* curvature: sheet.c is used */
+  PetscReal    slender;                        /* of rings: see loose.c */
+  PetscBool   *loose;                          /* [n_owned] of rings: part of a row of drops; else NULL */
   PetscReal    sharpening;                     /* of the curvature */
   PetscReal    threshold, same_side, thinnest; /* see curvature.c */
   FaceType     face[DIM][2];                   /* of the box */
@@ -371,6 +373,14 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
    slope ([n_total], Pa m2; that of ghosts is overwritten) is sigma times SheetSlope times share, and share ([n_owned])
    SheetShare, of the owned particles; both become zero in threads. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
+
+/* LooseFind - sets tension->loose from the rings' positions and neighbours. LooseHas - whether ring a is loose (never of
+   particles that are no rings). LooseFind is collective. */
+PetscErrorCode          LooseFind(Tension tension, Cloud cloud);
+static inline PetscBool LooseHas(Tension tension, PetscInt a)
+{
+  return (PetscBool)(tension->loose && tension->loose[a]);
+}
 
 /* InterfaceApply - with two liquids in place of one pass of the model's apply, once for the surface of each liquid and
    once for that of both: sets what that sets, and the cloud's meets, jump and jump_slope. Collective. */

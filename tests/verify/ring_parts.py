@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Parts of the program with rings (-dimension axisymmetric) against what is known of the whole body of revolution: the
 buoyancy of a ball in a cylinder, in whole newtons; the flow around a rod that does not slip along it; what emitters
-bring; the liquid's level in a tube that it wets."""
+bring; the liquid's level in a tube that it wets; rings in flight."""
 import os
 import sys
 
@@ -71,6 +71,23 @@ state = runs.fields(runs.numbered(runs.run(WETTED, "wetted"), "checkpoint")[-1])
 liquid = state["body"] >= 0
 suction = np.mean(state["pressure"][liquid]) / (-2 * 0.07 * np.cos(np.radians(60)) / 4e-3)
 runs.check_within(suction, 0.95, 1.05, "suction_of_a_meniscus")
+
+# rings in flight: a fat one contracts as a torus does, v = sigma t/(rho a R); a slender one is a row of drops and stays
+SECTION = 0.6e-3
+TORUS = f"""-dimension axisymmetric -spacing 0.15e-3 -box_lower 0,0 -box_upper 10e-3,6e-3 -bodies ring -ring_shape sphere
+ -ring_radius {SECTION} -ring_tension 0.07 -checkpoint_interval 0 """
+
+
+def contraction(name, radius, end, extra=""):
+    """The speed towards the axis over a torus' at the end (s)."""
+    folder = runs.run(TORUS + f"-ring_center {radius},3e-3 -time_end {end} {extra}", name)
+    state = runs.fields(runs.numbered(folder, "checkpoint")[-1])
+    return -np.average(state["velocity"][:, 0], weights=state["volume"]) / (0.07 * end / (1000 * SECTION * radius))
+
+
+runs.check_within(contraction("fat", 2.7e-3, 1e-3), 0.9, 1.1, "fat_ring_in_flight")
+runs.check_within(contraction("torus", 6e-3, 4e-3, "-tension_slender 0"), 0.95, 1.05, "slender_ring_as_a_torus")
+runs.check_within(contraction("slender", 6e-3, 4e-3), -0.02, 0.02, "slender_ring_in_flight")
 
 # what rings cannot do is refused with the reason
 WATER = "-dimension axisymmetric -spacing 1e-3 -box_lower 0,0 -box_upper 5e-3,5e-3 -bodies water -gravity 0,-9.81 "

@@ -1,0 +1,55 @@
+/* Rings in flight. A piece of rings that has come off and touches nothing stands for a torus. A fat torus contracts onto
+   the axis, pulled by its own curvature around it; a slender one becomes a row of drops before (the growth of its waves
+   takes 17 sqrt(rho a^3/sigma) from nothing, 7 from a rim that is as corrugated as a crown's, its contraction
+   R sqrt(2 rho a/sigma), with R its radius and a that of its section), and drops have no pull towards the axis. So a
+   slender piece keeps the curvature of its section, which holds it together, and loses that around the axis. */
+#include "tension_impl.h"
+
+#define CONNECTION 1.5 /* spacings: chains with wider gaps are broken */
+
+/* Numbers of a piece, of which the least is looked for. */
+enum { LEAST_R, LEAST_MINUS_R, LEAST_Z, LEAST_MINUS_Z, LEAST_FREE, LEAST_COUNT = 6 }; /* ghosts know 1, 3 or 6 */
+
+/* Whether a ring touches a wall or a solid, or an emitter holds it. */
+static PetscBool IsHeld(Cloud cloud, PetscInt a)
+{
+  const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
+  const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
+
+  if (BodyEmits(body) && BodyHolds(body, x, CloudSize(cloud, a) * cloud->domain->spacing)) return PETSC_TRUE;
+  if (!OperatorsNearWall(cloud, x)) return PETSC_FALSE;
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
+    if (cloud->integer[INT_LAYER][cloud->list[k]] > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscErrorCode LooseFind(Tension tension, Cloud cloud)
+{
+  PetscReal *least;
+  PetscInt  *parent;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(LEAST_COUNT * cloud->n_total, &least, cloud->n_total, &parent));
+  PetscCall(PetscRealloc((size_t)cloud->n_owned * sizeof(*tension->loose), &tension->loose));
+  PetscCall(PetscArrayzero(least, LEAST_COUNT * cloud->n_total));
+  OperatorsJoin(cloud, CONNECTION * tension->spacing, parent);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, half = 0.5 * CloudSize(cloud, a) * tension->spacing;
+    PetscReal       *of = least + LEAST_COUNT * a;
+
+    of[LEAST_R]       = x[0] - half;
+    of[LEAST_MINUS_R] = -x[0] - half;
+    of[LEAST_Z]       = x[1] - half;
+    of[LEAST_MINUS_Z] = -x[1] - half;
+    of[LEAST_FREE]    = IsHeld(cloud, a) ? 0 : 1;
+  }
+  PetscCall(OperatorsSpreadLeast(cloud, parent, LEAST_COUNT, least));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal *of = least + LEAST_COUNT * a, radius = 0.5 * (of[LEAST_R] - of[LEAST_MINUS_R]),
+                    width = -0.5 * PetscMin(of[LEAST_R] + of[LEAST_MINUS_R], of[LEAST_Z] + of[LEAST_MINUS_Z]);
+
+    tension->loose[a] = (PetscBool)(of[LEAST_FREE] > 0 && radius > tension->slender * width);
+  }
+  PetscCall(PetscFree2(least, parent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
