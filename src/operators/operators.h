@@ -116,11 +116,12 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity);
 PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
    have their own velocity and the viscosity of their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and
-   in the linear operator. Not collective. */
+   in the linear operator. The form of Morris is divided by the second moments of FIELD_CORRECTION, so that its error on
+   a lattice vanishes with the spacing. Collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[]);
 /* OperatorsWallDrag - the viscous force of the fluid of this rank at these velocities ([n_total][3], m/s) on each dummy
    particle of walls, drag[] ([n_total][3], N), ghosts too: what the pairs with it take from the fluid, at rest density.
-   Not collective. */
+   Collective. */
 PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const PetscReal velocity[], PetscReal drag[]);
 /* OperatorsSolidDivergence - by how much each velocity of a solid (FREE_MOTIONS, about 'center', m) changes the
    divergence (1/s) of OperatorsDivergence of the owned particle a, of the fluid or a dummy of the solid. body: of its
@@ -144,10 +145,9 @@ PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, Pe
    missing at a free surface, by FIELD_DENSITY of owned particles and ghosts, which the explicit term does not.
    OperatorsViscosityPairs - pair[] has a coefficient for each place of the neighbour lists of the fluid (cloud->first):
    cleary sum pair (v_ab.r_ab) r_ab, morris sum pair v_ab; of rings, behind them, one for each of the fluid, 1/s, for
-   its growth. OperatorsViscosityApply - out
-   ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose ghosts it updates; collective.
-   OperatorsViscosityDiagonal - the operator's diagonal
-   ([n_fluid][3], 1/s, not positive). */
+   its growth; collective. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose
+   ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal ([n_fluid][3], 1/s, not
+   positive). */
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                        PetscReal pair[]);
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],

@@ -71,7 +71,7 @@ ENTRIES += both("free_fall", "2000 particles", CONSERVED, TEST)
 ENTRIES += [Entry("free_fall", "rings", file=RINGS)]
 
 # viscosity and walls
-SHEAR = (1e-4, 5e-5, 2.5e-5)
+SHEAR = (1e-4, 5e-5, 3.125e-5, 2.5e-5)
 ENTRIES += both("couette", "", "", TEST, LATTICE, spacings=SHEAR)
 ENTRIES += both("poiseuille", "", "", TEST, LATTICE, spacings=SHEAR)
 ENTRIES += [Entry("couette", "rings", file=RINGS), Entry("poiseuille", "rings", file=RINGS)]
