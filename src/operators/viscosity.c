@@ -18,8 +18,8 @@ static PetscReal SecondMoment(Cloud cloud, PetscInt a)
   return PetscMax(1 - MOMENT_OFF_MOST, PetscMin(1 + MOMENT_OFF_MOST, cloud->domain->dim / trace));
 }
 
-/* The viscosity of each particle, Pa s, in the form of Morris over its second moment. -1 marks walls, which take that of
-   their neighbour. Collective. */
+/* The viscosity of each particle, Pa s, in the form of Morris over its second moment. -1 marks walls, which take that
+   of their neighbour. Collective. */
 static PetscErrorCode CollectViscosity(Cloud cloud, const Viscosity *viscosity, PetscReal mu[])
 {
   const PetscBool  varies = SceneViscosityVaries(cloud->scene);
