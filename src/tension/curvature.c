@@ -551,7 +551,7 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
   PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
                        &tension->sharpening));
-  if (tension->rings)
+  if (tension->rings || HelpWanted())
     PetscCall(OptionReal("-tension_slender",
                          "radius of a ring in flight over that of its section above which it is a row of drops, without "
                          "a pull around the axis (1); 0: none is",
