@@ -12,6 +12,7 @@ import os
 import platform
 import statistics
 import subprocess
+import sys
 
 import bench
 import report
@@ -24,10 +25,10 @@ GRADED = ["-options_file", os.path.join(CASES, "drop_impact/graded.opts")]
 # Options, moment (s) from which on steps are taken, and how many: some seconds of one core.
 SCENES = {
     "impact, quarter, 0.5 mm": ([*IMPACT, "-spacing", "0.5e-3"], "5e-3", 40),
-    "the same graded, 0.25 to 1 mm": ([*IMPACT, *GRADED], "5e-3", 60),
-    "the same as rings, 0.125 mm": ([*RINGS, "-spacing", "0.125e-3"], "15e-3", 100),
-    "graded rings, 0.125 to 0.5 mm": ([*RINGS, *GRADED, "-core_radius", "9e-3", "-spacing", "0.125e-3",
-                                       "-spacing_coarse", "0.5e-3"], "15e-3", 300),
+    "impact, graded quarter, 0.25 to 1 mm": ([*IMPACT, *GRADED], "5e-3", 60),
+    "impact, rings, 0.125 mm": ([*RINGS, "-spacing", "0.125e-3"], "15e-3", 100),
+    "impact, graded rings, 0.125 to 0.5 mm": ([*RINGS, *GRADED, "-core_radius", "9e-3", "-spacing", "0.125e-3",
+                                               "-spacing_coarse", "0.5e-3"], "15e-3", 300),
     "dam break, 2-d, 0.7 mm": (["-options_file", os.path.join(CASES, "dam_break/case.opts"), "-spacing", "0.7e-3"],
                                "0.1", 150),
 }
@@ -72,6 +73,8 @@ def measure(folder, scene, programs):
                      bench.environment())
     turns = [{name: bench.take(folder, [*options, "-restart", start], number, program=command)
               for name, command in programs.items()} for _ in range(TURNS)]
+    if any(None in turn.values() for turn in turns):
+        sys.exit(1)  # 'take' has said why
     run = turns[0][native]
     row = {"scene": scene, "particles": run.particles, "iterations": run.iterations,
            native: 1e6 * statistics.median(turn[native].seconds for turn in turns) / run.number / run.particles,
@@ -85,8 +88,9 @@ def text(path):
     native, *others = list(rows[0])[3:]
     titles = ["scene, 1 rank", "particles", "iterations", f"{native}: us a particle and step",
               *(f"{name}: times that" for name in others)]
-    return "\n".join(report.grid(titles, [[row["scene"], f"{row['particles']:.0f}", f"{row['iterations']:.1f}",
-                                           *(f"{row[name]:.2f}" for name in (native, *others))] for row in rows])) + "\n"
+    lines = [[row["scene"], f"{row['particles']:.0f}", f"{row['iterations']:.1f}",
+              *(f"{row[name]:.2f}" for name in (native, *others))] for row in rows]
+    return "\n".join(report.grid(titles, lines)) + "\n"
 
 
 def main():
