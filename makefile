@@ -319,7 +319,7 @@ lint:
 	@tests/run.sh tests/lint
 
 clean:
-	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
+	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants output/bench/builds isph
 
 .PHONY: solver-sweep paper paper-printed paper-figures seeds bench bench-readme bench-results all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh report install extremes extremes-readme long-run test-ci \

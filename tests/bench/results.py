@@ -31,8 +31,8 @@ WAYS = {
     "quarter, 0.25 mm near the impact, to 1 mm":
         (f"{QUARTER.options('0.25')} -options_file cases/drop_impact/graded.opts", 3),
     "quarter, 0.35 mm": (QUARTER.options("0.35"), 4),
-    "quarter, 0.5 mm, as printed": (f"{QUARTER.options('0.5')} -options_file options/printed.opts", 10),
-    "quarter, 0.5 mm, weakly compressible": (f"{QUARTER.options('0.5')} -scheme weakly_compressible", 30),
+    "quarter, 0.5 mm, as printed": (f"{QUARTER.options('0.5')} -options_file options/printed.opts", 5),
+    "quarter, 0.5 mm, weakly compressible": (f"{QUARTER.options('0.5')} -scheme weakly_compressible", 15),
 }
 SHORT = 3  # minutes: a way that takes no longer is run
 

@@ -91,18 +91,24 @@ def table(row):
     """Events of a row of bench.csv (one rank), the dearest first."""
     lines = [f"| {row['size']}, {row['state']}, 1 rank | us a particle and step | bytes | flops, single + double | "
              "at least, us | limited by | share |", "|---|---|---|---|---|---|---|"]
-    bounds, rest = 0.0, row["step"]
-    for event, (moved, single, double) in sorted(work(row).items(), key=lambda item: -row[item[0]]):
-        memory, core = 1e-3 * moved / row["triad"], 1e-3 * (single / row["single"] + double / row["double"])
-        bounds, rest = bounds + max(memory, core), rest - row[event]
-        lines.append(f"| {event} | {row[event]:.3f} | {moved:.0f} | {single:.0f} + {double:.0f} | "
-                     f"{max(memory, core):.3f} | {'memory' if memory > core else 'arithmetic'} | "
-                     f"{100 * max(memory, core) / row[event]:.0f} % |")
+    needed, bounds, rest = work(row), 0.0, row["step"]
+    for event in sorted(list(row)[list(row).index("share") + 1:], key=lambda event: -row[event]):
+        rest -= row[event]
+        if event in needed:
+            moved, single, double = needed[event]
+            memory, core = 1e-3 * moved / row["triad"], 1e-3 * (single / row["single"] + double / row["double"])
+            bounds += max(memory, core)
+            lines.append(f"| {event} | {row[event]:.3f} | {moved:.0f} | {single:.0f} + {double:.0f} | "
+                         f"{max(memory, core):.3f} | {'memory' if memory > core else 'arithmetic'} | "
+                         f"{100 * max(memory, core) / row[event]:.0f} % |")
+        elif row[event] >= 0.001:
+            lines.append(f"| {event} | {row[event]:.3f} | | | | | |")
     lines += [f"| everything else | {rest:.3f} | | | | | |",
               f"| step | {row['step']:.3f} | | | {bounds:.3f} | | {100 * bounds / row['step']:.0f} % |", "",
               f"The machine: triad {row['triad']:.1f} GB/s, fused multiply-adds {row['single']:.0f} (single) and "
-              f"{row['double']:.0f} (double) Gflop/s of one core. {row['pairs']:.0f} neighbours a particle, "
-              f"{row['iterations']:.1f} iterations; {100 * row['normals']:.0f} % of the particles have a normal, with "
+              f"{row['double']:.0f} (double) Gflop/s of one core.",
+              f"{row['pairs']:.0f} neighbours a particle, {row['iterations']:.1f} iterations; "
+              f"{100 * row['normals']:.0f} % of the particles have a normal, with",
               f"{row['tension_pairs'] / row['normals']:.0f} neighbours each, of which "
               f"{row['normal_pairs'] / row['normals']:.0f} have one."]
     return lines

@@ -5,8 +5,8 @@ the same steps in turn, on one core.
   variants.py [--only TEXT] [--out FOLDER]   FOLDER/variants.csv; TEXT: part of the name of a scene
   variants.py --readme                       the table of tests/bench/README.md from the last variants.csv
 
-The builds, made once into FOLDER/builds, take some six minutes of one core, the states of the scenes three, the steps
-three."""
+The builds, made once into FOLDER/builds, take some six minutes of one core, the states of the scenes, made once too,
+two, and the steps five."""
 import argparse
 import os
 import platform
