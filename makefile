@@ -11,7 +11,8 @@
 #   make paper, make paper-printed  the main case at the paper's spacing, with its figures: default scheme, scheme as
 #                                   printed; SPEED=242: slower; BOX=whole: the whole box.  make seeds: five packings;
 #                                   paper-figures: what of these runs the case's README shows
-#   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; bench-readme: in tests/bench/
+#   make bench                      speed: 16 k and 128 k particles, SIZE=full: 1 M too; other scenes and builds; bench-readme: in tests/bench/
+#   make bench-results              what a result costs: time and error of the impact computed in other ways; FLAGS=--all: the slow ones too
 #   make tradeoff SCENE=my.opts GAUGES=a,b  what each choice costs in a scene, and which to take; CASE=central_force: in
 #                                           a case, against its solution; tradeoff-readme: in tests/tradeoff/
 #   make solver-sweep               every solver of PETSc's: right or refused in a sentence; table in tests/solvers/
@@ -152,13 +153,21 @@ paper-figures:
 seeds: isph
 	@$(PYTHON) cases/drop_impact/seeds.py --readme --jobs $(JOBS)
 
-# Speed of the step over sizes, ranks, states and preconditioners: table and chart in output/bench/.
+# Speed of the step over sizes, ranks, states and preconditioners, each event beside what the machine can do, then other
+# scenes and builds: tables and chart in output/bench/.
 SIZE = quick
 bench: isph
 	@$(PYTHON) tests/bench/bench.py --size $(SIZE)
+	@$(PYTHON) tests/bench/variants.py
 
 bench-readme:
 	@$(PYTHON) tests/bench/bench.py --readme
+	@$(PYTHON) tests/bench/variants.py --readme
+
+# Processor time and errors of the whole impact in different ways, into output/bench_results/, five minutes of one core;
+# FLAGS=--all: the slow ones too; FLAGS=--readme: puts the last table into tests/bench/README.md
+bench-results: isph
+	@$(PYTHON) tests/bench/results.py $(FLAGS)
 
 # make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures;
 #                                                     FLAGS=--help lists the others, here and with film, report, mesh
@@ -310,8 +319,8 @@ lint:
 	@tests/run.sh tests/lint
 
 clean:
-	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants isph
+	rm -rf $(BUILD) $(SANITIZED) output/clang output/portable output/mutants output/bench/builds isph
 
-.PHONY: solver-sweep paper paper-printed paper-figures seeds bench bench-readme all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
+.PHONY: solver-sweep paper paper-printed paper-figures seeds bench bench-readme bench-results all packages run run-axisymmetric test test-long verify verify-long convergence verify-readme reference \
   faults fuzz lint clean force pictures film mesh report install extremes extremes-readme long-run test-ci \
   sanitized sanitized-programs mutants mutants-readme compare-solvers tradeoff tradeoff-readme identical options-reference

@@ -9,12 +9,13 @@ once, take half. The most telling runs come first; the table is written after ea
 Times are processor time, all ranks summed, from -log_view with the clock of cputime.c: other work on the machine
 lengthens them by a tenth or two, not more; a rank that waits computes nothing but counts."""
 import argparse
-import csv
 import os
 import re
 import subprocess
+from typing import NamedTuple
 
 import report
+import roofline
 import states
 
 ROOT = states.ROOT
@@ -66,60 +67,76 @@ def triad(folder, processes):
     return sum(float(p.communicate()[0]) for p in running)
 
 
-def seconds(text, name):
-    """Time and count of an event in the stage of the steps."""
-    stage = [part for part in text.split("--- Event Stage") if "SphSolve" in part and "SphShift" in part][-1]
-    match = re.search(rf"^{name}\s+(\d+) [\d.]+ ([\d.e+-]+)", stage, re.M)
-    return (float(match.group(2)), int(match.group(1))) if match else (0.0, 0)
+class Steps(NamedTuple):
+    """Some steps of a run. seconds: processor time of all ranks; memory: bytes; log: the text of -log_view."""
+    number: int
+    particles: int
+    iterations: float
+    seconds: float
+    memory: int
+    log: str
+
+    def event(self, name):
+        """Seconds and count of an event in the stage of the steps, of one rank."""
+        stage = [part for part in self.log.split("--- Event Stage") if "SphSolve" in part and "SphShift" in part][-1]
+        match = re.search(rf"^{name}\s+(\d+) [\d.]+ ([\d.e+-]+)", stage, re.M)
+        return (float(match.group(2)), int(match.group(1))) if match else (0.0, 0)
 
 
 def execute(command, log):
-    """Runs; returns standard output and the memory of the largest process in bytes."""
+    """Runs; returns the code, standard output and what the process and those that it waited for have used."""
     with open(log + ".out", "w+", encoding="utf-8") as out:
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env=environment(), cwd=ROOT)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
-        return process.returncode, out.read(), 1024 * usage.ru_maxrss
+        return process.returncode, out.read(), usage
+
+
+def take(folder, options, number, ranks=1, program=(os.path.join(ROOT, "isph"),)):
+    """The Steps of a run of so many; None, and a sentence, if it fails. program: what 'env' is given to start it."""
+    log = os.path.join(folder, "log.txt")
+    clock = built(folder, "cputime", "-shared", "-fPIC")
+    command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [
+        "env", f"LD_PRELOAD={clock}", *program, *options, "-time_end", "1", "-steps_max", str(number),
+        "-output_dir", os.path.join(folder, "run"), "-output_overwrite", "-series_interval", "1", "-snapshot_interval",
+        "1", "-checkpoint_interval", "1", "-log_view", ":" + log]
+    code, out, usage = execute(command, log)
+    found = re.search(r"(\d+) steps of (\d+) particles in .* and ([\d.]+) iterations a step", out)
+    if code or not found:
+        print(f"failed: {' '.join(command)}\n{out.strip()[-300:]}", flush=True)
+        return None
+    text = open(log, encoding="utf-8").read()
+    total = float(re.search(r"^ \d+:\s+Steps: ([\d.e+-]+)", text, re.M).group(1))
+    return Steps(int(found.group(1)), int(found.group(2)), float(found.group(3)), ranks * total,
+                 1024 * ranks * usage.ru_maxrss, text)
 
 
 def measure(folder, size, ranks, state, solver, tolerance):
     """One run: a row of the table."""
     start = states.make(os.path.join(ROOT, "isph"), os.path.join(folder, "states"), SIZES[size], state, environment())
-    log = os.path.join(folder, "log.txt")
     choice = OPTIONS.get(solver, (["-pc_type", solver],) * 2)[ranks > 1]
-    clock = built(folder, "cputime", "-shared", "-fPIC")
-    command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [
-        "env", f"LD_PRELOAD={clock}", os.path.join(ROOT, "isph"),
-        *states.scene(os.path.join(folder, "states"), state), "-spacing",
-        str(SIZES[size]), *choice, "-ksp_rtol", str(tolerance), "-restart", start, "-time_end",
-        "1", "-steps_max", str(STEPS[size]), "-output_dir",
-        os.path.join(folder, "run"), "-output_overwrite", "-series_interval", "1", "-snapshot_interval", "1",
-        "-checkpoint_interval", "1", "-log_view", ":" + log]
     bandwidth = triad(folder, ranks)
-    code, out, memory = execute(command, log)
-    found = re.search(r"(\d+) steps of (\d+) particles in .* and ([\d.]+) iterations a step", out)
-    if code or not found:
-        print(f"{size} {state} {solver}, {ranks} ranks: failed: {out.strip()[-300:]}", flush=True)
+    run = take(folder, [*states.scene(os.path.join(folder, "states"), state), "-spacing", str(SIZES[size]), *choice,
+                        "-ksp_rtol", str(tolerance), "-restart", start], STEPS[size], ranks)
+    if not run:
         return None
-    text = open(log, encoding="utf-8").read()
-    steps, particles, iterations = int(found.group(1)), int(found.group(2)), float(found.group(3))
-    scale = 1e6 * ranks / particles
-    total = float(re.search(r"^ \d+:\s+Steps: ([\d.e+-]+)", text, re.M).group(1))
-    setup, setups = seconds(text, "PCSetUp")
+    scale = 1e6 * ranks / run.particles
+    setup, setups = run.event("PCSetUp")
     once = setup / max(setups, 1)
     amortised = once / KEPT.get(solver, KEPT_DEAR)
-    limit = (NEIGHBOURS * (SEARCH_BYTES + PAIR_BYTES * PAIR_LOOPS + PRODUCT_BYTES * (iterations + 1)) +
-             VECTOR_BYTES * iterations)
-    row = {"size": size, "particles": particles, "ranks": ranks, "state": state, "solver": solver,
-           "tolerance": tolerance, "iterations": iterations,
-           "step": scale * ((total - setup) / steps + amortised), "setup": scale * once,
-           "memory": memory * ranks / 1e6, "triad": bandwidth / 1e9,
-           "share": 1e6 * limit / bandwidth * ranks / (scale * ((total - setup) / steps + amortised))}
+    step = scale * ((run.seconds / ranks - setup) / run.number + amortised)
+    limit = (NEIGHBOURS * (SEARCH_BYTES + PAIR_BYTES * PAIR_LOOPS + PRODUCT_BYTES * (run.iterations + 1)) +
+             VECTOR_BYTES * run.iterations)
+    single, double = roofline.peak(built(folder, "peak"))
+    row = {"size": size, "particles": run.particles, "ranks": ranks, "state": state, "solver": solver,
+           "tolerance": tolerance, "iterations": run.iterations, "step": step, "setup": scale * once,
+           "memory": run.memory / 1e6, "triad": bandwidth / 1e9, "single": single / 1e9, "double": double / 1e9,
+           **roofline.count(start, SIZES[size]), "share": 1e6 * limit / bandwidth * ranks / step}
     for event in EVENTS:
-        row[event] = scale * seconds(text, "Sph" + event)[0] / steps
-    row["Solve"] += scale * (amortised - setup / steps)
-    print(f"{size:>4} {ranks} {state:>6} {solver:>8} {tolerance:g}: {iterations:.1f} iterations, {row['step']:.2f} us, "
+        row[event] = scale * run.event("Sph" + event)[0] / run.number
+    row["Solve"] += scale * (amortised - setup / run.number)
+    print(f"{size:>4} {ranks} {state:>6} {solver:>8} {tolerance:g}: {run.iterations:.1f} iterations, {step:.2f} us, "
           f"set-up {row['setup']:.2f} us, {row['memory']:.0f} MB, triad {row['triad']:.1f} GB/s", flush=True)
     return row
 
@@ -165,10 +182,7 @@ def main():
         row = measure(arguments.out, *run)
         if row:
             rows.append(row)
-            with open(table, "w", newline="", encoding="utf-8") as file:
-                writer = csv.DictWriter(file, list(rows[0]))
-                writer.writeheader()
-                writer.writerows(rows)
+            report.save(table, rows)
     if not report.pick(rows, solver="twolevel", tolerance=TOLERANCE, ranks=1):
         return  # a choice of runs without what the tables start from
     report.chart(table, os.path.join(arguments.out, "bench.png"), EVENTS)

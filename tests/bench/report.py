@@ -10,19 +10,36 @@ import matplotlib.pyplot as plt
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, ".."))
+import roofline  # noqa: E402
 import runs  # noqa: E402
 
 OWN, TOLERANCE = "twolevel", 1e-4
 
 
+def value(text):
+    """A cell: its number, if it is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def load(path):
-    """Rows with numbers as numbers."""
-    rows = list(csv.DictReader(open(path, encoding="utf-8")))
-    for row in rows:
-        for key in row:
-            if key not in ("size", "state", "solver"):
-                row[key] = float(row[key])
-    return rows
+    """Rows of a table, numbers as numbers."""
+    with open(path, encoding="utf-8") as file:
+        return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def save(path, rows):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def grid(titles, rows):
+    """Lines of a table in Markdown."""
+    return ["| " + " | ".join(cells) + " |" for cells in (titles, ["---"] * len(titles), *rows)]
 
 
 def pick(rows, **wanted):
@@ -63,13 +80,8 @@ def solver_table(rows):
 
 
 def event_table(rows):
-    """Where the time of the own preconditioner goes, largest size, one rank, last state."""
-    row = pick(rows, solver=OWN, tolerance=TOLERANCE, ranks=1)[-1]
-    names = list(row)[list(row).index("share") + 1:]
-    names.sort(key=lambda name: -row[name])
-    return [f"| {row['size']}, {row['state']}, 1 rank | us a particle and step |", "| --- | --- |",
-            *(f"| {name} | {row[name]:.3f} |" for name in names if row[name] >= 0.001),
-            f"| step | {row['step']:.3f} |"]
+    """Where the time of the own preconditioner goes, and its bounds: largest size, one rank, last state."""
+    return roofline.table(pick(rows, solver=OWN, tolerance=TOLERANCE, ranks=1)[-1])
 
 
 def tolerance_table(rows):
@@ -85,20 +97,26 @@ def tolerance_table(rows):
     return lines
 
 
-def text(path):
+def sections(path):
+    """{marker in the README: text}"""
     rows = load(path)
-    return "\n\n".join("\n".join(table) for table in
-                       (speed_table(rows), tolerance_table(rows), solver_table(rows), event_table(rows))) + "\n"
+    return {"bench": "\n\n".join("\n".join(make(rows)) for make in (speed_table, tolerance_table, solver_table)) + "\n",
+            "roofline": "\n".join(event_table(rows)) + "\n"}
 
 
 def markdown(path, target):
     with open(target, "w", encoding="utf-8") as file:
-        file.write(text(path))
+        file.write("\n".join(sections(path).values()))
+
+
+def insert(marker, text):
+    """Puts a text into the README beside this file."""
+    runs.replace(os.path.join(HERE, "README.md"), marker, "\n" + text)
 
 
 def readme(path):
-    """Puts the tables into the README beside this file."""
-    runs.replace(os.path.join(HERE, "README.md"), "bench", "\n" + text(path))
+    for marker, text in sections(path).items():
+        insert(marker, text)
 
 
 def chart(path, target, events):

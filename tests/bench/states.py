@@ -71,6 +71,7 @@ def mirror(source, target):
         file["counts"] = np.array([4 * n], dtype=np.int64)
         file.attrs.modify("particles", np.int64(4 * n))
         file.attrs.modify("ranks", np.int64(1))
+        del file.attrs["scene"]  # the quarter's; without one a restart takes it to be that of the run
     seal(partial)
     os.replace(partial, target)
 
@@ -86,6 +87,16 @@ def scene(folder, state):
     return ["-options_file", path]
 
 
+def reach(program, options, target, env):
+    """Runs the options; the last checkpoint becomes the file 'target'."""
+    run = target.removesuffix(".h5") + "_run"
+    print(f"state {os.path.basename(target)}", flush=True)
+    subprocess.run([program, *options, "-snapshot_interval", "1", "-output_dir", run, "-output_overwrite"], env=env,
+                   cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    shutil.copyfile(sorted(glob.glob(os.path.join(run, "checkpoint_*.h5")))[-1], target)
+    shutil.rmtree(run)
+
+
 def make(program, folder, spacing, state, env):
     """The path of the state's checkpoint of the whole box; computes it if it is not there."""
     label = os.path.join(folder, f"{1e3 * spacing:g}mm_{state}")
@@ -93,17 +104,10 @@ def make(program, folder, spacing, state, env):
         return label + ".h5"
     options, before = STATES[state]
     quarter = label + "_quarter.h5"
-    run = label + "_run"
     start = []
     if before:
         make(program, folder, spacing, before, env)
         start = ["-restart", os.path.join(folder, f"{1e3 * spacing:g}mm_{before}_quarter.h5")]
-    command = [program, *scene(folder, state), *QUARTER, "-spacing", str(spacing), *options, *start,
-               "-snapshot_interval", "1",
-               "-output_dir", run, "-output_overwrite"]
-    print(f"state {state} at {1e3 * spacing:g} mm", flush=True)
-    subprocess.run(command, env=env, check=True, stdout=subprocess.DEVNULL)
-    shutil.copyfile(sorted(glob.glob(os.path.join(run, "checkpoint_*.h5")))[-1], quarter)
-    shutil.rmtree(run)
+    reach(program, [*scene(folder, state), *QUARTER, "-spacing", str(spacing), *options, *start], quarter, env)
     mirror(quarter, label + ".h5")
     return label + ".h5"
