@@ -283,7 +283,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
                                                   OUTSIDE_LIMIT * cloud->slack);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   }
-  if (sort || cloud->distance_outside > OUTSIDE_SHARE * cloud->slack) {
+  if (sort || (size > 1 && cloud->distance_outside > OUTSIDE_SHARE * cloud->slack)) {
     PetscReal imbalance;
 
     PetscCall(ParticlesImbalance(cloud->particles, &imbalance));
@@ -308,7 +308,9 @@ PetscErrorCode CloudBegin(Cloud cloud)
     PetscReal moved;
 
     PetscCall(Displacement(cloud, &moved));
-    if (2 * moved > cloud->slack) PetscCall(Renew(cloud, PETSC_FALSE));
+    /* the second: CloudMoved may always be the one that chooses the ghosts, and it brings nobody back */
+    if (2 * moved > cloud->slack || cloud->distance_outside > OUTSIDE_SHARE * cloud->slack)
+      PetscCall(Renew(cloud, PETSC_FALSE));
   }
   PetscCall(UpdateGhosts(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

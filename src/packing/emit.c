@@ -69,7 +69,8 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Liquid inside an emitter moves with its velocity. */
+/* Liquid that an emitter holds moves with its velocity, a row of particles until the next filling comes: the end of the
+   liquid that has left would retract, for its tension pulls it forward as much as the rest pulls it back. */
 static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
 {
   const Scene    scene = packing->cloud->scene;
@@ -79,9 +80,9 @@ static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
   PetscCall(ParticlesOpen(packing->cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
     const PetscInt   b = arrays.integer[INT_BODY][a];
-    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, row = 0.5 * packing->cloud->domain->spacing;
 
-    if (b >= 0 && BodyEmits(SceneBody(scene, b)) && BodyDistance(SceneBody(scene, b), x) < 0)
+    if (b >= 0 && BodyHolds(SceneBody(scene, b), x, row))
       BodyEmissionVelocity(SceneBody(scene, b), time, x, arrays.real[FIELD_VELOCITY] + DIM * a);
   }
   PetscCall(ParticlesClose(packing->cloud->particles, &arrays));

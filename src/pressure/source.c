@@ -44,6 +44,14 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
 }
 
+/* Whether an emitter holds particle a, so that no pressure moves it: a repair of its density would only press on what
+   has left. */
+static PetscBool IsHeld(Cloud cloud, PetscInt a)
+{
+  return BodyHolds(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), cloud->field[FIELD_POSITION] + DIM * a,
+                   0.5 * CloudSize(cloud, a) * cloud->domain->spacing);
+}
+
 /* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least relaxation_steps dt: in fewer steps the repair
    overshoots, and a Couette flow with implicit viscosity at dt = 3 T blows up. Rows of walls take the divergence alone,
    that of deeper layers added. The positions are those of the middle of a centered step and the new velocity belongs to
@@ -60,6 +68,8 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * (1 / (dt * PetscMax(CloudSize(cloud, a) * T, least)));
+  for (PetscInt a = 0; a < cloud->n_fluid && SceneEmits(cloud->scene); a++)
+    if (IsHeld(cloud, a)) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);

@@ -7,6 +7,7 @@
 typedef struct {
   PetscReal start, interval;       /* s */
   PetscInt  count;                 /* of emissions; 0: no end */
+  PetscReal nozzle;                /* m */
   PetscReal modulation, frequency; /* of the speed: e (1), 2 pi f (rad/s) */
 } Emitter;
 
@@ -40,6 +41,8 @@ static PetscErrorCode EmitterSetFromOptions(Body body, OptionItems PetscOptionsO
                              "SceneSetFromOptions", e->interval, &e->interval, NULL));
   PetscCall(OptionReal("-start", "Time of an emitter's first filling (s)", "(-inf, inf)", &e->start));
   PetscCall(OptionInt("-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", &e->count));
+  PetscCall(OptionReal("-nozzle", "Length beyond an emitter's shape in which its liquid keeps the emitter's speed (m)",
+                       "[0, inf)", &e->nozzle));
   PetscCall(OptionReal("-modulation", "Amplitude of an emitter's speed over the speed (1)", "[0, 1)", &e->modulation));
   PetscCall(OptionReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "[0, inf)", &e->frequency));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,9 +118,20 @@ void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], Pet
 
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
 {
-  const PetscReal speed = Norm(body->uniform);
-  PetscReal       rear[DIM];
+  const Emitter  *e = (const Emitter *)body->emitter;
+  const PetscReal reach = e ? behind + e->nozzle : 0, speed = Norm(body->uniform), most = body->domain->spacing;
+  PetscReal       distance, rear[DIM];
+  PetscInt        steps;
 
-  for (PetscInt d = 0; d < DIM; d++) rear[d] = x[d] - behind * body->uniform[d] / speed;
-  return (PetscBool)(BodyDistance(body, rear) < 0);
+  if (!e) return PETSC_FALSE;
+  distance = BodyDistance(body, x);
+  if (distance < 0 || distance >= reach) return (PetscBool)(distance < 0);
+  steps = (PetscInt)PetscCeilReal(reach / most);
+  for (PetscInt k = 1; k <= steps; k++) {
+    const PetscReal s = reach * k / steps;
+
+    for (PetscInt d = 0; d < DIM; d++) rear[d] = x[d] - s * body->uniform[d] / speed;
+    if (BodyDistance(body, rear) < 0) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
 }

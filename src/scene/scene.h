@@ -170,7 +170,7 @@ void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
 /* BodyEmits - whether the body is an emitter. BodyEmissions - how many times it has been filled up to and at the time
    (s). BodyEmissionShift - how far (m, along x) liquid of emission number k, from 0 on, has moved by then if it moved
    with the emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). BodyHolds - whether liquid of the
-   emitter at x (m) still moves with it: what is 'behind' (m) upstream of it lies in the shape. */
+   body at x (m) still moves with an emitter: no further than its nozzle and 'behind' (m) downstream of its shape. */
 PetscBool BodyEmits(Body body);
 PetscInt  BodyEmissions(Body body, PetscReal time);
 void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);

@@ -61,7 +61,7 @@ static PetscBool IsFrayed(Stepper stepper, PetscInt a)
     if ((domain->face[d][0] == FACE_OPEN && x[d] < domain->lower[d] + FRAYED_REACH * reach) ||
         (domain->face[d][1] == FACE_OPEN && x[d] > domain->upper[d] - FRAYED_REACH * reach))
       return PETSC_FALSE;
-  return (PetscBool) !(BodyEmits(body) && BodyHolds(body, x, reach));
+  return (PetscBool)!BodyHolds(body, x, reach);
 }
 
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)

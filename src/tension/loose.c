@@ -16,7 +16,7 @@ static PetscBool IsHeld(Cloud cloud, PetscInt a)
   const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
   const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
 
-  if (BodyEmits(body) && BodyHolds(body, x, CloudSize(cloud, a) * cloud->domain->spacing)) return PETSC_TRUE;
+  if (BodyHolds(body, x, CloudSize(cloud, a) * cloud->domain->spacing)) return PETSC_TRUE;
   if (!OperatorsNearWall(cloud, x)) return PETSC_FALSE;
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
     if (cloud->integer[INT_LAYER][cloud->list[k]] > 0) return PETSC_TRUE;
