@@ -163,7 +163,8 @@ def write_table(results):
 def write_curves(results, path):
     with open(path, "w", encoding="utf-8", newline="") as file:
         file.write("# Mean and standard deviation over packing seeds of the drop impact; SI, but pool: its radius "
-                   "in mm (empty: a quarter of the box), coarse: the coarse spacing (empty: one spacing); by seeds.py\n")
+                   "in mm (empty: a quarter of the box), coarse: the coarse spacing (empty: one spacing); "
+                   "by seeds.py\n")
         writer = csv.writer(file, lineterminator="\n")
         names = [f"{column}_{kind}" for column in COLUMNS for kind in ("mean", "spread")]
         writer.writerow(["speed", "pool", "spacing", "coarse", "time", *names])

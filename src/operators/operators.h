@@ -177,8 +177,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
 /* OperatorsJoin - parent [n_total] of the trees of sets: fluid particles, ghosts too, that chains of owned ones connect
    whose neighbours are closer than 'distance' (m; of graded particles times the pair's size). */
 void OperatorsJoin(Cloud cloud, PetscReal distance, PetscInt parent[]);
-/* OperatorsSpreadLeast - each of the 'width' numbers of a particle, value [n_total][width], given of owned ones, becomes
-   the least of its set, on whatever ranks that lies; width: 1, 3 or 6. Collective. */
+/* OperatorsSpreadLeast - each of the 'width' numbers of a particle, value [n_total][width], given of owned ones,
+   becomes the least of its set, on whatever ranks that lies; width: 1, 3 or 6. Collective. */
 PetscErrorCode OperatorsSpreadLeast(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[]);
 
 #endif

@@ -11,7 +11,7 @@
    to a hundredth off 1 however fine the spacing is. Where neighbours are missing it is not that. */
 static PetscReal SecondMoment(Cloud cloud, PetscInt a)
 {
-  const PetscReal *B = cloud->field[FIELD_CORRECTION] + 6 * a;
+  const PetscReal *B     = cloud->field[FIELD_CORRECTION] + 6 * a;
   PetscReal        trace = 0;
 
   for (PetscInt d = 0; d < cloud->domain->dim; d++) trace += B[d];
@@ -314,10 +314,10 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
 {
   const PetscReal *v    = cloud->field[FIELD_VELOCITY];
   const PetscReal  zeta = FormFactor(cloud, viscosity->form);
-  const PetscBool  one  = (PetscBool)(density == cloud->rest_density && viscosity->form == VISCOSITY_CLEARY &&
-                                     OperatorsOneLiquid(cloud));
-  PetscReal       *mu, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
-  PairRow          row;
+  const PetscBool  one =
+    (PetscBool)(density == cloud->rest_density && viscosity->form == VISCOSITY_CLEARY && OperatorsOneLiquid(cloud));
+  PetscReal *mu, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
+  PairRow    row;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));

@@ -118,7 +118,7 @@ void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], Pet
 
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
 {
-  const Emitter  *e = (const Emitter *)body->emitter;
+  const Emitter  *e     = (const Emitter *)body->emitter;
   const PetscReal reach = e ? behind + e->nozzle : 0, speed = Norm(body->uniform), most = body->domain->spacing;
   PetscReal       distance, rear[DIM];
   PetscInt        steps;

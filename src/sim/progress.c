@@ -25,8 +25,7 @@ static PetscReal Done(Sim sim, const Progress *progress)
 static PetscErrorCode SayFrayed(Sim sim, Progress *progress)
 {
   PetscFunctionBegin;
-  if (progress->frayed || StepperFrayed(sim->stepper) == 0)
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (progress->frayed || StepperFrayed(sim->stepper) == 0) PetscFunctionReturn(PETSC_SUCCESS);
   progress->frayed = PETSC_TRUE;
   PetscCall(PetscPrintf(sim->comm,
                         "%st = %8.3f ms: a sheet or thread of viscous liquid is one particle thick; it tears there as "

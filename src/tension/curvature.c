@@ -399,7 +399,8 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     ContactSlant(tension, &around, a, normal + DIM * a, 1);
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
-    capillary[a] = Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a));
+    capillary[a] =
+      Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a));
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
     *used += around.n;
   }
@@ -552,10 +553,11 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
                        &tension->sharpening));
   if (tension->rings || HelpWanted())
-    PetscCall(OptionReal("-tension_slender",
-                         "radius of a ring in flight over that of its section above which it is a row of drops, without "
-                         "a pull around the axis (1); 0: none is",
-                         "[0, inf)", &tension->slender));
+    PetscCall(
+      OptionReal("-tension_slender",
+                 "radius of a ring in flight over that of its section above which it is a row of drops, without "
+                 "a pull around the axis (1); 0: none is",
+                 "[0, inf)", &tension->slender));
   PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

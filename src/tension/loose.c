@@ -1,7 +1,7 @@
-/* Rings in flight. A piece of rings that has come off and touches nothing stands for a torus. A fat torus contracts onto
-   the axis, pulled by its own curvature around it; a slender one becomes a row of drops before (the growth of its waves
-   takes 17 sqrt(rho a^3/sigma) from nothing, 7 from a rim that is as corrugated as a crown's, its contraction
-   R sqrt(2 rho a/sigma), with R its radius and a that of its section), and drops have no pull towards the axis. So a
+/* Rings in flight. A piece of rings that has come off and touches nothing stands for a torus. A fat torus contracts
+   onto the axis, pulled by its own curvature around it; a slender one becomes a row of drops before (the growth of its
+   waves takes 17 sqrt(rho a^3/sigma) from nothing, 7 from a rim that is as corrugated as a crown's, its contraction R
+   sqrt(2 rho a/sigma), with R its radius and a that of its section), and drops have no pull towards the axis. So a
    slender piece keeps the curvature of its section, which holds it together, and loses that around the axis. */
 #include "tension_impl.h"
 

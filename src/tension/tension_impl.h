@@ -374,8 +374,8 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
    SheetShare, of the owned particles; both become zero in threads. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
 
-/* LooseFind - sets tension->loose from the rings' positions and neighbours. LooseHas - whether ring a is loose (never of
-   particles that are no rings). LooseFind is collective. */
+/* LooseFind - sets tension->loose from the rings' positions and neighbours. LooseHas - whether ring a is loose (never
+   of particles that are no rings). LooseFind is collective. */
 PetscErrorCode          LooseFind(Tension tension, Cloud cloud);
 static inline PetscBool LooseHas(Tension tension, PetscInt a)
 {

@@ -169,8 +169,8 @@ static PetscErrorCode TestForces(void)
 static PetscErrorCode TestPull(void)
 {
   static const char *const scenes[] = {TANK "-gauge_forces", TANK "-box_xmin symmetry -gauge_forces"};
-  Setup  s;
-  Gauges gauges;
+  Setup                    s;
+  Gauges                   gauges;
 
   PetscFunctionBegin;
   for (PetscInt mirror = 0; mirror < 2; mirror++) {

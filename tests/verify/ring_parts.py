@@ -74,8 +74,8 @@ runs.check_within(suction, 0.95, 1.05, "suction_of_a_meniscus")
 
 # rings in flight: a fat one contracts as a torus does, v = sigma t/(rho a R); a slender one is a row of drops and stays
 SECTION = 0.6e-3
-TORUS = f"""-dimension axisymmetric -spacing 0.15e-3 -box_lower 0,0 -box_upper 10e-3,6e-3 -bodies ring -ring_shape sphere
- -ring_radius {SECTION} -ring_tension 0.07 -checkpoint_interval 0 """
+TORUS = f"""-dimension axisymmetric -spacing 0.15e-3 -box_lower 0,0 -box_upper 10e-3,6e-3 -bodies ring
+ -ring_shape sphere -ring_radius {SECTION} -ring_tension 0.07 -checkpoint_interval 0 """
 
 
 def contraction(name, radius, end, extra=""):
