@@ -21,18 +21,18 @@ import rundata  # noqa: E402
 import seeds  # noqa: E402
 
 SPEED, POOL = "3.13", "40"  # m/s; mm
-RINGS, GRADED, QUARTER = seeds.Group(SPEED, POOL), seeds.Group(SPEED, POOL, True), seeds.Group(SPEED)
+RINGS, QUARTER = seeds.Group(SPEED, POOL), seeds.Group(SPEED)
+COARSE = QUARTER.options(seeds.Grid("0.5"))
 LIMITS = 5, 8  # %, of the errors of depth and diameter
 # Options, and minutes of one core.
 WAYS = {
-    "rings, 0.25 mm": (RINGS.options("0.25"), 0.3),
-    "rings, 0.25 mm within 9 mm, to 1 mm": (GRADED.options("0.25"), 0.1),
-    "rings, 0.125 mm within 9 mm, to 0.5 mm": (GRADED.options("0.125"), 0.5),
-    "quarter, 0.25 mm near the impact, to 1 mm":
-        (f"{QUARTER.options('0.25')} -options_file cases/drop_impact/graded.opts", 3),
-    "quarter, 0.35 mm": (QUARTER.options("0.35"), 4),
-    "quarter, 0.5 mm, as printed": (f"{QUARTER.options('0.5')} -options_file options/printed.opts", 5),
-    "quarter, 0.5 mm, weakly compressible": (f"{QUARTER.options('0.5')} -scheme weakly_compressible", 15),
+    "rings, 0.25 mm": (RINGS.options(seeds.Grid("0.25")), 0.3),
+    "rings, 0.25 mm within 9 mm, to 1 mm": (RINGS.options(seeds.Grid("0.25", True)), 0.1),
+    "rings, 0.125 mm within 9 mm, to 0.5 mm": (RINGS.options(seeds.Grid("0.125", True)), 0.5),
+    "quarter, 0.25 mm near the impact, to 1 mm": (QUARTER.options(seeds.Grid("0.25", True)), 3),
+    "quarter, 0.35 mm": (QUARTER.options(seeds.Grid("0.35")), 4),
+    "quarter, 0.5 mm, as printed": (f"{COARSE} -options_file options/printed.opts", 5),
+    "quarter, 0.5 mm, weakly compressible": (f"{COARSE} -scheme weakly_compressible", 15),
 }
 SHORT = 3  # minutes: a way that takes no longer is run
 
