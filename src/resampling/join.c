@@ -1,9 +1,12 @@
-/* Joining. A particle with too small a share proposes to its nearest neighbour. That one accepts the nearest of those
-   who propose to it, unless it has itself proposed to a third; of two that propose to each other the one with the
-   smaller id stays. Ids and places decide, so all ranks agree. */
+/* Joining. A ring with too small a share proposes to its nearest neighbour, a graded particle that is alone among
+   larger ones to the nearest of these. That one accepts the nearest of those who propose to it, unless it has itself
+   proposed to a third; of two that propose to each other the one with the smaller id stays. Ids and places decide, so
+   all ranks agree. */
 #include "resampling_impl.h"
 
-#define NOBODY (-1)
+#define NOBODY  (-1)
+#define LARGER  1.5 /* times the size of a particle that is alone among such particles */
+#define TOUCHES 1.5 /* mean spacings of a pair: what is farther apart does not join */
 
 /* Whether particle b may join with another: liquid, and not an image behind a face of the box. */
 static PetscBool MayJoin(Cloud cloud, PetscInt b)
@@ -42,31 +45,74 @@ static PetscReal JoinedShare(Cloud cloud, const PetscReal share[], PetscInt a, P
   return (share[a] * PetscSqr(size[a]) + share[b] * PetscSqr(size[b])) / PetscSqr(JoinedSize(cloud, a, b));
 }
 
-/* The nearest neighbour of a that fits: of its body, close enough, and together not too large; with proposal
-   ([n_total], NULL: any) only among those that have proposed to a. The local index, or NOBODY. Of two equally near the
-   smaller id. */
+/* Whether a particle of body k may join with one of body l: it is the same liquid. */
+static PetscBool SameLiquid(Scene scene, PetscInt k, PetscInt l)
+{
+  const Material *m, *n;
+
+  if (k == l) return PETSC_TRUE;
+  m = BodyMaterial(SceneBody(scene, k));
+  n = BodyMaterial(SceneBody(scene, l));
+  return (PetscBool)(m->density == n->density && m->viscosity == n->viscosity && m->tension == n->tension &&
+                     SceneLiquid(scene, k) == SceneLiquid(scene, l) && !SceneViscosityVaries(scene));
+}
+
+/* Whether two rings at the square d2 (m2) of their distance may join: of one body, close enough, and together not too
+   large. */
+static PetscBool RingsFit(Cloud cloud, const Resampling *resampling, const PetscReal share[], PetscInt a, PetscInt b,
+                          PetscReal d2)
+{
+  const PetscReal spacing = CloudSize(cloud, a) * cloud->domain->spacing;
+
+  return (PetscBool)(d2 <= PetscSqr(resampling->reach * spacing) &&
+                     cloud->integer[INT_BODY][a] == cloud->integer[INT_BODY][b] &&
+                     JoinedShare(cloud, share, a, b) <= resampling->together &&
+                     PetscMin(share[a], share[b]) * PetscSqrtReal(d2) <= resampling->path * spacing);
+}
+
+/* The same of graded particles that are no rings. */
+static PetscBool SizesFit(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
+{
+  const PetscReal *size = cloud->size, V = cloud->volume[a] + cloud->volume[b];
+
+  return (PetscBool)(PetscMax(size[a], size[b]) > LARGER * PetscMin(size[a], size[b]) &&
+                     d2 <= PetscSqr(TOUCHES * CloudPairSize(cloud, a, b) * cloud->domain->spacing) &&
+                     DomainSize(cloud->domain, V) <= cloud->size_most &&
+                     SameLiquid(cloud->scene, cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]));
+}
+
+/* The nearest neighbour of a that fits; with proposal ([n_total], NULL: any) only among those that have proposed to a.
+   The local index, or NOBODY. Of two equally near the smaller id. */
 static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscReal share[], PetscInt a,
                         const PetscInt proposal[])
 {
-  const PetscInt *id = cloud->integer[INT_ID], *body = cloud->integer[INT_BODY];
-  const PetscReal spacing = CloudSize(cloud, a) * cloud->domain->spacing;
-  PetscReal       least   = PetscSqr(resampling->reach * spacing);
-  PetscInt        best    = NOBODY;
+  const PetscInt *id    = cloud->integer[INT_ID];
+  PetscReal       least = PETSC_MAX_REAL;
+  PetscInt        best  = NOBODY;
 
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscInt  b  = cloud->list[k];
     const PetscReal d2 = Distance2(cloud, a, b);
 
-    if (d2 > least || (d2 == least && (best == NOBODY || id[b] > id[best]))) continue;
-    if (id[b] == id[a] || body[b] != body[a] || !MayJoin(cloud, b) ||
-        JoinedShare(cloud, share, a, b) > resampling->together)
-      continue;
-    if (PetscMin(share[a], share[b]) * PetscSqrtReal(d2) > resampling->path * spacing) continue;
-    if (proposal && proposal[b] != id[a]) continue;
+    if (d2 > least || (d2 == least && id[b] > id[best])) continue;
+    if (id[b] == id[a] || !MayJoin(cloud, b) || (proposal && proposal[b] != id[a])) continue;
+    if (!(cloud->domain->rings ? RingsFit(cloud, resampling, share, a, b, d2) : SizesFit(cloud, a, b, d2))) continue;
     least = d2;
     best  = b;
   }
   return best;
+}
+
+/* Whether there is little liquid of its own size around particle a: it takes no part in what the larger ones compute,
+   which only push it about. */
+static PetscBool IsAlone(Cloud cloud, const Resampling *resampling, PetscInt a)
+{
+  const PetscReal R = cloud->size[a] * KernelSupport(cloud->kernel);
+  PetscReal       V = cloud->volume[a];
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
+    if (cloud->size[cloud->list[k]] <= LARGER * cloud->size[a]) V += cloud->volume[cloud->list[k]];
+  return (PetscBool)(V < resampling->alone * PETSC_PI * R * R * (cloud->domain->dim == 3 ? 4 * R / 3 : 1));
 }
 
 /* Particle b takes a up. */
@@ -96,9 +142,10 @@ PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *chan
   PetscFunctionBegin;
   PetscCall(PetscMalloc3(cloud->n_total, &proposal, cloud->n_total, &accepted, cloud->n_owned, &chosen));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscBool small =
-      (PetscBool)(a < cloud->n_fluid && change->share[a] < resampling->least && MayJoin(cloud, a));
+    PetscBool small = PETSC_FALSE;
 
+    if (a < cloud->n_fluid && MayJoin(cloud, a))
+      small = cloud->domain->rings ? (PetscBool)(change->share[a] < resampling->least) : IsAlone(cloud, resampling, a);
     chosen[a]   = small ? Nearest(cloud, resampling, change->share, a, NULL) : NOBODY;
     proposal[a] = chosen[a] == NOBODY ? NOBODY : id[chosen[a]];
   }

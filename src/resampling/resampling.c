@@ -9,24 +9,37 @@
 #define TOGETHER 1.3
 #define REACH    1.25
 #define PATH     0.45 /* 0.75 spacings for a share of 0.6; what is almost nothing may go further */
+#define ALONE    0.125
 
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
   PetscFunctionBegin;
-  *r = (Resampling){
-    .interval = INTERVAL, .least = LEAST, .most = MOST, .together = TOGETHER, .reach = REACH, .path = PATH};
-  PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings", "Resampling");
+  *r = (Resampling){.interval = INTERVAL,
+                    .least    = LEAST,
+                    .most     = MOST,
+                    .together = TOGETHER,
+                    .reach    = REACH,
+                    .path     = PATH,
+                    .alone    = ALONE};
+  PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings, joining of graded particles", "Resampling");
+  if (cloud->domain->rings || cloud->domain->graded || HelpWanted())
+    PetscCall(OptionInt("-resampling_interval",
+                        "steps from one joining and splitting to the next, sooner if a ring is twice too fat (1); 0: "
+                        "never",
+                        "[0, inf)", &r->interval));
+  else
+    r->interval = 0;
   if (cloud->domain->rings || HelpWanted()) {
-    PetscCall(OptionInt(
-      "-resampling_interval",
-      "steps from one joining and splitting of rings to the next, sooner if one is twice too fat (1); 0: never",
-      "[0, inf)", &r->interval));
     PetscCall(
       OptionReal("-resampling_least", "ring area over spacing^2 below which rings join (1)", "[0, 1)", &r->least));
     PetscCall(
       OptionReal("-resampling_most", "ring area over spacing^2 above which rings split (1)", "(1.2, inf)", &r->most));
-  } else
-    r->interval = 0;
+  }
+  if ((cloud->domain->graded && !cloud->domain->rings) || HelpWanted())
+    PetscCall(OptionReal("-resampling_alone",
+                         "share of liquid of its own size in a graded particle's support below which it joins with a "
+                         "larger neighbour (1); 0: none does",
+                         "[0, 1)", &r->alone));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,7 +67,7 @@ static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
     change->keep[a]    = PETSC_TRUE;
     change->changed[a] = PETSC_FALSE;
   }
-  for (PetscInt a = 0; a < cloud->n_total; a++) change->share[a] = ResamplingShare(cloud, a);
+  for (PetscInt a = 0; a < cloud->n_total && cloud->domain->rings; a++) change->share[a] = ResamplingShare(cloud, a);
   PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,7 +164,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   PetscCall(ChangeCreate(cloud, &change));
   PetscCall(JoinSmall(cloud, resampling, &change, report));
-  PetscCall(SplitLarge(cloud, resampling, &change, report));
+  if (cloud->domain->rings) PetscCall(SplitLarge(cloud, resampling, &change, report));
   PetscCall(ParticlesClose(cloud->particles, &change.arrays));
   done[0] = report->joined;
   done[1] = report->split;

@@ -3,6 +3,8 @@
    ring's length, so it shrinks in a crown and grows in a jet. Now and then
      a particle whose share is too small becomes one with its nearest neighbour, and
      one whose share is too large becomes two, where the gap between its neighbours is widest.
+   Graded particles that are no rings keep their volumes, but a splash throws small ones among large ones, where they
+   are pushed about like molecules, faster and faster: one that is alone there becomes one with its nearest neighbour.
    Mass and momentum are kept to round-off, each kind of liquid and the place of the mass too; the kinetic energy that
    this takes is counted. Which particles join follows from their distances and ids, so it is the same on any number of
    ranks. */
@@ -16,6 +18,7 @@ typedef struct {
   PetscReal least, most; /* shares over V_0 that ask for joining and for splitting */
   PetscReal together;    /* largest share of two that join */
   PetscReal reach, path; /* how close they must be, spacings; that times the smaller share */
+  PetscReal alone;       /* of graded particles: share of liquid of their size in the support that asks for joining */
 } Resampling;
 
 /* What was done. */
@@ -24,8 +27,8 @@ typedef struct {
   PetscReal energy;        /* kinetic energy lost by it, J */
 } ResamplingReport;
 
-/* ResamplingSetFromOptions - -resampling_interval, -resampling_least, -resampling_most; nothing to read where all
-   volumes are the same. Collective. */
+/* ResamplingSetFromOptions - -resampling_interval, -resampling_least, -resampling_most of rings, -resampling_alone of
+   graded particles; nothing to read where all volumes are the same. Collective. */
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *resampling);
 /* ResamplingShare - the ring area of particle a over V_0. ResamplingDue - whether to join and split after this step, in
    which 'largest' is the largest share: at the interval, and at once where it is more than twice the most. Not

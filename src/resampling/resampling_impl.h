@@ -10,7 +10,7 @@ typedef struct {
   ParticleArrays arrays;
   PetscBool     *keep;           /* [n_owned] */
   PetscBool     *changed;        /* [n_owned] has joined with another: is not split as well */
-  PetscReal     *share;          /* [n_total] over V_0, at the end of the step */
+  PetscReal     *share;          /* [n_total] of rings, over V_0, at the end of the step */
   PetscInt       split, *parent; /* [split] local indices of those that became two */
   PetscReal *at; /* [split][3] m, from the parent's old place to the new particle's; the parent goes the other way */
 } Change;

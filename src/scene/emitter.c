@@ -118,19 +118,20 @@ void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], Pet
 
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
 {
-  const Emitter  *e     = (const Emitter *)body->emitter;
-  const PetscReal reach = e ? behind + e->nozzle : 0, speed = Norm(body->uniform), most = body->domain->spacing;
-  PetscReal       distance, rear[DIM];
-  PetscInt        steps;
+  const Emitter *e = (const Emitter *)body->emitter;
+  PetscReal      distance, reach, speed;
+  PetscInt       steps;
 
   if (!e) return PETSC_FALSE;
   distance = BodyDistance(body, x);
+  reach    = behind + e->nozzle;
   if (distance < 0 || distance >= reach) return (PetscBool)(distance < 0);
-  steps = (PetscInt)PetscCeilReal(reach / most);
+  speed = Norm(body->uniform);
+  steps = (PetscInt)PetscCeilReal(reach / body->domain->spacing); /* backwards, each at most a spacing */
   for (PetscInt k = 1; k <= steps; k++) {
-    const PetscReal s = reach * k / steps;
+    PetscReal rear[DIM];
 
-    for (PetscInt d = 0; d < DIM; d++) rear[d] = x[d] - s * body->uniform[d] / speed;
+    for (PetscInt d = 0; d < DIM; d++) rear[d] = x[d] - reach * k / steps * body->uniform[d] / speed;
     if (BodyDistance(body, rear) < 0) return PETSC_TRUE;
   }
   return PETSC_FALSE;

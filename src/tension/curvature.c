@@ -528,7 +528,6 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(CloudGetWork(cloud, 1, &scalar));
   PetscCall(CloudGetWork(cloud, 1, &share));
-  if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));
   PetscCall(ContactFindSolids(tension, cloud));
   PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
   PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));

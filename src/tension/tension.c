@@ -160,6 +160,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
+  if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));
   PetscCall(tension->interface ? InterfaceApply(tension, cloud) : tension->apply(tension, cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

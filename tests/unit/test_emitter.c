@@ -48,6 +48,32 @@ static PetscErrorCode TestTimes(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* An emitter holds what is in its shape, what has come less far than its nozzle, and nothing beside or behind it. */
+static PetscErrorCode TestHolds(void)
+{
+  const struct {
+    PetscReal   x[DIM];
+    PetscBool   with, without; /* a nozzle of 0.25 m */
+    const char *name;
+  } at[] = {{{3.15, 1.1, 0}, PETSC_TRUE, PETSC_TRUE, "in the shape"},
+            {{3.34, 1.1, 0}, PETSC_TRUE, PETSC_TRUE, "half a spacing downstream"},
+            {{3.36, 1.1, 0}, PETSC_TRUE, PETSC_FALSE, "in the nozzle"},
+            {{3.59, 1.1, 0}, PETSC_TRUE, PETSC_FALSE, "at the nozzle's end"},
+            {{3.61, 1.1, 0}, PETSC_FALSE, PETSC_FALSE, "beyond the nozzle"},
+            {{3.4, 1.24, 0}, PETSC_FALSE, PETSC_FALSE, "beside the nozzle"},
+            {{2.96, 1.1, 0}, PETSC_FALSE, PETSC_FALSE, "behind the shape"}};
+  Setup s;
+
+  PetscFunctionBegin;
+  for (PetscInt nozzle = 0; nozzle < 2; nozzle++) {
+    PetscCall(SetupOpen(nozzle ? EMITTERS "-hose_nozzle 0.25 " : EMITTERS, &s));
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(at); k++)
+      CHECK(BodyHolds(SceneBody(s.scene, 1), at[k].x, 0.05) == (nozzle ? at[k].with : at[k].without), at[k].name);
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Particles of one rank that have the number of another one. */
 static PetscInt Twice(const ParticleArrays *arrays)
 {
@@ -148,6 +174,7 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestTimes());
+  PetscCall(TestHolds());
   PetscCall(TestParticles());
   PetscCall(TestThread());
   PetscCall(PetscOptionsClear(NULL));
