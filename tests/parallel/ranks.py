@@ -53,12 +53,14 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
 # The same of different sizes.
 GRADED_TORI = TORI + """-spacing_coarse 2e-3 -spacing_growth 0.2 -fine core -core_lower 0,-4e-3 -core_upper 5e-3,12e-3
  -viscosity_solver implicit -viscous_ksp_rtol 1e-13 """
-# Particles of different sizes: a drop into a film, both finer where they meet, near periodic and mirror faces.
+# Particles of different sizes, some of which join: a drop into a film, both finer where they meet, near periodic and
+# mirror faces.
 GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper 36e-3,12e-3,12e-3 -box_x periodic
  -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 36e-3,12e-3,0
  -film_viscosity 3.5e-3 -film_tension 0.067 -drop_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3
- -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2 -time_step 4e-5 """
+ -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2 -time_step 4e-5
+ -resampling_interval 3 -resampling_alone 0.9 """
 # A drop that wets the floor, is repelled by a wall that has an angle of its own, and by a ball that moves.
 WETTED = """-spacing 0.8e-3 -box_lower 0,0,0 -box_upper 12e-3,9.6e-3,8e-3 -box_x wall -box_y periodic -box_zmin wall
  -wall_contact_angle 60 -box_xmin_contact_angle 110 -gravity 0,0,-9.81 -bodies drop -drop_shape sphere

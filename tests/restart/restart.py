@@ -39,13 +39,14 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
 # Rings of different sizes, of which the first joins and splits some across the border of what is fine.
 GRADED_TORI = TORI + """-spacing_coarse 2e-3 -spacing_growth 0.2 -fine core -core_lower 0,-4e-3 -core_upper 5e-3,12e-3
  -viscosity_solver implicit """
-# Particles of different sizes, finer where a drop meets a film.
+# Particles of different sizes, finer where a drop meets a film, some of which join.
 GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box_x periodic
  -box_ymin symmetry -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 12e-3,12e-3,0
  -film_tension 0.067 -drop_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3 -snapshot_double
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2
- -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4 """
+ -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4
+ -resampling_interval 3 -resampling_alone 0.9 """
 # A lens of one liquid on another.
 LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81
  -bodies drop,bath -bodies_overlap -drop_shape sphere -drop_radius 3e-3 -drop_center 5e-3,5e-3 -drop_density 700

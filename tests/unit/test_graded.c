@@ -600,6 +600,21 @@ static PetscErrorCode TestAlone(void)
   CHECK(SetupMax(most) > 4, "and make them larger");
   for (PetscInt k = 0; k < 3; k++) CHECK_CLOSE(after[k] / before[k], 1, 1e-12, "joining keeps volume, place, momentum");
   CHECK_CLOSE(energy / (before[3] - after[3]), 1, 1e-9, "and tells the energy");
+  PetscCall(ParticlesLocalSize(s.particles, &n));
+  PetscCall(ParticlesAppend(s.particles, rank == 0));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < n; a++) /* as large as may be */
+    if (arrays.real[FIELD_VOLUME][a] > 20) arrays.real[FIELD_VOLUME][a] = 0.9999 * PetscPowRealInt(4.4, 3);
+  if (rank == 0) {
+    for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_POSITION][DIM * n + d] = d == 0 ? 13 : d == 1 ? 14 : 3;
+    arrays.real[FIELD_VOLUME][n] = 1;
+    arrays.integer[INT_ID][n] = arrays.integer[INT_PARENT][n] = 200000;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(Resample(s.cloud, &resampling, &report));
+  CHECK_CLOSE(report.joined, 0, 0, "particles as large as may be take up no more");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
