@@ -36,12 +36,14 @@ def curve(table, name):
 
 
 def drop_liquid(folder):
-    """Where the paper saw the drop's liquid: on the crater's floor (about 15 ms), in the jet and below it (60 ms)."""
-    shares = {}
+    """Where the paper saw the drop's liquid: on the crater's floor (about 15 ms), in the jet and below it (60 ms).
+    Shares of what the drop had: with graded spacing some of it becomes part of larger particles of the film."""
+    shares, whole = {}, None
     for t, head, f in physics.snapshots(folder):
         drop = f["body"] == 1
         x, V = physics.upright(head, f)[drop], physics.volumes(head, f)[drop]
-        shares[t] = [V[where].sum() / V.sum() for where in (x[:, 2] < 0, np.hypot(x[:, 0], x[:, 1]) < 5e-3)]
+        whole = whole or V.sum()
+        shares[t] = [V[where].sum() / whole for where in (x[:, 2] < 0, np.hypot(x[:, 0], x[:, 1]) < 5e-3)]
     results = []
     for time, k, name in ((15e-3, 0, "drop's liquid below the level at 15 ms"),
                           (60e-3, 1, "drop's liquid within 5 mm of the axis at 60 ms")):

@@ -4,7 +4,8 @@
     liquid.py RUN_FOLDER [MORE_RUN_FOLDERS]
 
 While the crater is open: on its floor (below half its depth), on its wall (above that), in the rim (above the level).
-Later: in the jet and in the thread below it (within 2.2 mm of the axis, above and below the level), elsewhere.
+Later: in the jet and in the thread below it (within 2.2 mm of the axis, above and below the level), elsewhere. With
+graded spacing some becomes part of larger particles of the film, which is missing in the sum.
 """
 import argparse
 import os
@@ -21,10 +22,11 @@ AXIS = 2.2e-3  # m: radius of the jet and of the thread
 OPEN, CLOSED = ("floor", "wall", "rim"), ("jet", "thread", "elsewhere")
 
 
-def shares(x, volume, depth):
-    """{place: share in per cent} of particles at x [n][3] (m); depth (m) of the crater, nan if it has closed."""
+def shares(x, volume, whole, depth):
+    """{place: share of the whole volume in per cent} of particles at x [n][3] (m); depth (m) of the crater, nan if it
+    has closed."""
     def share(flag):
-        return 100 * volume[flag].sum() / volume.sum()
+        return 100 * volume[flag].sum() / whole
 
     r, z = np.hypot(x[:, 0], x[:, 1]), x[:, 2]
     if np.isfinite(depth):
@@ -38,14 +40,16 @@ def rows_of(folder):
     """[(time, shares)] of a run's snapshots nearest to TIMES."""
     series = rundata.read_series(folder)
     closed = compare.jet_rise(series)
-    found = {}
+    found, whole = {}, None
     for t, head, f in physics.snapshots(folder):
+        drop = f["body"] == 1
+        volume = physics.volumes(head, f)[drop]
+        whole = whole or volume.sum()
         time = min(TIMES, key=lambda wanted, t=t: abs(t - wanted))
         if abs(t - time) > NEAR or (time in found and abs(found[time][0] - time) <= abs(t - time)):
             continue
         depth = np.nan if t > closed else compare.at(series, "crater_depth", t)
-        drop = f["body"] == 1
-        found[time] = t, shares(physics.upright(head, f)[drop], physics.volumes(head, f)[drop], depth)
+        found[time] = t, shares(physics.upright(head, f)[drop], volume, whole, depth)
     return [found[time] for time in TIMES if time in found]
 
 

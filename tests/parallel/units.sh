@@ -4,7 +4,7 @@ cd "$(dirname "$0")/../.." || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
 bad=0
 for ranks in 2 3; do
-  for name in packing neighbors operators tension pressure twolevel points ghosts coarse graded; do
+  for name in packing neighbors operators tension pressure twolevel points ghosts coarse graded joining; do
     program=output/build/tests/unit/test_$name
     [ -x "$program" ] || { echo "FAIL $name on $ranks ranks: $program is not built"; bad=1; continue; }
     log=$(mpiexec -n "$ranks" "$program" 2>&1)

@@ -533,92 +533,6 @@ static PetscErrorCode TestRings(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Volume of the liquid, and its moment along x, momentum and kinetic energy, of unit density. */
-static void SumLiquid(Cloud cloud, PetscReal sum[4])
-{
-  sum[0] = sum[1] = sum[2] = sum[3] = 0;
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *v = cloud->field[FIELD_VELOCITY] + DIM * a;
-
-    sum[0] += cloud->volume[a];
-    sum[1] += cloud->volume[a] * cloud->field[FIELD_POSITION][DIM * a];
-    sum[2] += cloud->volume[a] * v[0];
-    sum[3] += 0.5 * cloud->volume[a] * Dot(v, v);
-  }
-  for (PetscInt k = 0; k < 4; k++) sum[k] = SetupSum(sum[k]);
-}
-
-/* Small particles among large ones become one with them, and keep volume, place and momentum of all; what they lose is
-   told. The grading itself stays, so does what flies, what has much of its size around it, and another liquid. */
-static PetscErrorCode TestAlone(void)
-{
-  enum { ALONE = 9, FLIES, OTHER, COUNT };
-  Setup            s;
-  ParticleArrays   arrays;
-  Resampling       resampling;
-  ResamplingReport report;
-  PetscInt         n, joined = 0;
-  PetscMPIInt      rank;
-  PetscReal        before[4], after[4], energy = 0, most = 0;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCall(SetupPack(STEEP "-bodies film,drop -drop_shape sphere -drop_radius 2 -drop_center 18,4,18 -drop_density 9 "
-                            "-film_density 1 -drop_viscosity 1 -film_viscosity 1 ",
-                      &s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  PetscCall(SetupMoments(&s));
-  PetscCall(Resample(s.cloud, &resampling, &report));
-  CHECK_CLOSE(report.joined, 0, 0, "no particle of a grading is alone");
-  PetscCall(ParticlesLocalSize(s.particles, &n));
-  PetscCall(ParticlesAppend(s.particles, rank ? 0 : COUNT));
-  PetscCall(ParticlesOpen(s.particles, &arrays));
-  for (PetscInt k = 0; k < COUNT && rank == 0; k++) { /* in coarse liquid, above it, and of the drop's liquid */
-    const PetscReal x[DIM] = {k == FLIES ? 5 : 13 + 3.1 * (k % 2), 14 + 0.7 * k - (k > ALONE ? 4 : 0),
-                              k == FLIES ? 19.9 : 3 + 0.9 * (k % 5)};
-
-    PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION] + DIM * (n + k), x, DIM));
-    arrays.real[FIELD_VELOCITY][DIM * (n + k)] = 1 + 0.5 * k;
-    arrays.real[FIELD_VOLUME][n + k]           = 1;
-    arrays.integer[INT_BODY][n + k]            = k == OTHER;
-    arrays.integer[INT_ID][n + k] = arrays.integer[INT_PARENT][n + k] = 100000 + k;
-  }
-  PetscCall(ParticlesClose(s.particles, &arrays));
-  PetscCall(CloudResync(s.cloud));
-  SumLiquid(s.cloud, before);
-  for (PetscInt k = 0; k < 5; k++) {
-    PetscCall(SetupMoments(&s));
-    PetscCall(Resample(s.cloud, &resampling, &report));
-    CHECK(report.split == 0, "graded particles do not split");
-    joined += report.joined;
-    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) /* the film's density is 1 */
-      most = PetscMax(most, s.cloud->size[a]);
-    energy += report.energy;
-  }
-  SumLiquid(s.cloud, after);
-  CHECK_CLOSE(joined, ALONE, 0, "small particles among large ones join them, others do not");
-  CHECK(SetupMax(most) > 4, "and make them larger");
-  for (PetscInt k = 0; k < 3; k++) CHECK_CLOSE(after[k] / before[k], 1, 1e-12, "joining keeps volume, place, momentum");
-  CHECK_CLOSE(energy / (before[3] - after[3]), 1, 1e-9, "and tells the energy");
-  PetscCall(ParticlesLocalSize(s.particles, &n));
-  PetscCall(ParticlesAppend(s.particles, rank == 0));
-  PetscCall(ParticlesOpen(s.particles, &arrays));
-  for (PetscInt a = 0; a < n; a++) /* as large as may be */
-    if (arrays.real[FIELD_VOLUME][a] > 20) arrays.real[FIELD_VOLUME][a] = 0.9999 * PetscPowRealInt(4.4, 3);
-  if (rank == 0) {
-    for (PetscInt d = 0; d < DIM; d++) arrays.real[FIELD_POSITION][DIM * n + d] = d == 0 ? 13 : d == 1 ? 14 : 3;
-    arrays.real[FIELD_VOLUME][n] = 1;
-    arrays.integer[INT_ID][n] = arrays.integer[INT_PARENT][n] = 200000;
-  }
-  PetscCall(ParticlesClose(s.particles, &arrays));
-  PetscCall(CloudResync(s.cloud));
-  PetscCall(SetupMoments(&s));
-  PetscCall(Resample(s.cloud, &resampling, &report));
-  CHECK_CLOSE(report.joined, 0, 0, "particles as large as may be take up no more");
-  PetscCall(SetupClose(&s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* A thin fine ring beside a coarse one joins it, for together they are not too large for their mean size, which they
    have then; a fat coarse one splits so far apart as coarse ones are. */
 static PetscErrorCode TestJoin(void)
@@ -720,7 +634,6 @@ int main(int argc, char **argv)
   PetscCall(TestRings());
   PetscCall(TestSheet());
   PetscCall(TestEmitter());
-  PetscCall(TestAlone());
   PetscCall(TestBalance());
   if (size == 1) PetscCall(TestPair());
   if (size == 1) PetscCall(TestJoin());
