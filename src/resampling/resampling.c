@@ -8,8 +8,8 @@
 #define RUSH     2 /* times the largest share: a ring that runs onto the axis grows so fast that it cannot wait */
 #define TOGETHER 1.3
 #define REACH    1.25
-#define PATH     0.45 /* 0.75 spacings for a share of 0.6; what is almost nothing may go further */
-#define ALONE    0.125
+#define PATH     0.45  /* 0.75 spacings for a share of 0.6; what is almost nothing may go further */
+#define ALONE    0.125 /* about nine of the particles that a support holds in three dimensions */
 
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {

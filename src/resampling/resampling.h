@@ -4,7 +4,7 @@
      a particle whose share is too small becomes one with its nearest neighbour, and
      one whose share is too large becomes two, where the gap between its neighbours is widest.
    Graded particles that are no rings keep their volumes, but a splash throws small ones among large ones, where they
-   are pushed about like molecules, faster and faster: one that is alone there becomes one with its nearest neighbour.
+   are pushed about like molecules, faster and faster: one that is alone there becomes one with the nearest larger one.
    Mass and momentum are kept to round-off, each kind of liquid and the place of the mass too; the kinetic energy that
    this takes is counted. Which particles join follows from their distances and ids, so it is the same on any number of
    ranks. */

@@ -66,8 +66,7 @@ static PetscErrorCode TestAlone(void)
     PetscCall(Resample(s.cloud, &resampling, &report));
     CHECK(report.split == 0, "graded particles do not split");
     joined += report.joined;
-    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) /* the film's density is 1 */
-      most = PetscMax(most, s.cloud->size[a]);
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) most = PetscMax(most, s.cloud->size[a]);
     energy += report.energy;
   }
   SumLiquid(s.cloud, after);
