@@ -299,32 +299,41 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
-/* The weighted mean of column 6 over the m collected candidates, and its slope along the surface. */
-static PetscReal WeightedMean(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
-                              const PetscReal n[DIM], const NormalFit *fit, PetscReal slope[DIM])
+/* The weighted mean of column 6 over the m collected candidates. */
+static PetscReal WeightedMean(Tension tension, PetscInt m, const float *restrict weight, const NormalFit *fit)
+{
+  const PetscReal *restrict value = tension->liquid->near + 2 * DIM * tension->liquid->stride;
+  PetscReal f                     = 0;
+
+  SIMD_LOOP(reduction(+ : f))
+  for (PetscInt k = 0; k < m; k++) f += weight[k] * value[k];
+  return f * fit->inverse_w;
+}
+
+/* The slope of column 6 along the surface with the normal n at x, where its mean is 'mean'. */
+static void WeightedSlope(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
+                          const PetscReal n[DIM], const NormalFit *fit, PetscReal mean, PetscReal slope[DIM])
 {
   const PetscInt stride        = tension->liquid->stride;
   const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict value = cx + 2 * DIM * stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
-  PetscReal       along, f = 0, fx = 0, fy = 0, fz = 0;
+  PetscReal       along, fx = 0, fy = 0, fz = 0, f;
 
-  SIMD_LOOP(reduction(+ : f, fx, fy, fz))
+  slope[0] = slope[1] = slope[2] = 0;
+  if (!fit->enough) return;
+  SIMD_LOOP(reduction(+ : fx, fy, fz))
   for (PetscInt k = 0; k < m; k++) {
     const PetscReal wv = weight[k] * value[k];
 
-    f += wv;
     fx += wv * (cx[k] - x0);
     fy += wv * (cy[k] - y0);
     fz += wv * (cz[k] - z0);
   }
-  slope[0] = slope[1] = slope[2] = 0;
-  if (fit->enough) {
-    TensorApply(fit->B, fx - f * fit->x[0], fy - f * fit->x[1], fz - f * fit->x[2], slope);
-    along = Dot(slope, n);
-    for (PetscInt d = 0; d < DIM; d++) slope[d] -= along * n[d];
-  }
-  return f * fit->inverse_w;
+  f = mean / fit->inverse_w;
+  TensorApply(fit->B, fx - f * fit->x[0], fy - f * fit->x[1], fz - f * fit->x[2], slope);
+  along = Dot(slope, n);
+  for (PetscInt d = 0; d < DIM; d++) slope[d] -= along * n[d];
 }
 
 static inline PetscReal Sigma(Tension tension, Cloud cloud, PetscInt a)
@@ -409,60 +418,58 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
 
 /* TakeMean for the particles of a level, whose weights stand behind 'used' ones. */
 static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
-                                      const PetscReal value[], PetscInt64 *used)
+                                      const PetscReal value[], PetscReal mean[], PetscReal slope[], PetscInt64 *used)
 {
-  Liquid *liquid = TensionLevel(tension, level);
-  Around  around = {.cell = -1};
+  Liquid        *liquid  = TensionLevel(tension, level);
+  const PetscInt columns = COLUMNS(VALUE_COLUMN, 1) | (slope ? COLUMNS(0, DIM) : 0);
+  Around         around  = {.cell = -1};
 
   PetscFunctionBegin;
   LiquidLoad(liquid, VALUE_COLUMN, 1, value);
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
-    PetscReal      x[DIM];
+    const PetscInt   a      = LiquidParticle(liquid, p);
+    const NormalFit *fit    = &tension->fit[level][p];
+    const float     *weight = tension->weight + *used;
+    PetscReal        x[DIM];
 
     if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
-    PetscCall(
-      ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM) | COLUMNS(VALUE_COLUMN, 1), COLUMNS_TOTAL, &around));
-    ContactSlant(tension, &around, a, normal + DIM * a, 1);
-    cloud->field[FIELD_CAPILLARY][a] =
-      WeightedMean(tension, around.n, tension->weight + *used, x, normal + DIM * a, &tension->fit[level][p],
-                   cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a);
+    PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL, &around));
+    mean[a] = WeightedMean(tension, around.n, weight, fit);
+    if (slope) {
+      ContactSlant(tension, &around, a, normal + DIM * a, 1);
+      WeightedSlope(tension, around.n, weight, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
+    }
     *used += around.n;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE become the mean over the neighbours of a value ([n_total], Pa), of which
-   the ghosts are current, and its slope. After FindCurvature, with the same particles. */
-static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
+/* Sets the mean over the neighbours of a value ([n_total], Pa), of which the ghosts are current, and its slope ([3] a
+   particle; NULL: not wanted), of owned particles with a normal. After FindCurvature, with the same particles. */
+static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[],
+                               PetscReal mean[], PetscReal slope[])
 {
   PetscInt64 used = 0; /* weights */
 
   PetscFunctionBegin;
-  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(TakeMeanOfLevel(tension, cloud, l, normal, value, &used));
+  for (PetscInt l = 0; l < tension->levels; l++)
+    PetscCall(TakeMeanOfLevel(tension, cloud, l, normal, value, mean, slope, &used));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = FIELD_CAPILLARY and its slope. It gives back what
-   normals, fit and mean have smoothed away of a curvature that varies over a few H. With c = 2 the period of a drop's
-   second mode is right to 3 % at R/d0 = 8; without, it is 15 to 20 % too long. */
-static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal normal[])
+/* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = value ([n_total], Pa), ghosts current before and
+   after. It gives back what normals, fit and mean have smoothed away of a curvature that varies over a few H; done
+   before the mean or behind it, it is the same. With c = 2 the period of a drop's second mode is right to 3 % at
+   R/d0 = 8; without, it is 15 to 20 % too long. */
+static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal value[])
 {
-  PetscReal *value = cloud->field[FIELD_CAPILLARY], *slope = cloud->field[FIELD_CAPILLARY_SLOPE], *first, *first_slope;
-  const PetscReal c = tension->sharpening;
+  PetscReal *mean = cloud->field[FIELD_CAPILLARY]; /* of owned particles without a normal it is zero, as the value is */
 
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 1, &first));
-  PetscCall(CloudGetWork(cloud, DIM, &first_slope));
-  PetscCall(CloudUpdate(cloud, FIELD_CAPILLARY));
-  PetscCall(PetscArraycpy(first, value, cloud->n_total));
-  PetscCall(PetscArraycpy(first_slope, slope, DIM * cloud->n_fluid));
-  PetscCall(TakeMean(tension, cloud, normal, first));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] = first[a] + c * (first[a] - value[a]);
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] = first_slope[k] + c * (first_slope[k] - slope[k]);
-  PetscCall(CloudRestoreWork(cloud, &first_slope));
-  PetscCall(CloudRestoreWork(cloud, &first));
+  PetscCall(TakeMean(tension, cloud, normal, value, mean, NULL));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] += tension->sharpening * (value[a] - mean[a]);
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -536,9 +543,10 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
     PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, &used));
   PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
-  PetscCall(TakeMean(tension, cloud, normal, scalar));
+  if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal, scalar));
+  PetscCall(
+    TakeMean(tension, cloud, normal, scalar, cloud->field[FIELD_CAPILLARY], cloud->field[FIELD_CAPILLARY_SLOPE]));
   PetscCall(CloudRestoreWork(cloud, &scalar));
-  if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal));
   PetscCall(ContactRestore(tension, cloud));
   PetscCall(CloudRestoreWork(cloud, &normal));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -77,11 +77,12 @@ def work(row):
         # place, pressure, B, normal, crowding, density; acceleration.
         "Gradient": (8 * own + 20 * NUMBER * liquid, 0, 11 * own + 40 * liquid),
         # tension/curvature.c, particles with a normal alone. A pair with the liquid: distance 9, kernel 16, phi and its
-        # gradient 10. One with a normal: distance 9, kernel 13, moments 56, and in each mean 11; its weight (4 bytes)
-        # is written and read in each. A particle: place, normal, depth; the fit's eleven numbers; mean and slope.
-        "Tension": ((7 + (1 + SHARPENED) * 11 + SHARPENED * 4) * NUMBER * normals +
-                    4 * (1 + SHARPENED) * row["normal_pairs"], 16 * row["tension_pairs"] + 13 * row["normal_pairs"],
-                    19 * row["tension_pairs"] + (65 + 11 * SHARPENED) * row["normal_pairs"]),
+        # gradient 10. One with a normal: distance 9, kernel 13, moments 56, the mean that sharpens 2, the last one with
+        # its slope 11; its weight (4 bytes) is written, and read in each. A particle: place, normal, depth; the fit's
+        # eleven numbers; two means and the slope.
+        "Tension": ((7 + (1 + SHARPENED) * 11 + 5) * NUMBER * normals + 4 * (1 + SHARPENED) * row["normal_pairs"],
+                    16 * row["tension_pairs"] + 13 * row["normal_pairs"],
+                    19 * row["tension_pairs"] + (65 + 2 + 11) * row["normal_pairs"]),
         # stepper/shifting.c: lambda, crowding, B, velocity gradient; place and velocity in and out.
         "Shift": (31 * NUMBER * liquid, 0, 60 * liquid),
     }
