@@ -263,6 +263,36 @@ static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const
   _mm512_storeu_ps(near, _mm512_maskz_compress_ps(keep, other));
   return __builtin_popcount(keep);
 }
+#elif defined(EIGHT)
+static inline PetscInt KeepEight(PetscInt begin, PetscInt count, PetscInt n, const int32_t *place, const float *size,
+                                 const PetscInt *index, const float unit[DIM], float own, float limit, PetscInt a,
+                                 const int32_t p[DIM], PetscInt *restrict list, float *restrict s, float *restrict near)
+{
+  const int32_t *x     = place + begin;
+  const __m256   s2    = EightSquares(p, unit, x, x + n, x + 2 * n);
+  const __m256   other = _mm256_loadu_ps(size + begin), both = _mm256_add_ps(_mm256_set1_ps(own), other);
+  const __m256   most  = _mm256_mul_ps(_mm256_mul_ps(both, both), _mm256_set1_ps(0.25f * limit));
+  const __m256i  b     = _mm256_loadu_si256((const __m256i *)(index + begin));
+  const unsigned bits  = EightNear(s2, most, b, a, count);
+  const __m256i  front = EightFront(bits);
+
+  _mm256_storeu_si256((__m256i *)list, _mm256_permutevar8x32_epi32(b, front));
+  _mm256_storeu_ps(s, _mm256_permutevar8x32_ps(s2, front));
+  _mm256_storeu_ps(near, _mm256_permutevar8x32_ps(other, front));
+  return __builtin_popcount(bits);
+}
+
+static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const float *size, const PetscInt *index,
+                                const float unit[DIM], float own, float limit, PetscInt a, const int32_t p[DIM],
+                                PetscInt *restrict list, float *restrict s, float *restrict near)
+{
+  const PetscInt begin = RUN_BEGIN(run), count = RUN_COUNT(run);
+  const PetscInt found = KeepEight(begin, count, n, place, size, index, unit, own, limit, a, p, list, s, near);
+
+  if (count <= EIGHT) return found;
+  return found + KeepEight(begin + EIGHT, count - EIGHT, n, place, size, index, unit, own, limit, a, p, list + found,
+                           s + found, near + found);
+}
 #else
 static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const float *size, const PetscInt *index,
                                 const float unit[DIM], float own, float limit, PetscInt a, const int32_t p[DIM],

@@ -36,48 +36,16 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
   _mm512_storeu_ps(s, _mm512_maskz_compress_ps(keep, s2));
   return __builtin_popcount(keep);
 }
-#elif defined(__AVX2__) && defined(__FMA__) && !defined(PETSC_USE_64BIT_INDICES)
-  #include <immintrin.h>
-
-  #define EIGHT 8 /* candidates in a register */
-
-/* For each set of eight bits the places of those that are set, a byte each: permutes what is kept to the front. */
-static uint64_t front[1 << EIGHT];
-
-static void SetFront(void)
-{
-  if (front[1 << 1]) return; /* is set */
-  for (uint32_t bits = 0; bits < 1 << EIGHT; bits++) {
-    PetscInt n = 0;
-
-    front[bits] = 0;
-    for (uint64_t k = 0; k < EIGHT; k++)
-      if (bits >> k & 1) front[bits] |= k << (8 * n++);
-  }
-}
-
-/* (p - x)/h of eight candidates */
-static inline __m256 Difference(int32_t p, const int32_t *x, float unit)
-{
-  return _mm256_mul_ps(_mm256_set1_ps(unit),
-                       _mm256_cvtepi32_ps(
-                         _mm256_sub_epi32(_mm256_set1_epi32(p), _mm256_loadu_si256((const __m256i *)x))));
-}
-
+#elif defined(EIGHT)
 static inline PetscInt KeepEight(PetscInt begin, PetscInt count, const PetscInt *restrict order,
                                  const int32_t *restrict x, const int32_t *restrict y, const int32_t *restrict z,
                                  const int32_t p[DIM], const float unit[DIM], float limit, PetscInt a,
                                  PetscInt *restrict list, float *restrict s)
 {
-  const __m256 dx = Difference(p[0], x + begin, unit[0]), dy = Difference(p[1], y + begin, unit[1]),
-               dz      = Difference(p[2], z + begin, unit[2]);
-  const __m256  s2     = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
-  const __m256i b      = _mm256_loadu_si256((const __m256i *)(order + begin));
-  const __m256i real   = _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)),
-                keep   = _mm256_andnot_si256(_mm256_cmpeq_epi32(b, _mm256_set1_epi32(a)), real);
-  const __m256   near  = _mm256_and_ps(_mm256_castsi256_ps(keep), _mm256_cmp_ps(s2, _mm256_set1_ps(limit), _CMP_LT_OQ));
-  const unsigned bits  = (unsigned)_mm256_movemask_ps(near);
-  const __m256i  place = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(front + bits)));
+  const __m256   s2    = EightSquares(p, unit, x + begin, y + begin, z + begin);
+  const __m256i  b     = _mm256_loadu_si256((const __m256i *)(order + begin));
+  const unsigned bits  = EightNear(s2, _mm256_set1_ps(limit), b, a, count);
+  const __m256i  place = EightFront(bits);
 
   _mm256_storeu_si256((__m256i *)list, _mm256_permutevar8x32_epi32(b, place));
   _mm256_storeu_ps(s, _mm256_permutevar8x32_ps(s2, place));
@@ -170,9 +138,6 @@ static PetscErrorCode SearchCreate(Cloud cloud, Search *search)
   PetscInt        longest = 0;
 
   PetscFunctionBegin;
-#if defined(EIGHT)
-  SetFront();
-#endif
   search->units  = SearchUnits(cloud);
   search->radius = KernelSupport(cloud->kernel);
   search->limit  = (float)PetscSqr(search->radius / KernelSmoothingLength(cloud->kernel));
@@ -217,6 +182,9 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
+#if defined(EIGHT)
+  EightSet();
+#endif
   if (cloud->size) {
     PetscCall(SearchGraded(cloud, visit, context));
     PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));

@@ -41,6 +41,49 @@ static inline float SumSquares(float dx, float dy, float dz)
 #endif
 }
 
+/* Candidates eight at a time, where vectors of eight are the longest. */
+#if defined(__AVX2__) && defined(__FMA__) && !defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
+  #include <immintrin.h>
+
+  #define EIGHT 8
+
+/* For each set of eight bits the places of those that are set, a byte each, which EightSet sets. EightFront - as a
+   vector, which permutes what is kept to the front. */
+extern uint64_t eight_front[1 << EIGHT];
+void            EightSet(void);
+
+static inline __m256i EightFront(unsigned bits)
+{
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(eight_front + bits)));
+}
+
+/* (p - x)/h of eight candidates */
+static inline __m256 EightApart(int32_t p, const int32_t *x, float unit)
+{
+  return _mm256_mul_ps(_mm256_set1_ps(unit),
+                       _mm256_cvtepi32_ps(
+                         _mm256_sub_epi32(_mm256_set1_epi32(p), _mm256_loadu_si256((const __m256i *)x))));
+}
+
+/* EightSquares - SumSquares of eight candidates. */
+static inline __m256 EightSquares(const int32_t p[DIM], const float unit[DIM], const int32_t *x, const int32_t *y,
+                                  const int32_t *z)
+{
+  const __m256 dx = EightApart(p[0], x, unit[0]), dy = EightApart(p[1], y, unit[1]), dz = EightApart(p[2], z, unit[2]);
+
+  return _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
+}
+
+/* EightNear - which of the first 'count' candidates b are below their limit, without particle a itself: a bit each. */
+static inline unsigned EightNear(__m256 s2, __m256 limit, __m256i b, PetscInt a, PetscInt count)
+{
+  const __m256i real = _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)),
+                keep = _mm256_andnot_si256(_mm256_cmpeq_epi32(b, _mm256_set1_epi32(a)), real);
+
+  return (unsigned)_mm256_movemask_ps(_mm256_and_ps(_mm256_castsi256_ps(keep), _mm256_cmp_ps(s2, limit, _CMP_LT_OQ)));
+}
+#endif
+
 /* A run of up to LANES candidates in one integer: where it starts in the grid's order in the lower half, its count in
    the upper half, to halve the memory traffic. A larger count stands for more runs behind this one. */
 typedef int64_t Run;
