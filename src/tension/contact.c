@@ -151,15 +151,16 @@ const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt
   return image->contact ? image->contact : index < 0 ? NULL : &solid->angle[index];
 }
 
-/* How far (m) from a wall the particles of a cell may have images among their neighbours. */
-static PetscReal ImageReach(Tension tension)
+/* How far (m) from a wall a particle of a cell and a neighbour may be together, if its image is to be within the
+   support of the first. */
+static PetscReal ImageReach(const Liquid *liquid, PetscInt cell)
 {
-  return PetscMin(tension->liquid->most, tension->size_most) * tension->liquid->support + tension->liquid->grid.size;
+  return LiquidRadius(liquid, cell) + liquid->grid.size;
 }
 
-static PetscBool NearWall(Tension tension, Domain domain, const PetscReal x[DIM])
+static PetscBool NearWall(Tension tension, Domain domain, PetscInt cell, const PetscReal x[DIM])
 {
-  const PetscReal reach = ImageReach(tension);
+  const PetscReal reach = ImageReach(tension->liquid, cell);
   PetscBool       near  = PETSC_FALSE;
 
   for (PetscInt d = 0; d < domain->dim && tension->walls; d++) {
@@ -208,11 +209,11 @@ static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const P
   return PETSC_TRUE;
 }
 
-/* Adds the images in one wall (m, its place along the axis) of the n collected candidates behind them, with their first
-   'width' columns and that of the weight; columns 3 to 5 hold normals if width says that there are any. Returns the new
-   number; 'real' ones of the n are no images. */
-static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, const WallImages *image, PetscInt width,
-                          PetscInt real, PetscInt n)
+/* Adds the images in one wall (m, its place along the axis) of the n collected candidates within 'reach' (m) of it
+   behind them, with their first 'width' columns and that of the weight; columns 3 to 5 hold normals if width says that
+   there are any. Returns the new number; 'real' ones of the n are no images. */
+static PetscInt AddImages(Tension tension, PetscReal wall, PetscReal reach, PetscInt axis, const WallImages *image,
+                          PetscInt width, PetscInt real, PetscInt n)
 {
   Images        *images = &tension->images;
   const PetscInt stride = tension->liquid->stride;
@@ -220,7 +221,7 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, const 
   PetscInt       copies = n;
 
   for (PetscInt k = 0; k < n; k++) {
-    if (PetscAbsReal(at[k] - wall) > ImageReach(tension)) continue;
+    if (PetscAbsReal(at[k] - wall) > reach) continue;
     if (!CopyImage(tension, image->contact, image->inward, width, k, copies)) continue;
     at[copies] = 2 * wall - at[k];
     if (images->used) {
@@ -235,15 +236,14 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscInt axis, const 
 
 /* The same of the images in solids. Those that are further than the support from all points of the cell of x, wherever
    they are moved along the solid, are left out. */
-static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt width, PetscInt n)
+static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt cell, PetscInt width, PetscInt n)
 {
   const SolidContact *solid  = &tension->solid;
   Images             *images = &tension->images;
   Liquid             *liquid = tension->liquid;
   const PetscInt      stride = liquid->stride;
-  const PetscReal     reach  = PetscMin(liquid->most, tension->size_most) * liquid->support +
-                          PetscSqrtReal((PetscReal)tension->dim) * liquid->grid.size;
-  PetscInt copies = n;
+  const PetscReal     reach  = LiquidRadius(liquid, cell) + PetscSqrtReal((PetscReal)tension->dim) * liquid->grid.size;
+  PetscInt            copies = n;
 
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt      a     = (PetscInt)liquid->near[SOLID_COLUMN * stride + k];
@@ -325,8 +325,10 @@ void ContactShares(Tension tension, const Around *around, PetscInt begin, PetscI
    have an image in the next wall. */
 static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, Around *around)
 {
+  const PetscReal reach = ImageReach(tension->liquid, around->cell);
+
   if (tension->solid.count) {
-    const PetscInt n = AddSolidImages(tension, x, width, around->n);
+    const PetscInt n = AddSolidImages(tension, x, around->cell, width, around->n);
 
     around->image[around->images++] = (WallImages){.begin = around->n, .end = n};
     around->n                       = n;
@@ -336,9 +338,10 @@ static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], Petsc
       const PetscReal wall  = side ? domain->upper[d] : domain->lower[d];
       WallImages      image = {.begin = around->n, .axis = d, .wall = wall, .contact = &tension->contact[d][side]};
 
-      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > ImageReach(tension)) continue;
+      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > reach) continue;
       image.inward[d] = side ? -1 : 1;
-      around->n = image.end           = AddImages(tension, wall, d, &image, width, around->real, around->n);
+      around->n       = image.end =
+        AddImages(tension, wall, reach - PetscAbsReal(x[d] - wall), d, &image, width, around->real, around->n);
       around->image[around->images++] = image;
     }
 }
@@ -368,7 +371,7 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
 
   PetscFunctionBegin;
   if (cell == around->cell) PetscFunctionReturn(PETSC_SUCCESS);
-  faces          = NearWall(tension, domain, x);
+  faces          = NearWall(tension, domain, cell, x);
   around->cell   = cell;
   around->images = 0;
   if (faces || solids) columns = COLUMNS(0, width);

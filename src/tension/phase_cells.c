@@ -1,6 +1,7 @@
 /* The liquid sorted into cells, and the part of it around a cell in columns, over which the compiler can vectorise. */
 #include "tension_impl.h"
 
+#define VECTOR   8  /* numbers that are copied at once */
 #define FAR_AWAY 10 /* supports, of what fills up the last vector */
 
 /* The largest size of the liquid's level in each cell, from which LiquidCollect knows how far to reach. */
@@ -42,7 +43,7 @@ PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscR
     liquid->capacity = cloud->n_total + cloud->n_total / 8;
     PetscCall(PetscFree(liquid->sorted));
     PetscCall(PetscFree(liquid->index));
-    PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->capacity, &liquid->sorted));
+    PetscCall(PetscCalloc1(LIQUID_WIDTH * liquid->capacity + VECTOR, &liquid->sorted));
     PetscCall(PetscMalloc1(liquid->capacity, &liquid->index));
   }
   liquid->support = support;
@@ -68,92 +69,91 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
       liquid->sorted[(column + w) * liquid->count + k] = field[width * LiquidParticle(liquid, k) + w];
 }
 
-/* Copies columns of the 'length' particles from 'begin' on behind the n collected ones. */
-static void CopyLine(Liquid *liquid, PetscInt n, PetscInt begin, PetscInt length, PetscInt columns)
+/* Finds what is within the support of cell c: lines of neighbouring cells, whose particles stand one behind the other.
+   Returns their number. */
+static PetscInt FindLines(Liquid *liquid, PetscInt c)
 {
-  for (PetscInt w = 0; columns >> w; w++) {
-    PetscReal *restrict to         = liquid->near + w * liquid->stride + n;
-    const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin;
+  const CellGrid *grid   = &liquid->grid;
+  const PetscReal radius = LiquidRadius(liquid, c);
+  PetscInt        n      = 0, reach, cell[DIM];
 
-    if (!(columns >> w & 1)) continue;
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < length; k++) to[k] = from[k];
-  }
-}
-
-/* The same in single precision, positions relative to 'origin'. */
-static void NarrowLine(Liquid *liquid, PetscInt n, PetscInt begin, PetscInt length, PetscInt columns,
-                       const PetscReal origin[DIM])
-{
-  for (PetscInt w = 0; columns >> w; w++) {
-    float *restrict to             = liquid->single + w * liquid->single_stride + n;
-    const PetscReal *restrict from = liquid->sorted + w * liquid->count + begin, shift = w < DIM ? origin[w] : 0;
-
-    if (!(columns >> w & 1)) continue;
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < length; k++) to[k] = (float)(from[k] - shift);
-  }
-}
-
-/* One pass over the cells around c: counts the particles and copies the columns whose bits are set, to 'near' or, with
-   an origin, to 'single'. */
-static PetscInt Gather(Liquid *liquid, PetscInt c, PetscInt columns, const PetscReal origin[])
-{
-  const CellGrid *grid  = &liquid->grid;
-  const PetscInt  reach = liquid->reach;
-  PetscInt        n     = 0, cell[DIM];
-
+  if (radius != liquid->radius) SetReach(liquid, radius);
+  reach         = liquid->reach;
+  liquid->lines = 0;
   CellCoordinates(grid->n, c, cell);
   for (PetscInt z = PetscMax(0, cell[2] - reach); z <= PetscMin(grid->n[2] - 1, cell[2] + reach); z++)
     for (PetscInt y = PetscMax(0, cell[1] - reach); y <= PetscMin(grid->n[1] - 1, cell[1] + reach); y++) {
       const PetscInt along = liquid->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])],
-                     line  = CellIndex(grid->n, 0, y, z);
+                     row   = CellIndex(grid->n, 0, y, z);
       PetscInt begin, length;
 
       if (along < 0) continue;
-      begin  = grid->start[line + PetscMax(0, cell[0] - along)];
-      length = grid->start[line + PetscMin(grid->n[0] - 1, cell[0] + along) + 1] - begin;
-      if (origin)
-        NarrowLine(liquid, n, begin, length, columns, origin);
-      else
-        CopyLine(liquid, n, begin, length, columns);
+      begin  = grid->start[row + PetscMax(0, cell[0] - along)];
+      length = grid->start[row + PetscMin(grid->n[0] - 1, cell[0] + along) + 1] - begin;
+      if (length == 0) continue;
+      liquid->line[liquid->lines++] = (LiquidLine){begin, length};
       n += length;
     }
   return n;
 }
 
+/* Copies a column of the lines. Each line is copied in whole vectors, of which the next one overwrites the end. */
+static void CopyColumn(const Liquid *liquid, const PetscReal from[], PetscReal *restrict to)
+{
+  for (PetscInt l = 0; l < liquid->lines; to += liquid->line[l++].length)
+    for (PetscInt k = 0; k < liquid->line[l].length; k += VECTOR) {
+      const PetscReal *restrict piece = from + liquid->line[l].begin + k;
+
+      SIMD_LOOP()
+      for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = piece[i];
+    }
+}
+
+/* The same in single precision, less 'shift'. */
+static void NarrowColumn(const Liquid *liquid, const PetscReal from[], PetscReal shift, float *restrict to)
+{
+  for (PetscInt l = 0; l < liquid->lines; to += liquid->line[l++].length)
+    for (PetscInt k = 0; k < liquid->line[l].length; k += VECTOR) {
+      const PetscReal *restrict piece = from + liquid->line[l].begin + k;
+
+      SIMD_LOOP()
+      for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = (float)(piece[i] - shift);
+    }
+}
+
 PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
 {
-  const PetscReal radius = liquid->support * (liquid->largest ? liquid->largest[c] : 1);
-
   PetscFunctionBegin;
-  if (radius != liquid->radius) SetReach(liquid, radius);
-  *n = Gather(liquid, c, 0, NULL);
-  if (*n * copies > liquid->stride) {
-    liquid->stride = *n * copies * 2;
+  *n = FindLines(liquid, c);
+  if (*n * copies + VECTOR > liquid->stride) {
+    liquid->stride = *n * copies * 2 + VECTOR;
     PetscCall(PetscFree(liquid->near));
     PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->stride, &liquid->near));
   }
-  Gather(liquid, c, columns, NULL);
+  for (PetscInt w = 0; w < LIQUID_WIDTH; w++)
+    if (columns >> w & 1) CopyColumn(liquid, liquid->sorted + w * liquid->count, liquid->near + w * liquid->stride);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LiquidCollectSingle(Liquid *liquid, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
                                    PetscInt *m)
 {
-  const PetscInt n = Gather(liquid, c, 0, NULL);
+  const PetscInt n = FindLines(liquid, c);
 
   PetscFunctionBegin;
   *m = (n + KERNEL_LANES - 1) / KERNEL_LANES * KERNEL_LANES;
-  if (*m > liquid->single_stride) {
-    liquid->single_stride = *m + *m / 4 / KERNEL_LANES * KERNEL_LANES;
+  if (*m + VECTOR > liquid->single_stride) {
+    liquid->single_stride = *m + (*m / 4 + VECTOR) / KERNEL_LANES * KERNEL_LANES + KERNEL_LANES;
     PetscCall(PetscFree(liquid->single));
     PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->single_stride, &liquid->single));
   }
-  Gather(liquid, c, columns, origin);
-  for (PetscInt w = 0; columns >> w; w++)
-    for (PetscInt k = n; k < *m; k++)
-      liquid->single[w * liquid->single_stride + k] = w < DIM ? (float)(FAR_AWAY * liquid->support) : 0;
+  for (PetscInt w = 0; w < LIQUID_WIDTH; w++) {
+    float *column = liquid->single + w * liquid->single_stride;
+
+    if (!(columns >> w & 1)) continue;
+    NarrowColumn(liquid, liquid->sorted + w * liquid->count, w < DIM ? origin[w] : 0, column);
+    for (PetscInt k = n; k < *m; k++) column[k] = w < DIM ? (float)(FAR_AWAY * liquid->support) : 0;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -21,6 +21,11 @@
 #define LIQUID_CELLS_GRADED 3
 #define LIQUID_CELLS_MOST   4
 
+/* Particles that stand one behind the other in the sorted order. */
+typedef struct {
+  PetscInt begin, length;
+} LiquidLine;
+
 /* The liquid (fluid particles, ghosts too) sorted into cells. A particle has a place in the sorted order and a local
    index in the cloud. */
 typedef struct {
@@ -31,6 +36,8 @@ typedef struct {
   PetscReal *largest; /* [cells] of graded particles: the largest size of this level in the cell; NULL: one size */
   PetscReal  radius;  /* m, for which the table is: the support of the last cell's particles */
   PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within it: see CellsAlong */
+  PetscInt   lines;                                                      /* around a cell */
+  LiquidLine line[PetscSqr(2 * LIQUID_CELLS_MOST + 3)];                  /* [lines] */
   PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
   PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
   float     *single; /* [LIQUID_WIDTH][single_stride] those that LiquidCollectSingle found */
@@ -78,6 +85,12 @@ static inline PetscInt LiquidParticle(const Liquid *liquid, PetscInt place)
 static inline PetscInt LiquidCell(const Liquid *liquid, PetscInt place)
 {
   return liquid->grid.of_point[liquid->grid.order[place]];
+}
+
+/* LiquidRadius - how far (m) from a cell particles matter. */
+static inline PetscReal LiquidRadius(const Liquid *liquid, PetscInt cell)
+{
+  return liquid->support * (liquid->largest ? liquid->largest[cell] : 1);
 }
 
 static inline void LiquidPosition(const Liquid *liquid, PetscInt place, PetscReal x[DIM])
