@@ -218,4 +218,94 @@ static inline PetscInt PaddedLength(PetscInt n)
   return (n + SIMD_WIDTH - 1) / SIMD_WIDTH * SIMD_WIDTH;
 }
 
+/* Apart - p - x, of integers that may wrap around: positions in units so small that the box does not fit. */
+static inline int32_t Apart(int32_t p, int32_t x)
+{
+  return (int32_t)((uint32_t)p - (uint32_t)x);
+}
+
+/* Eight numbers in single precision, of which some are kept: a bit each. */
+#define EIGHT 8
+typedef float Eight __attribute__((vector_size(EIGHT * sizeof(float))));
+
+/* eight_front - for each set of eight bits the places of those that are set, a byte each; EightSet sets it, before the
+   first use of what follows. */
+extern uint64_t eight_front[1 << EIGHT];
+void            EightSet(void);
+
+/* EightLoad - x[0] to x[7]. */
+static inline Eight EightLoad(const float x[])
+{
+  Eight t;
+
+  (void)memcpy(&t, x, sizeof(t));
+  return t;
+}
+
+/* EightApart - Apart for x[0] to x[7]. EightSingle - in single precision. */
+typedef int32_t EightIntegers __attribute__((vector_size(EIGHT * sizeof(int32_t))));
+
+static inline EightIntegers EightApart(int32_t p, const int32_t x[])
+{
+  typedef uint32_t Wrapping __attribute__((vector_size(EIGHT * sizeof(uint32_t))));
+  Wrapping         t;
+
+  (void)memcpy(&t, x, sizeof(t));
+  return (EightIntegers)((uint32_t)p - t);
+}
+
+static inline Eight EightSingle(EightIntegers t)
+{
+  return __builtin_convertvector(t, Eight);
+}
+
+/* EightBelow - which are below the limit. EightPack - writes those that are kept to the front of 'to', of which all
+   eight are written. EightPlaces - the same of the numbers first to first + 7. */
+#if defined(__AVX2__)
+/* EightFront - as a vector, which permutes what is kept to the front. */
+static inline __m256i EightFront(unsigned kept)
+{
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(eight_front + kept)));
+}
+
+static inline unsigned EightBelow(Eight s, float limit)
+{
+  return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps((__m256)s, _mm256_set1_ps(limit), _CMP_LT_OQ));
+}
+
+static inline void EightPack(unsigned kept, Eight x, float to[])
+{
+  _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)x, EightFront(kept)));
+}
+
+static inline void EightPlaces(unsigned kept, int32_t first, int32_t to[])
+{
+  _mm256_storeu_si256((__m256i *)to, _mm256_add_epi32(_mm256_set1_epi32(first), EightFront(kept)));
+}
+#else
+static inline unsigned EightBelow(Eight s, float limit)
+{
+  unsigned kept = 0;
+
+  for (unsigned k = 0; k < EIGHT; k++) kept |= (unsigned)(s[k] < limit) << k;
+  return kept;
+}
+
+static inline void EightPack(unsigned kept, Eight x, float to[])
+{
+  for (unsigned k = 0, n = 0; k < EIGHT; k++) { /* branchless: the next one overwrites what is not kept */
+    to[n] = x[k];
+    n += kept >> k & 1;
+  }
+}
+
+static inline void EightPlaces(unsigned kept, int32_t first, int32_t to[])
+{
+  for (unsigned k = 0, n = 0; k < EIGHT; k++) {
+    to[n] = first + (int32_t)k;
+    n += kept >> k & 1;
+  }
+}
+#endif
+
 #endif

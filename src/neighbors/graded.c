@@ -263,7 +263,7 @@ static inline PetscInt KeepNear(Run run, PetscInt n, const int32_t *place, const
   _mm512_storeu_ps(near, _mm512_maskz_compress_ps(keep, other));
   return __builtin_popcount(keep);
 }
-#elif defined(EIGHT)
+#elif defined(SEARCH_EIGHT)
 static inline PetscInt KeepEight(PetscInt begin, PetscInt count, PetscInt n, const int32_t *place, const float *size,
                                  const PetscInt *index, const float unit[DIM], float own, float limit, PetscInt a,
                                  const int32_t p[DIM], PetscInt *restrict list, float *restrict s, float *restrict near)

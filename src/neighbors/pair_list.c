@@ -25,22 +25,6 @@ Units SearchUnits(Cloud cloud)
   return units;
 }
 
-#if defined(EIGHT)
-uint64_t eight_front[1 << EIGHT];
-
-void EightSet(void)
-{
-  if (eight_front[1 << 1]) return; /* is set */
-  for (uint32_t bits = 0; bits < 1 << EIGHT; bits++) {
-    PetscInt n = 0;
-
-    eight_front[bits] = 0;
-    for (uint64_t k = 0; k < EIGHT; k++)
-      if (bits >> k & 1) eight_front[bits] |= k << (8 * n++);
-  }
-}
-#endif
-
 PetscErrorCode PlacesSort(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[], int32_t sorted[])
 {
   PetscFunctionBegin;

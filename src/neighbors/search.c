@@ -36,7 +36,7 @@ static inline PetscInt KeepNear(Run run, const PetscInt *restrict order, const i
   _mm512_storeu_ps(s, _mm512_maskz_compress_ps(keep, s2));
   return __builtin_popcount(keep);
 }
-#elif defined(EIGHT)
+#elif defined(SEARCH_EIGHT)
 static inline PetscInt KeepEight(PetscInt begin, PetscInt count, const PetscInt *restrict order,
                                  const int32_t *restrict x, const int32_t *restrict y, const int32_t *restrict z,
                                  const int32_t p[DIM], const float unit[DIM], float limit, PetscInt a,
@@ -182,9 +182,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
-#if defined(EIGHT)
   EightSet();
-#endif
   if (cloud->size) {
     PetscCall(SearchGraded(cloud, visit, context));
     PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));

@@ -2,6 +2,7 @@
 #ifndef ISPH_SEARCH_H
 #define ISPH_SEARCH_H
 
+#include "../base/simd.h"
 #include "pairs.h"
 
 #define LANES   SEARCH_LANES /* candidates compared at once */
@@ -23,13 +24,6 @@ static inline PetscReal Place(const Units *units, PetscInt d, PetscReal x)
   return rint((x - units->center[d]) * units->inverse[d]);
 }
 
-/* Apart - p - x. Lanes behind the candidates may hold points so far away that it wraps around; nothing comes of them.
- */
-static inline int32_t Apart(int32_t p, int32_t x)
-{
-  return (int32_t)((uint32_t)p - (uint32_t)x);
-}
-
 /* SumSquares - dx2 + dy2 + dz2, rounded in the same way for both particles of a pair wherever it is compiled: which
    products a compiler joins with the sums is not left to it. Not collective. */
 static inline float SumSquares(float dx, float dy, float dz)
@@ -43,33 +37,15 @@ static inline float SumSquares(float dx, float dy, float dz)
 
 /* Candidates eight at a time, where vectors of eight are the longest. */
 #if defined(__AVX2__) && defined(__FMA__) && !defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
-  #include <immintrin.h>
-
-  #define EIGHT 8
-
-/* For each set of eight bits the places of those that are set, a byte each, which EightSet sets. EightFront - as a
-   vector, which permutes what is kept to the front. */
-extern uint64_t eight_front[1 << EIGHT];
-void            EightSet(void);
-
-static inline __m256i EightFront(unsigned bits)
-{
-  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(eight_front + bits)));
-}
-
-/* (p - x)/h of eight candidates */
-static inline __m256 EightApart(int32_t p, const int32_t *x, float unit)
-{
-  return _mm256_mul_ps(_mm256_set1_ps(unit),
-                       _mm256_cvtepi32_ps(
-                         _mm256_sub_epi32(_mm256_set1_epi32(p), _mm256_loadu_si256((const __m256i *)x))));
-}
+  #define SEARCH_EIGHT
 
 /* EightSquares - SumSquares of eight candidates. */
 static inline __m256 EightSquares(const int32_t p[DIM], const float unit[DIM], const int32_t *x, const int32_t *y,
                                   const int32_t *z)
 {
-  const __m256 dx = EightApart(p[0], x, unit[0]), dy = EightApart(p[1], y, unit[1]), dz = EightApart(p[2], z, unit[2]);
+  const __m256 dx = (__m256)(unit[0] * EightSingle(EightApart(p[0], x))),
+               dy = (__m256)(unit[1] * EightSingle(EightApart(p[1], y))),
+               dz = (__m256)(unit[2] * EightSingle(EightApart(p[2], z)));
 
   return _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
 }

@@ -304,21 +304,14 @@ void ContactSlant(Tension tension, const Around *around, PetscInt a, const Petsc
   }
 }
 
-void ContactShares(Tension tension, const Around *around, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[],
-                   float F[])
+float ContactShare(Tension tension, PetscInt k, const PetscReal x[DIM])
 {
-  const Images   *images  = &tension->images;
-  const PetscInt  stride  = tension->liquid->stride;
-  const PetscReal support = PetscSqr(tension->size * tension->liquid->support);
+  const Images    *images = &tension->images;
+  const PetscInt   stride = tension->liquid->stride;
+  const PetscReal *from   = tension->liquid->near + images->origin[k],
+                  r[DIM]  = {from[0] - x[0], from[stride] - x[1], from[2 * stride] - x[2]};
 
-  for (PetscInt k = PetscMax(0, around->real - begin); k < m && images->used; k++) {
-    const PetscReal *from  = tension->liquid->near + images->origin[begin + k],
-                    r[DIM] = {from[0] - x[0], from[stride] - x[1], from[2 * stride] - x[2]};
-    const float share      = Dot(r, r) < support ? images->share[begin + k] : 0;
-
-    W[k] *= share;
-    if (F) F[k] *= share;
-  }
+  return Dot(r, r) < PetscSqr(tension->size * tension->liquid->support) ? images->share[k] : 0;
 }
 
 /* Continues the collected candidates in solids and behind all walls within the support of the cell of x. An image may

@@ -15,6 +15,9 @@
 
    Walls are mirrors: the liquid and its normals go on behind them (contact.c) so that the surface meets the wall under
    the contact angle. */
+#include <float.h>
+
+#include "../base/simd.h"
 #include "tension_impl.h"
 
 /* Options: -tension_threshold, |grad phi| H above which the surface is near and a particle has a normal (0.9 H deep
@@ -27,7 +30,9 @@
 #define REGULARITY 1e-6
 /* No particle counts as further outside the liquid than this, in spacings. */
 #define LARGEST_OUTSIDE 0.5
-#define BELOW_ONE       (1 - 1e-9)
+/* A chunk, whose last vector may go beyond its end. */
+#define ROOM      (CHUNK + EIGHT)
+#define BELOW_ONE (1 - 1e-9)
 /* With half of this drops, threads, sheets and contact lines do the same, in up to twice the steps. */
 #define STEP_LIMIT 0.5
 
@@ -70,12 +75,61 @@ static PetscReal FlatDepth(Tension tension, PetscReal phi)
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
-/* Multiplies W by the distances from the axis of the middles to a particle at x (m). */
-static void WeighMiddles(Tension tension, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[])
-{
-  const PetscReal *r = tension->liquid->near + begin;
+/* Of a chunk of what is collected around a particle, which serves all particles of its cell, a quarter to a half is
+   within the support: these are the neighbours, for which alone the kernel is evaluated. */
+typedef struct {
+  int32_t place[ROOM];        /* among what is collected, in ascending order */
+  float   s[ROOM];            /* |x - c|^2/H^2 */
+  float   W[CHUNK], F[CHUNK]; /* of the kernel */
+} Neighbors;
 
-  for (PetscInt k = 0; k < m; k++) W[k] *= (float)(0.5 * PetscAbsReal(x[0] + r[k]) / tension->spacing);
+/* Finds those of the m <= CHUNK collected candidates from 'begin' on, with distances s ([ROOM]), that are within the
+   support. Returns their number. */
+static PetscInt FindNeighbors(Tension tension, PetscInt begin, PetscInt m, float s[], Neighbors *near)
+{
+  const float limit = (float)PetscSqr(KernelSupport(tension->kernel) / KernelSmoothingLength(tension->kernel));
+  PetscInt    n     = 0;
+
+  for (PetscInt k = m; k < m + EIGHT; k++) s[k] = FLT_MAX; /* what fills up the last vector */
+  for (PetscInt k = 0; k < m; k += EIGHT) {
+    const Eight    eight = EightLoad(s + k);
+    const unsigned kept  = EightBelow(eight, limit);
+
+    EightPack(kept, eight, near->s + n);
+    EightPlaces(kept, (int32_t)(begin + k), near->place + n);
+    n += __builtin_popcount(kept);
+  }
+  return n;
+}
+
+/* W, and F if wanted, of n neighbours with the volumes of graded particles and of images. */
+static void EvaluateNeighbors(Tension tension, const Around *around, PetscInt n, const PetscReal x[DIM],
+                              PetscBool wants_f, Neighbors *near)
+{
+  const PetscReal *volume = tension->liquid->near + WEIGHT_COLUMN * tension->liquid->stride;
+
+  KernelSingle(tension->kernel, n, near->s, near->W, wants_f ? near->F : NULL);
+  for (PetscInt k = 0; k < n && (tension->rings || tension->graded); k++) {
+    const float v = (float)volume[near->place[k]];
+
+    near->W[k] *= v;
+    if (wants_f) near->F[k] *= v;
+  }
+  for (PetscInt k = n - 1; k >= 0 && near->place[k] >= around->real && tension->images.used; k--) {
+    const float share = ContactShare(tension, near->place[k], x);
+
+    near->W[k] *= share;
+    if (wants_f) near->F[k] *= share;
+  }
+}
+
+/* Multiplies W of n neighbours by the distances from the axis of the middles to a particle at x (m). */
+static void WeighMiddles(Tension tension, PetscInt n, const PetscReal x[DIM], Neighbors *near)
+{
+  const PetscReal *r = tension->liquid->near;
+
+  for (PetscInt k = 0; k < n; k++)
+    near->W[k] *= (float)(0.5 * PetscAbsReal(x[0] + r[near->place[k]]) / tension->spacing);
 }
 
 /* Adds phi and grad phi at x of the collected candidates first to n - 1, without V. */
@@ -86,22 +140,25 @@ static void SumPhase(Tension tension, const Around *around, PetscInt first, Pets
                             *restrict cz = cy + tension->liquid->stride;
   const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
   PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
-  float           s[CHUNK], W[CHUNK], F[CHUNK];
+  float           s[ROOM];
+  Neighbors       near;
 
   TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
+    PetscInt       l;
 
     Distances(tension, begin, m, x, inverse_h2, s);
-    KernelSingle(tension->kernel, m, s, W, F);
-    if (tension->rings || tension->graded) WeighVolumes(tension, begin, m, W, F);
-    if (tension->images.used) ContactShares(tension, around, begin, m, x, W, F);
+    l = FindNeighbors(tension, begin, m, s, &near);
+    EvaluateNeighbors(tension, around, l, x, PETSC_TRUE, &near);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
-    for (PetscInt k = 0; k < m; k++) {
-      sum += W[k];
-      gx += F[k] * (x0 - cx[begin + k]);
-      gy += F[k] * (y0 - cy[begin + k]);
-      gz += F[k] * (z0 - cz[begin + k]);
+    for (PetscInt k = 0; k < l; k++) {
+      const PetscInt b = near.place[k];
+
+      sum += near.W[k];
+      gx += near.F[k] * (x0 - cx[b]);
+      gy += near.F[k] * (y0 - cy[b]);
+      gz += near.F[k] * (z0 - cz[b]);
     }
   }
   *phi += scale_w * sum;
@@ -142,6 +199,7 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
 
 /* Weighted sums over the collected normals that point to the same side as n at x. */
 typedef struct {
+  PetscInt  kept;           /* neighbours */
   PetscReal count, w;       /* of normals; of weights */
   PetscReal x[DIM], n[DIM]; /* positions relative to x; normals */
   PetscReal s;              /* depths */
@@ -149,42 +207,48 @@ typedef struct {
   PetscReal nx[DIM][DIM];   /* products of normals and positions */
 } Moments;
 
-/* weight: [around->n], zero for normals that point to another side. The loop is long because all sums must share it. */
+/* weight, place: [around->n] of the neighbours whose normals point to the same side, out->kept of them. The loop is
+   long because all sums must share it. */
 static void SumNormals(Tension tension, const Around *around, const PetscReal x[DIM], const PetscReal n[DIM],
-                       float *restrict weight, Moments *out)
+                       float *restrict weight, int32_t *restrict place, Moments *out)
 {
-  const PetscInt m             = around->n;
   const PetscInt stride        = tension->liquid->stride;
   const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
   const PetscReal same_side = tension->same_side, x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
   PetscReal       scale_w, scale_f, inverse_h2;
-  float           s[CHUNK], W[CHUNK];
+  float           s[ROOM];
+  Neighbors       near;
+  PetscInt        kept  = 0;
   PetscReal       count = 0, sw = 0, sx = 0, sy = 0, sz = 0, px = 0, py = 0, pz = 0, ss = 0;
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
 
   TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
-  for (PetscInt begin = 0; begin < m; begin += CHUNK) {
-    const PetscInt l = PetscMin(CHUNK, m - begin);
+  for (PetscInt begin = 0; begin < around->n; begin += CHUNK) {
+    const PetscInt m = PetscMin(CHUNK, around->n - begin);
+    PetscInt       l;
 
-    Distances(tension, begin, l, x, inverse_h2, s);
-    KernelSingle(tension->kernel, l, s, W, NULL);
-    if (tension->rings || tension->graded) WeighVolumes(tension, begin, l, W, NULL);
-    if (tension->images.used) ContactShares(tension, around, begin, l, x, W, NULL);
-    if (tension->rings) WeighMiddles(tension, begin, l, x, W);
+    Distances(tension, begin, m, x, inverse_h2, s);
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < m; k++)
+      s[k] = ax * nx[begin + k] + ay * ny[begin + k] + az * nz[begin + k] > same_side ? s[k] : FLT_MAX;
+    l = FindNeighbors(tension, begin, m, s, &near);
+    EvaluateNeighbors(tension, around, l, x, PETSC_FALSE, &near);
+    if (tension->rings) WeighMiddles(tension, l, x, &near);
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
               reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
     /* clang-format on */
     for (PetscInt k = 0; k < l; k++) {
-      const PetscInt  b     = begin + k;
-      const PetscReal alike = ax * nx[b] + ay * ny[b] + az * nz[b] > same_side ? 1 : 0, w = alike * W[k];
+      const PetscInt  b  = near.place[k];
+      const PetscReal w  = near.W[k];
       const PetscReal dx = cx[b] - x0, dy = cy[b] - y0, dz = cz[b] - z0;
       const PetscReal wx = w * dx, wy = w * dy, wz = w * dz;
 
-      weight[b] = (float)w;
+      weight[kept + k] = near.W[k];
+      place[kept + k]  = near.place[k];
       count += w > 0 ? 1 : 0;
       sw += w;
       sx += wx;
@@ -210,8 +274,10 @@ static void SumNormals(Tension tension, const Around *around, const PetscReal x[
       qzy += wy * nz[b];
       qzz += wz * nz[b];
     }
+    kept += l;
   }
-  *out = (Moments){.count = count,
+  *out = (Moments){.kept  = kept,
+                   .count = count,
                    .w     = sw,
                    .x     = {sx, sy, sz},
                    .n     = {px, py, pz},
@@ -225,6 +291,7 @@ static void PrepareFit(Tension tension, const Moments *m, NormalFit *fit)
 {
   PetscReal M[6];
 
+  fit->count     = m->kept;
   fit->enough    = (PetscBool)(m->count >= FEWEST_NORMALS);
   fit->inverse_w = m->w > 0 ? 1 / m->w : 0;
   for (PetscInt d = 0; d < DIM; d++) fit->x[d] = m->x[d] * fit->inverse_w;
@@ -299,20 +366,22 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
-/* The weighted mean of column 6 over the m collected candidates. */
-static PetscReal WeightedMean(Tension tension, PetscInt m, const float *restrict weight, const NormalFit *fit)
+/* The weighted mean of column 6 over the neighbours of a fit. */
+static PetscReal WeightedMean(Tension          tension, const float *restrict weight, const int32_t *restrict place,
+                              const NormalFit *fit)
 {
   const PetscReal *restrict value = tension->liquid->near + 2 * DIM * tension->liquid->stride;
   PetscReal f                     = 0;
 
   SIMD_LOOP(reduction(+ : f))
-  for (PetscInt k = 0; k < m; k++) f += weight[k] * value[k];
+  for (PetscInt k = 0; k < fit->count; k++) f += weight[k] * value[place[k]];
   return f * fit->inverse_w;
 }
 
 /* The slope of column 6 along the surface with the normal n at x, where its mean is 'mean'. */
-static void WeightedSlope(Tension tension, PetscInt m, const float *restrict weight, const PetscReal x[DIM],
-                          const PetscReal n[DIM], const NormalFit *fit, PetscReal mean, PetscReal slope[DIM])
+static void WeightedSlope(Tension         tension, const float *restrict weight, const int32_t *restrict place,
+                          const PetscReal x[DIM], const PetscReal n[DIM], const NormalFit *fit, PetscReal mean,
+                          PetscReal slope[DIM])
 {
   const PetscInt stride        = tension->liquid->stride;
   const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
@@ -323,12 +392,13 @@ static void WeightedSlope(Tension tension, PetscInt m, const float *restrict wei
   slope[0] = slope[1] = slope[2] = 0;
   if (!fit->enough) return;
   SIMD_LOOP(reduction(+ : fx, fy, fz))
-  for (PetscInt k = 0; k < m; k++) {
-    const PetscReal wv = weight[k] * value[k];
+  for (PetscInt k = 0; k < fit->count; k++) {
+    const PetscInt  b  = place[k];
+    const PetscReal wv = weight[k] * value[b];
 
-    fx += wv * (cx[k] - x0);
-    fy += wv * (cy[k] - y0);
-    fz += wv * (cz[k] - z0);
+    fx += wv * (cx[b] - x0);
+    fy += wv * (cy[b] - y0);
+    fz += wv * (cz[b] - z0);
   }
   f = mean / fit->inverse_w;
   TensorApply(fit->B, fx - f * fit->x[0], fy - f * fit->x[1], fz - f * fit->x[2], slope);
@@ -381,9 +451,20 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds sigma kappa ([n_owned], Pa) of the owned particles of a level that have a normal, and keeps the fits and the
-   weights of their neighbours for TakeMean, behind 'used' ones. The depth is in its column. share: how far a particle
-   is one of a thin sheet. */
+/* Makes room for so many weights and places of neighbours. */
+static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
+{
+  PetscFunctionBegin;
+  if (count <= tension->weight_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  tension->weight_capacity = 2 * count;
+  PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(*tension->weight), &tension->weight));
+  PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(*tension->place), &tension->place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds sigma kappa ([n_owned], Pa) of the owned particles of a level that have a normal, and keeps the fits, weights
+   and places of their neighbours for TakeMean, behind 'used' ones. The depth is in its column. share: how far a
+   particle is one of a thin sheet. */
 static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
                                     const PetscReal share[], PetscReal capillary[], PetscInt64 *used)
 {
@@ -400,18 +481,15 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
-    if (*used + around.n > tension->weight_capacity) {
-      tension->weight_capacity = 2 * (*used + around.n);
-      PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(float), &tension->weight));
-    }
+    PetscCall(ReserveWeights(tension, *used + around.n));
     tension->size = CloudSize(cloud, a);
     ContactSlant(tension, &around, a, normal + DIM * a, 1);
-    SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, &m);
+    SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, tension->place + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
     capillary[a] =
       Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a));
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
-    *used += around.n;
+    *used += m.kept;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -430,17 +508,18 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     const PetscInt   a      = LiquidParticle(liquid, p);
     const NormalFit *fit    = &tension->fit[level][p];
     const float     *weight = tension->weight + *used;
+    const int32_t   *place  = tension->place + *used;
     PetscReal        x[DIM];
 
     if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
     PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL, &around));
-    mean[a] = WeightedMean(tension, around.n, weight, fit);
+    mean[a] = WeightedMean(tension, weight, place, fit);
     if (slope) {
       ContactSlant(tension, &around, a, normal + DIM * a, 1);
-      WeightedSlope(tension, around.n, weight, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
+      WeightedSlope(tension, weight, place, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
-    *used += around.n;
+    *used += fit->count;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

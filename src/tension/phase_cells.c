@@ -70,7 +70,7 @@ void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal
 }
 
 /* Finds what is within the support of cell c: lines of neighbouring cells, whose particles stand one behind the other.
-   Returns their number. */
+   Returns the number of these particles. */
 static PetscInt FindLines(Liquid *liquid, PetscInt c)
 {
   const CellGrid *grid   = &liquid->grid;
@@ -97,29 +97,22 @@ static PetscInt FindLines(Liquid *liquid, PetscInt c)
   return n;
 }
 
-/* Copies a column of the lines. Each line is copied in whole vectors, of which the next one overwrites the end. */
-static void CopyColumn(const Liquid *liquid, const PetscReal from[], PetscReal *restrict to)
-{
-  for (PetscInt l = 0; l < liquid->lines; to += liquid->line[l++].length)
-    for (PetscInt k = 0; k < liquid->line[l].length; k += VECTOR) {
-      const PetscReal *restrict piece = from + liquid->line[l].begin + k;
+/* Functions that copy a column of the lines, less 'shift'. Each line is copied in whole vectors, of which the next one
+   overwrites the end. */
+#define COPY_COLUMN(Name, Type)                                                                                        \
+  static void Name(const Liquid *liquid, const PetscReal from[], PetscReal shift, Type *restrict to)                   \
+  {                                                                                                                    \
+    for (PetscInt l = 0; l < liquid->lines; to += liquid->line[l++].length)                                            \
+      for (PetscInt k = 0; k < liquid->line[l].length; k += VECTOR) {                                                  \
+        const PetscReal *restrict piece = from + liquid->line[l].begin + k;                                            \
+                                                                                                                       \
+        SIMD_LOOP()                                                                                                    \
+        for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = (Type)(piece[i] - shift);                                    \
+      }                                                                                                                \
+  }
 
-      SIMD_LOOP()
-      for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = piece[i];
-    }
-}
-
-/* The same in single precision, less 'shift'. */
-static void NarrowColumn(const Liquid *liquid, const PetscReal from[], PetscReal shift, float *restrict to)
-{
-  for (PetscInt l = 0; l < liquid->lines; to += liquid->line[l++].length)
-    for (PetscInt k = 0; k < liquid->line[l].length; k += VECTOR) {
-      const PetscReal *restrict piece = from + liquid->line[l].begin + k;
-
-      SIMD_LOOP()
-      for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = (float)(piece[i] - shift);
-    }
-}
+COPY_COLUMN(CopyColumn, PetscReal)
+COPY_COLUMN(NarrowColumn, float)
 
 PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
 {
@@ -131,7 +124,7 @@ PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, Petsc
     PetscCall(PetscMalloc1(LIQUID_WIDTH * liquid->stride, &liquid->near));
   }
   for (PetscInt w = 0; w < LIQUID_WIDTH; w++)
-    if (columns >> w & 1) CopyColumn(liquid, liquid->sorted + w * liquid->count, liquid->near + w * liquid->stride);
+    if (columns >> w & 1) CopyColumn(liquid, liquid->sorted + w * liquid->count, 0, liquid->near + w * liquid->stride);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -91,8 +91,9 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
 {
   const Liquid *liquid         = tension->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
-  PetscReal xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], scale_w, scale_f, inverse_h2;
-  float     s[CHUNK], W[CHUNK];
+  const PetscReal *volume = liquid->near + WEIGHT_COLUMN * liquid->stride;
+  PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], scale_w, scale_f, inverse_h2;
+  float            s[CHUNK], W[CHUNK];
 
   LiquidPosition(liquid, p, x);
   TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
@@ -101,7 +102,7 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
 
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, NULL);
-    if (tension->graded) WeighVolumes(tension, begin, m, W, NULL);
+    for (PetscInt k = 0; k < m && tension->graded; k++) W[k] *= (float)volume[begin + k];
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < m; k++) {
       const PetscReal dx = cx[begin + k] - x[0], dy = cy[begin + k] - x[1], dz = cz[begin + k] - x[2];

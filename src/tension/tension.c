@@ -186,6 +186,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(ContactDestroy(*tension));
   PetscCall(PetscFree((*tension)->weight));
+  PetscCall(PetscFree((*tension)->place));
   PetscCall(PetscFree((*tension)->loose));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
     PetscCall(LiquidReset(&(*tension)->liquids[l]));

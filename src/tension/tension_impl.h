@@ -189,6 +189,7 @@ typedef struct {
   PetscReal x[DIM];    /* weighted mean position of the neighbours relative to the particle, m */
   PetscReal B[6];      /* inverse of their weighted second moments about that mean, 1/m2 */
   PetscReal inverse_w; /* 1/sum W */
+  PetscInt  count;     /* of neighbours */
 } NormalFit;
 
 /* --- contact.c, contact_solid.c: the liquid goes on behind walls, under their contact angles --- */
@@ -284,7 +285,8 @@ struct _p_Tension {
   PetscReal      plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
   NormalFit     *fit[SIZE_LEVELS];         /* [fit_capacity], by place in the sorted liquid of the level */
   PetscInt       fit_capacity[SIZE_LEVELS];
-  float         *weight; /* [weight_capacity] of the fits' candidates, in the order in which they are collected */
+  float         *weight; /* [weight_capacity] of the fits' neighbours, and ... */
+  int32_t       *place;  /* [weight_capacity] ... their places among what is collected around the particle */
   PetscInt64     weight_capacity;
 };
 
@@ -332,17 +334,6 @@ static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scal
   *inverse_h2 /= square;
 }
 
-/* WeighVolumes - multiplies W and F (may be NULL) of the m collected candidates from 'begin' on by their weights. */
-static inline void WeighVolumes(Tension tension, PetscInt begin, PetscInt m, float W[], float F[])
-{
-  const PetscReal *weight = tension->liquid->near + WEIGHT_COLUMN * tension->liquid->stride + begin;
-
-  for (PetscInt k = 0; k < m; k++) {
-    W[k] *= (float)weight[k];
-    if (F) F[k] *= (float)weight[k];
-  }
-}
-
 /* ContactCreate - takes over -<s>_contact_angle of the scene's solids. ContactSetFromOptions - -wall_contact_angle,
    -box_<face>_contact_angle, inside an options block; refuses (UserError) that of a face that is no wall. Collective.
  */
@@ -364,13 +355,11 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
                               PetscInt width, Around *around);
 /* ContactSlant - moves the collected images to where particle a sees them, along a vector out of the liquid; less where
    its part along the wall is shorter than that of a surface which meets the wall, if its length is 'full'.
-   ContactShares
-   - multiplies W and F (may be NULL) of the m collected candidates from 'begin' on, around the particle at x (m), by
-   the volumes of images. ContactOf - the contact angle of a group of images, and the unit vector from the wall into the
+   ContactShare - the volume, over that of its particle, of the collected image k around the particle at x (m); only
+   where images.used. ContactOf - the contact angle of a group of images, and the unit vector from the wall into the
    liquid, at particle a; NULL: no solid is near it. Not collective. */
-void ContactSlant(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full);
-void ContactShares(Tension tension, const Around *around, PetscInt begin, PetscInt m, const PetscReal x[DIM], float W[],
-                   float F[]);
+void  ContactSlant(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full);
+float ContactShare(Tension tension, PetscInt k, const PetscReal x[DIM]);
 const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM]);
 
 /* SheetShare - how far a particle with phi and |grad phi| (1/m) is one of a sheet too thin for normals: 0 not, 1 all.
