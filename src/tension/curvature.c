@@ -44,6 +44,7 @@ static PetscErrorCode CurvatureSetUp(Tension tension)
   const PetscReal dr = support / WALL_TABLE;
 
   PetscFunctionBegin;
+  EightSet();
   KernelHalfSpace(tension->kernel, 0, &tension->plane, NULL);
   KernelSurfaceTable(tension->kernel, WALL_TABLE, tension->fraction);
   for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
