@@ -68,75 +68,88 @@ os.symlink("loop.opts", os.path.join(folder, "loop.opts"))
 os.mkfifo(os.path.join(folder, "pipe.opts"))
 good = write("good.opts", LINES)
 
-# what a file may look like
-file("plain file", LINES)
-file("no end of line at the end", LINES.rstrip())
-file("ends of line of Windows", LINES.replace("\n", "\r\n"))
-file("blanks and tabs around", LINES.replace("\n", " \t \n \t").replace(" 0.1", "\t 0.1"))
-file("comments in any encoding", "# \u00e9t\u00e9\n".encode() + b"# \xe9t\xe9\n" + LINES.encode() + b"# end")
-file("an endless comment", "#" + "x" * 1000000 + "\n" + LINES)
-file("many empty lines", "\n" * 100000 + LINES)
-file("an option twice", LINES + "-steps_max 7\n-steps_max 3\n", steps=3)
-file("a prefix", LINES + "-prefix_push film_\n-density 900\n-prefix_pop\n")
-file("empty file", "", ["no scene"])
-file("comments alone", "# nothing\n", ["no scene"])
-file("a byte-order mark", BOM + LINES.encode(), ["line 1"])
-file("sixteen bits a letter", LINES.encode("utf-16"), ["line 1"])
-file("a zero byte", LINES.replace("0.1", "0\0.1"), ["line 2"])
-file("ends of line of old", LINES.replace("\n", "\r"), ["-"])
-file("a value of 100000 letters", LINES + "-gravity " + "1" * 100000 + "\n", ["-gravity"])
-file("a name of 100000 letters", LINES + "-" + "x" * 100000 + " 1\n", ["x"])
-file("an open quotation", LINES + '-gravity "0,-1\n', ["-gravity"])
-file("an equals sign", LINES + "-spacing=0.1\n", ["-spacing=0.1"])
-file("a word without a dash", LINES + "spacing 0.1\n", ["spacing"])
-file("a binary file", bytes(range(256)) * 100, ["line 1"])
-file("three thousand options", LINES + "".join(f"-option_{k} {k}\n" for k in range(3000)), ["more options"])
-attempt("a broken yaml file", ["-options_file", write("broken.yaml", "a: [1\nb: }")], ["yaml"], ranks=(1, 2))
-attempt("yaml", ["-options_file", write("good.yaml", "".join(
-    f"{name}: {value}\n" for name, value in re.findall(r"-([a-z_]+) ([^\s-]\S*)", LINES) if value != "''"))] +
-        ["-gravity", "0,-9.81", "-output_overwrite"])
 
-# which files
-attempt("a file of itself", [own], [own], ranks=(1, 2))
-attempt("two of each other", [first], [first])
-attempt("40 within each other", [f"{folder}/chain_0.opts"], ["deep"])
-attempt("20 within each other", [f"{folder}/chain_20.opts"])
-attempt("the same file twice", [good, good])
-attempt("a link to itself", [f"{folder}/loop.opts"], ["loop.opts", "cannot be opened"])
-attempt("a pipe", [f"{folder}/pipe.opts"], ["pipe.opts", "regular"])
-attempt("a folder", [folder], [folder, "regular"], ranks=(1, 2))
-attempt("an empty device", ["/dev/null"], ["/dev/null", "regular"])
-attempt("no file", ["-options_file"], ["-options_file"], ranks=(1, 2))
-attempt("an empty name", ["-options_file", ""], ["-options_file", "name"], ranks=(1, 2))
-attempt("a file within that is missing", [write("outer.opts", "-options_file /nowhere.opts\n")], ["/nowhere.opts"],
-        ranks=(1, 2))
+def contents():
+    """What a file may look like."""
+    file("plain file", LINES)
+    file("no end of line at the end", LINES.rstrip())
+    file("ends of line of Windows", LINES.replace("\n", "\r\n"))
+    file("blanks and tabs around", LINES.replace("\n", " \t \n \t").replace(" 0.1", "\t 0.1"))
+    file("comments in any encoding", "# \u00e9t\u00e9\n".encode() + b"# \xe9t\xe9\n" + LINES.encode() + b"# end")
+    file("an endless comment", "#" + "x" * 1000000 + "\n" + LINES)
+    file("many empty lines", "\n" * 100000 + LINES)
+    file("an option twice", LINES + "-steps_max 7\n-steps_max 3\n", steps=3)
+    file("a prefix", LINES + "-prefix_push film_\n-density 900\n-prefix_pop\n")
+    file("empty file", "", ["no scene"])
+    file("comments alone", "# nothing\n", ["no scene"])
+    file("a byte-order mark", BOM + LINES.encode(), ["line 1"])
+    file("sixteen bits a letter", LINES.encode("utf-16"), ["line 1"])
+    file("a zero byte", LINES.replace("0.1", "0\0.1"), ["line 2"])
+    file("ends of line of old", LINES.replace("\n", "\r"), ["-"])
+    file("a value of 100000 letters", LINES + "-gravity " + "1" * 100000 + "\n", ["-gravity"])
+    file("a name of 100000 letters", LINES + "-" + "x" * 100000 + " 1\n", ["x"])
+    file("an open quotation", LINES + '-gravity "0,-1\n', ["-gravity"])
+    file("an equals sign", LINES + "-spacing=0.1\n", ["-spacing=0.1"])
+    file("a word without a dash", LINES + "spacing 0.1\n", ["spacing"])
+    file("a binary file", bytes(range(256)) * 100, ["line 1"])
+    file("three thousand options", LINES + "".join(f"-option_{k} {k}\n" for k in range(3000)), ["more options"])
+    attempt("a broken yaml file", ["-options_file", write("broken.yaml", "a: [1\nb: }")], ["yaml"], ranks=(1, 2))
+    attempt("yaml", ["-options_file", write("good.yaml", "".join(
+        f"{name}: {value}\n" for name, value in re.findall(r"-([a-z_]+) ([^\s-]\S*)", LINES) if value != "''"))] +
+            ["-gravity", "0,-9.81", "-output_overwrite"])
 
-# numbers
-for option, value in (("-spacing", "1e400"), ("-spacing", "1e-400"), ("-spacing", "nan"), ("-spacing", "0x"),
-                      ("-steps_max", "99999999999999999999"), ("-steps_max", "2147483648"), ("-steps_max", "1e3"),
-                      ("-steps_max", "-1"), ("-box_upper", "1e999,1"), ("-box_upper", "1,,1"), ("-gravity", ",")):
-    attempt(f"{option} {value}", runs.shlex.split(SCENE) + [option, value], [option])
 
-# the environment
-attempt("options of the environment", [good], environment={"PETSC_OPTIONS": "-film_density 900"})
-attempt("a misspelt one of the environment", [good], ["-film_densty", "-film_density?"],
-        {"PETSC_OPTIONS": "-film_densty 900"})
-attempt("a file of the environment", [], environment={"PETSC_OPTIONS": f"-options_file {good}"})
-attempt("a missing file of the environment", [good], ["/nowhere.opts"],
-        {"PETSC_OPTIONS": "-options_file /nowhere.opts"}, ranks=(1, 2))
-attempt("a long environment", [good], environment={"PETSC_OPTIONS": "-film_density 900 " * 5000})
-attempt("a word of the environment", [good], ["nonsense"], {"PETSC_OPTIONS": "nonsense -film_density 900"})
-attempt("an open quotation of the environment", [good], environment={"PETSC_OPTIONS": '-film_density "900'})
-attempt("no home", [good], environment={"HOME": ""})
-attempt("a home that is a file", [good], environment={"HOME": good})
-for what, content, words in (("that is good", b"-film_density 900\n", None),
-                             ("of a misspelt option", b"-film_densty 900\n", ["-film_densty"]),
-                             ("that is a word", b"nonsense\n", ["nonsense"]),
-                             ("of any bytes", bytes(range(1, 256)), ["line 1"])):
-    write("home/.petscrc", content)
-    attempt(f"a .petscrc {what}", [good], words, ranks=(1, 2))
-os.remove(f"{folder}/home/.petscrc")
-os.mkdir(f"{folder}/home/.petscrc")
-attempt("a .petscrc that is a folder", [good], [".petscrc", "regular"], ranks=(1, 2))
+def files():
+    """Which files."""
+    attempt("a file of itself", [own], [own], ranks=(1, 2))
+    attempt("two of each other", [first], [first])
+    attempt("40 within each other", [f"{folder}/chain_0.opts"], ["deep"])
+    attempt("20 within each other", [f"{folder}/chain_20.opts"])
+    attempt("the same file twice", [good, good])
+    attempt("a link to itself", [f"{folder}/loop.opts"], ["loop.opts", "cannot be opened"])
+    attempt("a pipe", [f"{folder}/pipe.opts"], ["pipe.opts", "regular"])
+    attempt("a folder", [folder], [folder, "regular"], ranks=(1, 2))
+    attempt("an empty device", ["/dev/null"], ["/dev/null", "regular"])
+    attempt("no file", ["-options_file"], ["-options_file"], ranks=(1, 2))
+    attempt("an empty name", ["-options_file", ""], ["-options_file", "name"], ranks=(1, 2))
+    attempt("a file within that is missing", [write("outer.opts", "-options_file /nowhere.opts\n")], ["/nowhere.opts"],
+            ranks=(1, 2))
+
+
+def numbers():
+    """Numbers that fit nowhere."""
+    for option, value in (("-spacing", "1e400"), ("-spacing", "1e-400"), ("-spacing", "nan"), ("-spacing", "0x"),
+                          ("-steps_max", "99999999999999999999"), ("-steps_max", "2147483648"), ("-steps_max", "1e3"),
+                          ("-steps_max", "-1"), ("-box_upper", "1e999,1"), ("-box_upper", "1,,1"), ("-gravity", ",")):
+        attempt(f"{option} {value}", runs.shlex.split(SCENE) + [option, value], [option])
+
+
+def surroundings():
+    """The environment."""
+    attempt("options of the environment", [good], environment={"PETSC_OPTIONS": "-film_density 900"})
+    attempt("a misspelt one of the environment", [good], ["-film_densty", "-film_density?"],
+            {"PETSC_OPTIONS": "-film_densty 900"})
+    attempt("a file of the environment", [], environment={"PETSC_OPTIONS": f"-options_file {good}"})
+    attempt("a missing file of the environment", [good], ["/nowhere.opts"],
+            {"PETSC_OPTIONS": "-options_file /nowhere.opts"}, ranks=(1, 2))
+    attempt("a long environment", [good], environment={"PETSC_OPTIONS": "-film_density 900 " * 5000})
+    attempt("a word of the environment", [good], ["nonsense"], {"PETSC_OPTIONS": "nonsense -film_density 900"})
+    attempt("an open quotation of the environment", [good], environment={"PETSC_OPTIONS": '-film_density "900'})
+    attempt("no home", [good], environment={"HOME": ""})
+    attempt("a home that is a file", [good], environment={"HOME": good})
+    for what, content, words in (("that is good", b"-film_density 900\n", None),
+                                 ("of a misspelt option", b"-film_densty 900\n", ["-film_densty"]),
+                                 ("that is a word", b"nonsense\n", ["nonsense"]),
+                                 ("of any bytes", bytes(range(1, 256)), ["line 1"])):
+        write("home/.petscrc", content)
+        attempt(f"a .petscrc {what}", [good], words, ranks=(1, 2))
+    os.remove(f"{folder}/home/.petscrc")
+    os.mkdir(f"{folder}/home/.petscrc")
+    attempt("a .petscrc that is a folder", [good], [".petscrc", "regular"], ranks=(1, 2))
+
+
+PARTS = {part.__name__: part for part in (contents, files, numbers, surroundings)}
+for chosen in runs.parts(*PARTS):
+    PARTS[chosen]()
 print(f"{sum(tally.values())} tried: {tally['ran']} ran, {tally['refused']} refused, {tally['failed']} failed")
 runs.done()

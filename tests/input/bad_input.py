@@ -15,6 +15,10 @@ BOX = """-spacing 1 -box_lower 0,0,0 -box_upper 10,10,20 -box_zmin wall -gravity
  -progress_interval 0 """
 POOL = "-bodies film -film_upper 10,10,5 "
 GOOD = BOX + POOL
+DROP = "-bodies film,drop -film_upper 10,10,5 -drop_shape sphere -drop_radius 2 -drop_center 5,5,12 "
+EMITTER = "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12 -jet_velocity 0,0,-1 "
+pipe = runs.scratch("pipe.opts")
+os.mkfifo(pipe)
 
 
 def refused(name, options, words, ranks=1, folder=None):
@@ -45,251 +49,273 @@ def checksums(folder):
     return sums
 
 
-refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
-refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
-refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_something_else"])
-refused("no_scene", "", ["no scene", "-options_file", "-help"])
-refused("file_that_is_missing", "my.opts", ["my.opts", "cannot be opened"])
-refused("file_behind_options", GOOD + "-gravity 0,0,-1 my.opts", ["my.opts", "-options_file my.opts"])
-DROP = "-bodies film,drop -film_upper 10,10,5 -drop_shape sphere -drop_radius 2 -drop_center 5,5,12 "
-for name, meant in (("-drop_radus", "-drop_radius?"), ("-drp_velocity", "-drop_velocity?"),
-                    ("-box_xmim", "-box_xmin?"), ("-ksp_rtoll", "-ksp_rtol?"), ("-pc_typ", "-pc_type?"),
-                    ("-viscous_ksp_rtoll", "-viscous_ksp_rtol?"), ("-log_vieww", "-log_view?"),
-                    ("-mg_levels_ksp_max_itt", "-mg_levels_ksp_max_it?"), ("-time_stpe", "-time_step?"),
-                    ("-spectrum_modess", "-spectrum_modes?"), ("-rotation_rate", "-drop_rotation_rate?"),
-                    ("-drop_rotation_rate", "it belongs to -drop_velocity_type rotation"),
-                    ("-packing_distance", "it belongs to -packing_type poisson"),
-                    ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):
-    refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
-for name in ("-dt", "-x", "-quite_something_else"):
-    process = runs.start(BOX + DROP + f"{name} 7")
-    runs.check(process.returncode == 1 and name in process.stderr and "did you mean" not in process.stderr,
-               f"nothing_is_like{name}", process.stderr)
-refused("misspelt_before_the_packing", BOX + DROP + "-spacing 0.03 -gravitty 0,0,-1", ["-gravitty", "-gravity?"])
-refused("misspelt_and_needed", BOX + "-bodies a -a_shape sphere -a_radus 2", ["-a_radius is missing", "-a_radus"])
-refused("body_without_shape", BOX + "-bodies film,drop -film_upper 10,10,5 -drop_shap sphere",
-        ["drop", "no shape", "-drop_shape", "-drop_shap "])
-scene = runs.scratch("scene.opts")
-with open(scene, "w", encoding="utf-8") as file:
-    file.write((GOOD + f"-output_dir {runs.scratch('of_file')} -output_overwrite").replace(" -", "\n-"))
-for name, words in (("bare_file", [scene]), ("bare_files", [scene, "options/fast.opts"]),
-                    ("bare_file_and_options", [scene, "-steps_max", "1"]), ("version", ["--version"]),
-                    ("help", ["--help"]), ("h", ["-h"]), ("file_and_help", [scene, "-h"])):
-    process = runs.start(words)
-    runs.check(process.returncode == 0 and not process.stderr, name, process.stderr)
-refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
-refused("missing_option_file_two_ranks", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"], ranks=2)
-own = runs.scratch("own.opts")
-with open(own, "w", encoding="utf-8") as file:
-    file.write(f"-spacing 1\n-options_file {own}\n")
-refused("options_file_of_itself", GOOD + f"-options_file {own}", [own])
-refused("options_file_of_itself_any_case", GOOD + f"-Options_File {own}", [own])
-refused("options_file_of_itself_parallel", GOOD + f"-options_file {own}", [own], 2)
-refused("options_file_without_end", GOOD + "-options_file /dev/zero", ["/dev/zero", "regular"])
-os.environ["PETSC_OPTIONS"] = f"-options_file {own}"
-refused("environment_names_file_of_itself", GOOD, ["PETSC_OPTIONS", "includes itself"])
-del os.environ["PETSC_OPTIONS"]
-home = os.environ.get("HOME", "")
-os.environ["HOME"] = runs.scratch("home")
-os.mkdir(os.environ["HOME"])
-with open(os.path.join(os.environ["HOME"], ".petscrc"), "w", encoding="utf-8") as file:
-    file.write(f"-OPTIONS_FILE {own}\n")
-refused("petscrc_names_file_of_itself", GOOD, [".petscrc", "includes itself"])
-os.environ["HOME"] = home
-pipe = runs.scratch("pipe.opts")
-os.mkfifo(pipe)
-refused("options_file_is_a_pipe", GOOD + f"-options_file {pipe}", [pipe, "pipe"])
-refused("stl_is_a_pipe", GOOD + f"-solids s -s_shape stl -s_file {pipe}", [pipe, "cannot be read"])
-refused("endless_start", GOOD + "-time_start inf", ["-time_start"])
-refused("endless_relaxation", GOOD + "-packing_relaxation_time inf", ["-packing_relaxation_time"])
-EMITTER = "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12 -jet_velocity 0,0,-1 "
-for start in ("-1e6", "nan"):
-    refused(f"emitter_start_{start}", GOOD + EMITTER + f"-jet_start {start}", ["-jet_start"])
-refused("dimension_of_33_bits", GOOD + "-dimension 4294967298", ["-dimension", "4294967298"])
-refused("steps_of_33_bits", GOOD + "-steps_max 4294967297", ["-steps_max", "4294967297"])
-refused("color_of_33_bits", GOOD + "-film_color 4294967297", ["-film_color", "4294967297"])
-refused("densities_too_far_apart", BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -b_density 3000",
-        ["-b_density", "-density_ratio_max"])
-for late in ("-log_vieww", "-infoo x", "-options_lefft"):
-    refused(f"unknown_option_of_petsc_{late}", GOOD + late, [late.split()[0]])
-PLANE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -box_ymin wall -gravity 0,-9.81 -bodies film
- -film_upper 2,0.2 -steps_max 200 -progress_interval 0 -solids part,post -part_lower 0.5,0.4 -part_upper 0.7,0.6
- -post_lower 1.2,0 -post_upper 1.4,0.8 """
-for name, options, words in (("leaves_the_box", "-part_velocity 0,10", ["the solid part moves out of the box"]),
-                             ("runs_into_another", "-part_velocity 10,0",
-                             ["the solid part moves into the solid post"])):
-    process = runs.start(PLANE + options + f" -output_dir {runs.scratch('solid_' + name)}")
-    runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["last good state"]),
-               f"solid_{name}", process.stderr)
-refused("solid_moves_with_printed_scheme", PLANE + "-part_velocity 1,0 -scheme density_invariant",
-        ["-scheme consistent"])
-refused("solid_moves_while_packing_relaxes", PLANE + "-part_velocity 1,0 -packing_relaxation_time 1",
-        ["-packing_relaxation_time"])
-FLOAT = PLANE.replace("part,post", "part").split(" -post")[0] + " -part_mass 50 "
-for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-scheme consistent"]),
-                             ("density_source", "-pressure_source density", ["-pressure_source divergence"]),
-                             ("two_densities", "-bodies film,oil -oil_density 900 -oil_lower 0,0.5 -oil_upper 0.3,0.8",
-                              ["-<body>_density"]),
-                             ("direct_solver", "-ksp_type preonly -pc_type lu", ["-ksp_type preonly", "mass"]),
-                             ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
-                             ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
-    refused("free_body_and_" + name, FLOAT + options, words)
-LIQUIDS = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -bodies drop,bath,top -drop_upper 0.5,0.5
- -bath_lower 0.5,0 -bath_upper 1.5,0.5 -top_lower 1.5,0 -top_upper 2,0.5 -interface_tension 1 -steps_max 2 """
-for name, options, words in (("three_bodies", "", ["-interface_bodies", "3"]),
-                             ("all_bodies", "-interface_bodies drop,bath,top", ["all of -bodies"]),
-                             ("no_such_body", "-interface_bodies oil", ["oil"]),
-                             ("two_tensions", "-interface_bodies drop -bath_tension 1",
-                              ["-bath_tension", "-top_tension"]),
-                             ("no_interface", "-interface_tension 0 -interface_bodies drop", ["-interface_tension"]),
-                             ("cahn_hilliard", "-interface_bodies drop -tension_type cahn_hilliard", ["curvature"]),
-                             ("printed_scheme", "-interface_bodies drop -scheme density_invariant", ["consistent"]),
-                             ("contact_angle", "-interface_bodies drop -box_ymin wall -wall_contact_angle 60", ["90"]),
-                             ("grading", "-interface_bodies drop -spacing_coarse 0.1 -fine f -f_upper 0.5,1",
-                              ["-interface_tension", "-spacing_coarse"])):
-    refused("interface_and_" + name, LIQUIDS + options, words)
-refused("overlap_and_poisson", LIQUIDS + "-interface_bodies drop -bodies_overlap -packing_type poisson", ["lattice"])
-refused("hysteresis_beyond_0", GOOD + "-wall_contact_angle 30 -wall_contact_hysteresis 60", ["hysteresis", "(0, 180)"])
-refused("hysteresis_of_open_face", GOOD + "-box_xmin_contact_hysteresis 20", ["-box_xmin_contact_hysteresis", "open"])
-refused("hysteresis_of_solid_without_angle", PLANE + "-part_contact_hysteresis 20", ["-part_contact_angle"])
-refused("hysteresis_with_printed_scheme", GOOD + "-film_tension 1 -wall_contact_hysteresis 9 -scheme density_invariant",
-        ["-scheme consistent"])
-refused("contact_angle_of_free_body", FLOAT + "-part_contact_angle 60", ["-part_contact_angle", "-part_mass"])
-refused("contact_angle_of_open_face", GOOD + "-box_xmin_contact_angle 60", ["-box_xmin_contact_angle", "open"])
-refused("contact_angle_of_solid_with_cahn_hilliard", PLANE + "-part_contact_angle 60 -tension_type cahn_hilliard",
-        ["cahn_hilliard", "curvature"])
-refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
-refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
-refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])
-refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
-refused("zero_spacing", GOOD + "-spacing 0", ["-spacing"])
-refused("text_for_number", GOOD + "-spacing abc", ["abc", "-spacing"])
-refused("text_for_number_parallel", GOOD + "-spacing abc", ["abc", "-spacing"], 2)
-refused("text_in_vector", GOOD + "-box_lower 0,x,0", ["x", "-box_lower"])
-refused("fraction_for_whole", GOOD + "-steps_max 1.5", ["1.5", "-steps_max"])
-refused("snapshot_field", GOOD + "-snapshot_fields pressure,speed", ["-snapshot_fields", "speed", "velocity"])
-refused("snapshot_corner_short", GOOD + "-snapshot_lower 0", ["-snapshot_lower", "1 numbers"])
-refused("snapshot_region_outside", GOOD + "-snapshot_lower 1e3,1e3,1e3 -snapshot_upper 2e3,2e3,2e3",
-        ["-snapshot_upper"])
-refused("snapshot_compression", GOOD + "-snapshot_compression 10", ["-snapshot_compression", "10", "9"])
-refused("text_for_switch", GOOD + "-snapshot_double perhaps", ["perhaps", "-snapshot_double"])
-refused("unknown_choice", GOOD + "-pressure_density both", ["both", "-pressure_density", "rest", "summed"])
-refused("pressure_closure_factor", GOOD + "-pressure_closure_factor 0", ["-pressure_closure_factor", "(0, inf)"])
-refused("pressure_rebuild_growth", GOOD + "-pressure_rebuild_growth 0.5", ["-pressure_rebuild_growth", "[1, inf)"])
-refused("pressure_pairing_moving", GOOD + "-pressure_pairing_moving -1", ["-pressure_pairing_moving", "[0, inf)"])
-refused("unknown_scheme", GOOD + "-scheme magic", ["magic", "consistent", "density_invariant"])
-refused("solid_named_as_body", GOOD + "-solids film", ["-solids", "film", "twice"])
-refused("emitter_at_rest", GOOD + "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12",
-        ["-jet_velocity"])
-refused("unknown_body_type", GOOD + "-film_type gas", ["gas", "liquid", "emitter"])
-refused("shaken_without_frequency", GOOD + "-gravity_amplitude 1,0,0", ["-gravity_frequency"])
-refused("stl_missing", GOOD + "-solids s -s_shape stl -s_file /nowhere.stl", ["/nowhere.stl"])
-refused("stl_is_text", GOOD + "-solids s -s_shape stl -s_file README.md", ["README.md", "no whole STL file"])
-open_stl = runs.scratch("open.stl")
-with open(open_stl, "w", encoding="utf-8") as file:
-    file.write("solid one\nfacet normal 0 0 1\nouter loop\nvertex 1 1 1\nvertex 5 1 1\nvertex 1 5 1\nendloop\n"
-               "endfacet\nendsolid\n")
-refused("stl_not_closed", GOOD + f"-solids s -s_shape stl -s_file {open_stl}", ["not closed", "3 edges"])
-refused("height_outside", GOOD + "-gauge_heights 50,0", ["-gauge_heights", "50"])
-refused("unknown_solver", GOOD + "-ksp_type magic", ["magic", "-ksp_type"])
-refused("preconditioner_of_one_rank", GOOD + "-pc_type ilu", ["-pc_type ilu", "mpiaij", "jacobi"], 2)
-refused("side_that_cannot_be", GOOD + "-ksp_pc_side right", ["-ksp_pc_side right", "RIGHT"], 2)
-refused("matrix_that_cannot_be", GOOD + "-mat_type blockmat", ["-mat_type blockmat", "aij"])
-refused("scaled_equation", GOOD + "-ksp_diagonal_scale", ["-ksp_diagonal_scale", "-pc_type jacobi"])
-refused("unknown_preconditioner", GOOD + "-pc_type magic", ["magic", "-pc_type"])
-refused("missing_bodies", BOX, ["-bodies"])
-refused("overlapping_bodies", BOX + "-bodies a,b -a_upper 10,10,5 -b_lower 0,0,4 -b_upper 10,10,8", ["overlap"])
-refused("thin_periodic_box", GOOD + "-box_upper 2,10,20 -box_x periodic -film_upper 2,10,5", ["x"])
-refused("thin_symmetry_box", GOOD + "-box_upper 2,10,20 -box_x symmetry -film_upper 2,10,5", ["x"])
-refused("periodic_against_wall", GOOD + "-box_xmin periodic -box_xmax wall", ["periodic"])
-refused("empty_box", GOOD + "-box_upper 0,0,0", ["-box_upper"])
-refused("no_end", "-spacing 1 -box_lower 0,0,0 -box_upper 10,10,20 -gravity 0,0,-1 " + POOL, ["-time_end"])
-refused("end_before_start", GOOD + "-time_start 1 -time_end 0.5", ["-time_end", "-time_start"])
-refused("no_particles", BOX + "-bodies a -a_shape sphere -a_radius 1 -a_center 50,50,50", ["a"])
-SMALL = "-bodies film,drop -drop_shape sphere -drop_radius 0.1 -drop_center 5,5,10 "
-for n in (1, 2):
-    refused(f"body_too_small_{n}", GOOD + SMALL, ["body drop", "too small"], n)
-refused("solid_too_small", GOOD + "-solids rod -rod_lower 2.1,2,7 -rod_upper 2.2,5,9", ["solid rod", "too small"])
-refused("nothing_moves", GOOD + "-gravity 0,0,0", ["-time_step"])
-refused("negative_density", GOOD + "-film_density -1", ["-film_density"])
+def core():
+    """Options, files of them, and what is said of them."""
+    refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
+    refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
+    refused("unknown_option_far", GOOD + "-quite_something_else 1", ["-quite_something_else"])
+    refused("no_scene", "", ["no scene", "-options_file", "-help"])
+    refused("file_that_is_missing", "my.opts", ["my.opts", "cannot be opened"])
+    refused("file_behind_options", GOOD + "-gravity 0,0,-1 my.opts", ["my.opts", "-options_file my.opts"])
+    for name, meant in (("-drop_radus", "-drop_radius?"), ("-drp_velocity", "-drop_velocity?"),
+                        ("-box_xmim", "-box_xmin?"), ("-ksp_rtoll", "-ksp_rtol?"), ("-pc_typ", "-pc_type?"),
+                        ("-viscous_ksp_rtoll", "-viscous_ksp_rtol?"), ("-log_vieww", "-log_view?"),
+                        ("-mg_levels_ksp_max_itt", "-mg_levels_ksp_max_it?"), ("-time_stpe", "-time_step?"),
+                        ("-spectrum_modess", "-spectrum_modes?"), ("-rotation_rate", "-drop_rotation_rate?"),
+                        ("-drop_rotation_rate", "it belongs to -drop_velocity_type rotation"),
+                        ("-packing_distance", "it belongs to -packing_type poisson"),
+                        ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):
+        refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
+    for name in ("-dt", "-x", "-quite_something_else"):
+        process = runs.start(BOX + DROP + f"{name} 7")
+        runs.check(process.returncode == 1 and name in process.stderr and "did you mean" not in process.stderr,
+                   f"nothing_is_like{name}", process.stderr)
+    refused("misspelt_before_the_packing", BOX + DROP + "-spacing 0.03 -gravitty 0,0,-1", ["-gravitty", "-gravity?"])
+    refused("misspelt_and_needed", BOX + "-bodies a -a_shape sphere -a_radus 2", ["-a_radius is missing", "-a_radus"])
+    refused("body_without_shape", BOX + "-bodies film,drop -film_upper 10,10,5 -drop_shap sphere",
+            ["drop", "no shape", "-drop_shape", "-drop_shap "])
+    scene = runs.scratch("scene.opts")
+    with open(scene, "w", encoding="utf-8") as file:
+        file.write((GOOD + f"-output_dir {runs.scratch('of_file')} -output_overwrite").replace(" -", "\n-"))
+    for name, words in (("bare_file", [scene]), ("bare_files", [scene, "options/fast.opts"]),
+                        ("bare_file_and_options", [scene, "-steps_max", "1"]), ("version", ["--version"]),
+                        ("help", ["--help"]), ("h", ["-h"]), ("file_and_help", [scene, "-h"])):
+        process = runs.start(words)
+        runs.check(process.returncode == 0 and not process.stderr, name, process.stderr)
+    refused("missing_option_file", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"])
+    refused("missing_option_file_two_ranks", GOOD + "-options_file /nowhere/case.opts", ["/nowhere/case.opts"], ranks=2)
+    own = runs.scratch("own.opts")
+    with open(own, "w", encoding="utf-8") as file:
+        file.write(f"-spacing 1\n-options_file {own}\n")
+    refused("options_file_of_itself", GOOD + f"-options_file {own}", [own])
+    refused("options_file_of_itself_any_case", GOOD + f"-Options_File {own}", [own])
+    refused("options_file_of_itself_parallel", GOOD + f"-options_file {own}", [own], 2)
+    refused("options_file_without_end", GOOD + "-options_file /dev/zero", ["/dev/zero", "regular"])
+    os.environ["PETSC_OPTIONS"] = f"-options_file {own}"
+    refused("environment_names_file_of_itself", GOOD, ["PETSC_OPTIONS", "includes itself"])
+    del os.environ["PETSC_OPTIONS"]
+    home = os.environ.get("HOME", "")
+    os.environ["HOME"] = runs.scratch("home")
+    os.mkdir(os.environ["HOME"])
+    with open(os.path.join(os.environ["HOME"], ".petscrc"), "w", encoding="utf-8") as file:
+        file.write(f"-OPTIONS_FILE {own}\n")
+    refused("petscrc_names_file_of_itself", GOOD, [".petscrc", "includes itself"])
+    os.environ["HOME"] = home
+    refused("options_file_is_a_pipe", GOOD + f"-options_file {pipe}", [pipe, "pipe"])
+    refused("stl_is_a_pipe", GOOD + f"-solids s -s_shape stl -s_file {pipe}", [pipe, "cannot be read"])
+    refused("endless_start", GOOD + "-time_start inf", ["-time_start"])
+    refused("endless_relaxation", GOOD + "-packing_relaxation_time inf", ["-packing_relaxation_time"])
+    for start in ("-1e6", "nan"):
+        refused(f"emitter_start_{start}", GOOD + EMITTER + f"-jet_start {start}", ["-jet_start"])
+    refused("dimension_of_33_bits", GOOD + "-dimension 4294967298", ["-dimension", "4294967298"])
+    refused("steps_of_33_bits", GOOD + "-steps_max 4294967297", ["-steps_max", "4294967297"])
+    refused("color_of_33_bits", GOOD + "-film_color 4294967297", ["-film_color", "4294967297"])
+    refused("densities_too_far_apart",
+            BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -b_density 3000",
+            ["-b_density", "-density_ratio_max"])
+    for late in ("-log_vieww", "-infoo x", "-options_lefft"):
+        refused(f"unknown_option_of_petsc_{late}", GOOD + late, [late.split()[0]])
 
-# the output folder: what a former run left is not touched
-good = runs.run(GOOD, "good")
-before = checksums(good)
-refused("folder_of_a_run", GOOD, [good, "-output_overwrite"], folder=good)
-runs.check(checksums(good) == before, "folder_of_a_run_unchanged", "files differ")
-blocked = runs.scratch("blocked")
-with open(blocked, "w", encoding="utf-8") as file:
-    file.write("a file\n")
-refused("folder_is_a_file", GOOD, [blocked], folder=blocked)
 
-# checkpoints
-checkpoint = runs.numbered(good, "checkpoint")[-1]
-size = os.path.getsize(checkpoint)
-broken = runs.scratch("broken.h5")
-for share in (0, 0.1, 0.5, 0.99):
+def scenes():
+    """Scenes that cannot be."""
+    PLANE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -box_ymin wall -gravity 0,-9.81 -bodies film
+     -film_upper 2,0.2 -steps_max 200 -progress_interval 0 -solids part,post -part_lower 0.5,0.4 -part_upper 0.7,0.6
+     -post_lower 1.2,0 -post_upper 1.4,0.8 """
+    for name, options, words in (("leaves_the_box", "-part_velocity 0,10", ["the solid part moves out of the box"]),
+                                 ("runs_into_another", "-part_velocity 10,0",
+                                 ["the solid part moves into the solid post"])):
+        process = runs.start(PLANE + options + f" -output_dir {runs.scratch('solid_' + name)}")
+        runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["last good state"]),
+                   f"solid_{name}", process.stderr)
+    refused("solid_moves_with_printed_scheme", PLANE + "-part_velocity 1,0 -scheme density_invariant",
+            ["-scheme consistent"])
+    refused("solid_moves_while_packing_relaxes", PLANE + "-part_velocity 1,0 -packing_relaxation_time 1",
+            ["-packing_relaxation_time"])
+    FLOAT = PLANE.replace("part,post", "part").split(" -post")[0] + " -part_mass 50 "
+    for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-scheme consistent"]),
+                                 ("density_source", "-pressure_source density", ["-pressure_source divergence"]),
+                                 ("two_densities",
+                                  "-bodies film,oil -oil_density 900 -oil_lower 0,0.5 -oil_upper 0.3,0.8",
+                                  ["-<body>_density"]),
+                                 ("direct_solver", "-ksp_type preonly -pc_type lu", ["-ksp_type preonly", "mass"]),
+                                 ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
+                                 ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
+        refused("free_body_and_" + name, FLOAT + options, words)
+    LIQUIDS = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -bodies drop,bath,top -drop_upper 0.5,0.5
+     -bath_lower 0.5,0 -bath_upper 1.5,0.5 -top_lower 1.5,0 -top_upper 2,0.5 -interface_tension 1 -steps_max 2 """
+    for name, options, words in (("three_bodies", "", ["-interface_bodies", "3"]),
+                                 ("all_bodies", "-interface_bodies drop,bath,top", ["all of -bodies"]),
+                                 ("no_such_body", "-interface_bodies oil", ["oil"]),
+                                 ("two_tensions", "-interface_bodies drop -bath_tension 1",
+                                  ["-bath_tension", "-top_tension"]),
+                                 ("no_interface", "-interface_tension 0 -interface_bodies drop",
+                                  ["-interface_tension"]),
+                                 ("cahn_hilliard", "-interface_bodies drop -tension_type cahn_hilliard", ["curvature"]),
+                                 ("printed_scheme", "-interface_bodies drop -scheme density_invariant", ["consistent"]),
+                                 ("contact_angle", "-interface_bodies drop -box_ymin wall -wall_contact_angle 60",
+                                  ["90"]),
+                                 ("grading", "-interface_bodies drop -spacing_coarse 0.1 -fine f -f_upper 0.5,1",
+                                  ["-interface_tension", "-spacing_coarse"])):
+        refused("interface_and_" + name, LIQUIDS + options, words)
+    refused("overlap_and_poisson", LIQUIDS + "-interface_bodies drop -bodies_overlap -packing_type poisson",
+            ["lattice"])
+    refused("hysteresis_beyond_0", GOOD + "-wall_contact_angle 30 -wall_contact_hysteresis 60", ["hysteresis",
+                                                                                                 "(0, 180)"])
+    refused("hysteresis_of_open_face", GOOD + "-box_xmin_contact_hysteresis 20", ["-box_xmin_contact_hysteresis",
+                                                                                  "open"])
+    refused("hysteresis_of_solid_without_angle", PLANE + "-part_contact_hysteresis 20", ["-part_contact_angle"])
+    refused("hysteresis_with_printed_scheme",
+            GOOD + "-film_tension 1 -wall_contact_hysteresis 9 -scheme density_invariant",
+            ["-scheme consistent"])
+    refused("contact_angle_of_free_body", FLOAT + "-part_contact_angle 60", ["-part_contact_angle", "-part_mass"])
+    refused("contact_angle_of_open_face", GOOD + "-box_xmin_contact_angle 60", ["-box_xmin_contact_angle", "open"])
+    refused("contact_angle_of_solid_with_cahn_hilliard", PLANE + "-part_contact_angle 60 -tension_type cahn_hilliard",
+            ["cahn_hilliard", "curvature"])
+    refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
+    refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
+    refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])
+    refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
+    refused("zero_spacing", GOOD + "-spacing 0", ["-spacing"])
+    refused("text_for_number", GOOD + "-spacing abc", ["abc", "-spacing"])
+    refused("text_for_number_parallel", GOOD + "-spacing abc", ["abc", "-spacing"], 2)
+    refused("text_in_vector", GOOD + "-box_lower 0,x,0", ["x", "-box_lower"])
+    refused("fraction_for_whole", GOOD + "-steps_max 1.5", ["1.5", "-steps_max"])
+    refused("snapshot_field", GOOD + "-snapshot_fields pressure,speed", ["-snapshot_fields", "speed", "velocity"])
+    refused("snapshot_corner_short", GOOD + "-snapshot_lower 0", ["-snapshot_lower", "1 numbers"])
+    refused("snapshot_region_outside", GOOD + "-snapshot_lower 1e3,1e3,1e3 -snapshot_upper 2e3,2e3,2e3",
+            ["-snapshot_upper"])
+    refused("snapshot_compression", GOOD + "-snapshot_compression 10", ["-snapshot_compression", "10", "9"])
+    refused("text_for_switch", GOOD + "-snapshot_double perhaps", ["perhaps", "-snapshot_double"])
+    refused("unknown_choice", GOOD + "-pressure_density both", ["both", "-pressure_density", "rest", "summed"])
+    refused("pressure_closure_factor", GOOD + "-pressure_closure_factor 0", ["-pressure_closure_factor", "(0, inf)"])
+    refused("pressure_rebuild_growth", GOOD + "-pressure_rebuild_growth 0.5", ["-pressure_rebuild_growth", "[1, inf)"])
+    refused("pressure_pairing_moving", GOOD + "-pressure_pairing_moving -1", ["-pressure_pairing_moving", "[0, inf)"])
+    refused("unknown_scheme", GOOD + "-scheme magic", ["magic", "consistent", "density_invariant"])
+    refused("solid_named_as_body", GOOD + "-solids film", ["-solids", "film", "twice"])
+    refused("emitter_at_rest", GOOD + "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12",
+            ["-jet_velocity"])
+    refused("unknown_body_type", GOOD + "-film_type gas", ["gas", "liquid", "emitter"])
+    refused("shaken_without_frequency", GOOD + "-gravity_amplitude 1,0,0", ["-gravity_frequency"])
+    refused("stl_missing", GOOD + "-solids s -s_shape stl -s_file /nowhere.stl", ["/nowhere.stl"])
+    refused("stl_is_text", GOOD + "-solids s -s_shape stl -s_file README.md", ["README.md", "no whole STL file"])
+    open_stl = runs.scratch("open.stl")
+    with open(open_stl, "w", encoding="utf-8") as file:
+        file.write("solid one\nfacet normal 0 0 1\nouter loop\nvertex 1 1 1\nvertex 5 1 1\nvertex 1 5 1\nendloop\n"
+                   "endfacet\nendsolid\n")
+    refused("stl_not_closed", GOOD + f"-solids s -s_shape stl -s_file {open_stl}", ["not closed", "3 edges"])
+    refused("height_outside", GOOD + "-gauge_heights 50,0", ["-gauge_heights", "50"])
+    refused("unknown_solver", GOOD + "-ksp_type magic", ["magic", "-ksp_type"])
+    refused("preconditioner_of_one_rank", GOOD + "-pc_type ilu", ["-pc_type ilu", "mpiaij", "jacobi"], 2)
+    refused("side_that_cannot_be", GOOD + "-ksp_pc_side right", ["-ksp_pc_side right", "RIGHT"], 2)
+    refused("matrix_that_cannot_be", GOOD + "-mat_type blockmat", ["-mat_type blockmat", "aij"])
+    refused("scaled_equation", GOOD + "-ksp_diagonal_scale", ["-ksp_diagonal_scale", "-pc_type jacobi"])
+    refused("unknown_preconditioner", GOOD + "-pc_type magic", ["magic", "-pc_type"])
+    refused("missing_bodies", BOX, ["-bodies"])
+    refused("overlapping_bodies", BOX + "-bodies a,b -a_upper 10,10,5 -b_lower 0,0,4 -b_upper 10,10,8", ["overlap"])
+    refused("thin_periodic_box", GOOD + "-box_upper 2,10,20 -box_x periodic -film_upper 2,10,5", ["x"])
+    refused("thin_symmetry_box", GOOD + "-box_upper 2,10,20 -box_x symmetry -film_upper 2,10,5", ["x"])
+    refused("periodic_against_wall", GOOD + "-box_xmin periodic -box_xmax wall", ["periodic"])
+    refused("empty_box", GOOD + "-box_upper 0,0,0", ["-box_upper"])
+    refused("no_end", "-spacing 1 -box_lower 0,0,0 -box_upper 10,10,20 -gravity 0,0,-1 " + POOL, ["-time_end"])
+    refused("end_before_start", GOOD + "-time_start 1 -time_end 0.5", ["-time_end", "-time_start"])
+    refused("no_particles", BOX + "-bodies a -a_shape sphere -a_radius 1 -a_center 50,50,50", ["a"])
+    SMALL = "-bodies film,drop -drop_shape sphere -drop_radius 0.1 -drop_center 5,5,10 "
+    for n in (1, 2):
+        refused(f"body_too_small_{n}", GOOD + SMALL, ["body drop", "too small"], n)
+    refused("solid_too_small", GOOD + "-solids rod -rod_lower 2.1,2,7 -rod_upper 2.2,5,9", ["solid rod", "too small"])
+    refused("nothing_moves", GOOD + "-gravity 0,0,0", ["-time_step"])
+    refused("negative_density", GOOD + "-film_density -1", ["-film_density"])
+
+
+def folders():
+    """Folders, checkpoints, and combinations that are refused."""
+    # the output folder: what a former run left is not touched
+    good = runs.run(GOOD, "good")
+    before = checksums(good)
+    refused("folder_of_a_run", GOOD, [good, "-output_overwrite"], folder=good)
+    runs.check(checksums(good) == before, "folder_of_a_run_unchanged", "files differ")
+    blocked = runs.scratch("blocked")
+    with open(blocked, "w", encoding="utf-8") as file:
+        file.write("a file\n")
+    refused("folder_is_a_file", GOOD, [blocked], folder=blocked)
+
+    # checkpoints
+    checkpoint = runs.numbered(good, "checkpoint")[-1]
+    size = os.path.getsize(checkpoint)
+    broken = runs.scratch("broken.h5")
+    for share in (0, 0.1, 0.5, 0.99):
+        shutil.copy(checkpoint, broken)
+        os.truncate(broken, int(size * share))
+        refused(f"truncated_to_{share}", GOOD + f"-restart {broken}", [broken])
     shutil.copy(checkpoint, broken)
-    os.truncate(broken, int(size * share))
-    refused(f"truncated_to_{share}", GOOD + f"-restart {broken}", [broken])
-shutil.copy(checkpoint, broken)
-with open(broken, "r+b") as file:
-    file.seek(size // 2)
-    byte = file.read(1)
-    file.seek(size // 2)
-    file.write(bytes([byte[0] ^ 1]))
-refused("one_bit_wrong", GOOD + f"-restart {broken}", [broken])
-refused("foreign_hdf5", GOOD + f"-restart {runs.numbered(good, 'snapshot')[-1]}", ["checkpoint"])
-refused("foreign_text", GOOD + f"-restart {os.path.join(good, 'series.csv')}", ["checkpoint"])
-refused("missing_checkpoint", GOOD + "-restart /nowhere/checkpoint_000001.h5", ["/nowhere/checkpoint_000001.h5"])
-refused("checkpoint_of_other_spacing", GOOD + f"-spacing 0.5 -restart {checkpoint}", ["spacing"])
-two = "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 "
-refused("checkpoint_of_other_bodies", BOX + two + f"-restart {checkpoint}", ["bodies"])
-for changed, words in (("-box_upper 10,10,30", ["-box_upper", "10,10,20", "10,10,30"]), ("-box_z wall", ["-box_zmax"]),
-                       ("-film_density 900", ["-film_density", "1000", "900"]),
-                       ("-film_upper 10,10,6", ["extent of film"]),
-                       ("-film_velocity 1,0,0", ["initial velocity of film"]),
-                       ("-kernel_type wendland_c2", ["-kernel_type"]),
-                       ("-solids s -s_upper 2,2,2", ["solid 1 of -solids", "s"])):
-    refused(f"checkpoint_with{changed}".replace(" ", "_"), GOOD + f"{changed} -restart {checkpoint}",
-            [checkpoint, "another scene"] + words)
-refused("checkpoint_of_other_box_parallel", GOOD + f"-box_upper 10,10,30 -restart {checkpoint}", ["-box_upper"], 2)
-swapped = runs.numbered(runs.run(BOX + two, "swapped"), "checkpoint")[-1]
-refused("checkpoint_of_swapped_bodies", BOX + two + f"-bodies b,a -restart {swapped}", ["body 1 of -bodies", "a", "b"])
-refused("checkpoint_is_the_end", GOOD + f"-time_end 1e-9 -restart {checkpoint}", ["-time_end"])
-refused("checkpoint_is_a_pipe", GOOD + f"-restart {pipe}", [pipe, "no readable file"])
-runs.check(checksums(good) == before, "checkpoint_folder_unchanged", "files differ")
-# a restart that is refused leaves the run of its folder as it was: in its own folder, and in another to be overwritten
-early = runs.numbered(runs.run(GOOD + "-checkpoint_interval 1e-9", "early"), "checkpoint")[0]
-for name, folder in (("own", os.path.dirname(early)), ("other", good)):
-    before = checksums(folder)
-    for word, options in (("misspelt", "-gravitty 0,0,-1"), ("too_late", "-time_end 1e-9")):
-        refused(f"restart_{word}_{name}_folder", GOOD + f"{options} -output_overwrite -restart {early}",
-                [options.split()[0]], folder=folder)
-    runs.check(checksums(folder) == before, f"refused_restart_keeps_{name}_folder", "files differ")
-GRADED = GOOD + "-spacing_coarse 2 -fine core -core_shape sphere -core_radius 2 -core_center 5,5,5 "
-for name, meant in (("-scheme weakly_compressible", "-scheme weakly_compressible"),
-                    ("-scheme density_invariant", "-scheme density_invariant"),
-                    ("-shifting_conserved", "-shifting_conserved"), ("-pressure_gradient conserved", "conserved"),
-                    ("-spectrum", "-spectrum")):
-    refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse yet"])
-refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
-refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
-for name, more, words in (("swing without a frequency", "-box_zmin_velocity_amplitude 1,0,0",
-                           ["needs -box_zmin_velocity_f"]),
-                          ("swing with a scheme that cannot", "-scheme weakly_compressible "
-                           "-box_zmin_velocity_amplitude 1,0,0 -box_zmin_velocity_frequency 1",
-                           ["a wall of the box swings, which needs -scheme consistent"]),
-                          ("swing of a mirror", "-box_x symmetry -box_xmin_velocity_amplitude 0,1,0",
-                           ["the face is symmetry"]),
-                          ("swing into the box", "-box_zmin_velocity_amplitude 0,0,1",
-                           ["must be tangential", "a solid"])):
-    refused(name, GOOD + more, words)
-TURN = "-frame_rotation_rate 0,0,1 "
-for name, more, words in (("gravity", TURN + "-gravity 0,-1,0", ["-gravity", "along the axis"]),
-                          ("periodic", TURN + "-box_x periodic", ["-box_xmin is periodic or symmetry"]),
-                          ("one number", "-frame_rotation_rate 1", ["-frame_rotation_rate must have three numbers"]),
-                          ("scheme", TURN + "-scheme density_invariant", ["-frame_rotation_rate needs -scheme"])):
-    refused("frame that turns, " + name, GOOD + more, words)
-refused("frame that turns, rings", "-options_file cases/free_fall/rings.opts -frame_rotation_rate 1",
-        ["cannot be used with -dimension axisymmetric"])
+    with open(broken, "r+b") as file:
+        file.seek(size // 2)
+        byte = file.read(1)
+        file.seek(size // 2)
+        file.write(bytes([byte[0] ^ 1]))
+    refused("one_bit_wrong", GOOD + f"-restart {broken}", [broken])
+    refused("foreign_hdf5", GOOD + f"-restart {runs.numbered(good, 'snapshot')[-1]}", ["checkpoint"])
+    refused("foreign_text", GOOD + f"-restart {os.path.join(good, 'series.csv')}", ["checkpoint"])
+    refused("missing_checkpoint", GOOD + "-restart /nowhere/checkpoint_000001.h5", ["/nowhere/checkpoint_000001.h5"])
+    refused("checkpoint_of_other_spacing", GOOD + f"-spacing 0.5 -restart {checkpoint}", ["spacing"])
+    two = "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 "
+    refused("checkpoint_of_other_bodies", BOX + two + f"-restart {checkpoint}", ["bodies"])
+    for changed, words in (("-box_upper 10,10,30", ["-box_upper", "10,10,20", "10,10,30"]), ("-box_z wall",
+                                                                                             ["-box_zmax"]),
+                           ("-film_density 900", ["-film_density", "1000", "900"]),
+                           ("-film_upper 10,10,6", ["extent of film"]),
+                           ("-film_velocity 1,0,0", ["initial velocity of film"]),
+                           ("-kernel_type wendland_c2", ["-kernel_type"]),
+                           ("-solids s -s_upper 2,2,2", ["solid 1 of -solids", "s"])):
+        refused(f"checkpoint_with{changed}".replace(" ", "_"), GOOD + f"{changed} -restart {checkpoint}",
+                [checkpoint, "another scene"] + words)
+    refused("checkpoint_of_other_box_parallel", GOOD + f"-box_upper 10,10,30 -restart {checkpoint}", ["-box_upper"], 2)
+    swapped = runs.numbered(runs.run(BOX + two, "swapped"), "checkpoint")[-1]
+    refused("checkpoint_of_swapped_bodies", BOX + two + f"-bodies b,a -restart {swapped}", ["body 1 of -bodies", "a",
+                                                                                            "b"])
+    refused("checkpoint_is_the_end", GOOD + f"-time_end 1e-9 -restart {checkpoint}", ["-time_end"])
+    refused("checkpoint_is_a_pipe", GOOD + f"-restart {pipe}", [pipe, "no readable file"])
+    runs.check(checksums(good) == before, "checkpoint_folder_unchanged", "files differ")
+    # a restart that is refused leaves the run of its folder as it was: in its own folder, and in another to be
+    # overwritten
+    early = runs.numbered(runs.run(GOOD + "-checkpoint_interval 1e-9", "early"), "checkpoint")[0]
+    for name, folder in (("own", os.path.dirname(early)), ("other", good)):
+        before = checksums(folder)
+        for word, options in (("misspelt", "-gravitty 0,0,-1"), ("too_late", "-time_end 1e-9")):
+            refused(f"restart_{word}_{name}_folder", GOOD + f"{options} -output_overwrite -restart {early}",
+                    [options.split()[0]], folder=folder)
+        runs.check(checksums(folder) == before, f"refused_restart_keeps_{name}_folder", "files differ")
+    GRADED = GOOD + "-spacing_coarse 2 -fine core -core_shape sphere -core_radius 2 -core_center 5,5,5 "
+    for name, meant in (("-scheme weakly_compressible", "-scheme weakly_compressible"),
+                        ("-scheme density_invariant", "-scheme density_invariant"),
+                        ("-shifting_conserved", "-shifting_conserved"), ("-pressure_gradient conserved", "conserved"),
+                        ("-spectrum", "-spectrum")):
+        refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse yet"])
+    refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
+    refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
+    for name, more, words in (("swing without a frequency", "-box_zmin_velocity_amplitude 1,0,0",
+                               ["needs -box_zmin_velocity_f"]),
+                              ("swing with a scheme that cannot", "-scheme weakly_compressible "
+                               "-box_zmin_velocity_amplitude 1,0,0 -box_zmin_velocity_frequency 1",
+                               ["a wall of the box swings, which needs -scheme consistent"]),
+                              ("swing of a mirror", "-box_x symmetry -box_xmin_velocity_amplitude 0,1,0",
+                               ["the face is symmetry"]),
+                              ("swing into the box", "-box_zmin_velocity_amplitude 0,0,1",
+                               ["must be tangential", "a solid"])):
+        refused(name, GOOD + more, words)
+    TURN = "-frame_rotation_rate 0,0,1 "
+    for name, more, words in (("gravity", TURN + "-gravity 0,-1,0", ["-gravity", "along the axis"]),
+                              ("periodic", TURN + "-box_x periodic", ["-box_xmin is periodic or symmetry"]),
+                              ("one number", "-frame_rotation_rate 1",
+                               ["-frame_rotation_rate must have three numbers"]),
+                              ("scheme", TURN + "-scheme density_invariant", ["-frame_rotation_rate needs -scheme"])):
+        refused("frame that turns, " + name, GOOD + more, words)
+    refused("frame that turns, rings", "-options_file cases/free_fall/rings.opts -frame_rotation_rate 1",
+            ["cannot be used with -dimension axisymmetric"])
+
+
+PARTS = {part.__name__: part for part in (core, scenes, folders)}
+for chosen in runs.parts(*PARTS):
+    PARTS[chosen]()
 runs.done()

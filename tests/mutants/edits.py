@@ -21,6 +21,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 sys.path[:0] = [os.path.join(ROOT, "tests"), os.path.join(ROOT, "tests", "verify")]
 import cases  # noqa: E402
+import run  # noqa: E402
 
 KEYS = {"file", "was", "is", "bug", "tests"}
 VERIFY = "verify/"
@@ -58,15 +59,14 @@ def read():
 
 
 def exists(test):
-    """Whether a test is a part of `make test`."""
+    """Whether a test is a part of `make test`: a job of tests/run.py, 'unit/NAME on 3' for unit/NAME@3, an entry of
+    tests/verify/cases.py by its id, or a script with all its parts."""
     name, _, ranks = test.partition(" on ")
+    if name.startswith("unit/"):
+        row = run.row_of(name, run.read_table())
+        return os.path.exists(os.path.join(ROOT, "tests", name + ".c")) and row and int(ranks or 1) in row.ranks
     if name.startswith(VERIFY) and not name.endswith(".py"):
         return any(entry.id == name[len(VERIFY):] and entry.size == cases.TEST for entry in cases.ENTRIES)
-    if name.startswith("unit/"):
-        with open(os.path.join(ROOT, "tests", "parallel", "units.sh"), encoding="utf-8") as file:
-            several = re.search(r"for name in ([\w ]+);", file.read())[1].split()
-        return os.path.exists(os.path.join(ROOT, "tests", name + ".c")) and (
-            not ranks or (ranks in ("2", "3") and name[len("unit/test_"):] in several))
     return not ranks and os.access(os.path.join(ROOT, "tests", name), os.X_OK)
 
 

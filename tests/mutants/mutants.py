@@ -29,8 +29,6 @@ COLUMNS = ("name", "folder", "bug", "fate", "by", "seconds", "survives")
 WANTED = 0.9      # the least share of all mutants that are killed
 PATIENCE = 30, 5  # a test may take so many seconds, and so many times as long as without the edit
 KILLED, SURVIVED, ERROR = "killed", "survived", "error"
-ENTRY = ("import sys; sys.path.insert(0, 'tests/verify'); import cases, runner; "
-         "sys.exit(runner.test([e for e in cases.ENTRIES if e.id == sys.argv[1]]))")
 
 
 class Tree:
@@ -65,7 +63,7 @@ class Tree:
         if name.startswith("unit/"):
             command = (["mpiexec", "-n", ranks] if ranks else []) + ["output/build/tests/" + name]
         elif name.startswith(edits.VERIFY) and not name.endswith(".py"):
-            command = [sys.executable, "-c", ENTRY, name[len(edits.VERIFY):]]
+            command = [sys.executable, "tests/verify/entries.py", "--part", name[len(edits.VERIFY):]]
         else:
             command = ([sys.executable] if name.endswith(".py") else []) + ["tests/" + name]
         environment = {k: v for k, v in runs.environment(int(ranks or 1)).items() if k not in ("ISPH", "LINT_ROOT")}

@@ -102,29 +102,32 @@ def test(name, scene, spacing, ranks, others):
             runs.check_below(moved, ROUND_OFF, label + "_positions")
 
 
-test("impact", IMPACT, 1e-3, 1, [])
-test("impact_parallel", IMPACT, 1e-3, 2, [1, 3])
-test("plane", PLANE, 0.02, 1, [2])
-test("rings", RINGS, 1e-3, 2, [1])
-test("lens", LENS, 1e-3, 1, [2])
-test("tori", TORI, 1e-3, 1, [3])
-test("graded", GRADED, 1e-3, 2, [1])
-test("graded_tori", GRADED_TORI, 1e-3, 2, [1])
-# in the folder of the checkpoint itself: the series goes on behind the restart
-folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
-before = runs.series(folder)
-middle = runs.numbered(folder, "checkpoint")[0]
-for changed, words in (("-float_turns 0 -float_rotation_rate 0", ["-float_turns (there 1, here 0)", "inertia"]),
-                       ("-float_inertia 3", ["moments of inertia of float", "3,3,3"]),
-                       ("-float_rotation_center 0.12,0.29", ["centre of mass of float", "0.12,0.29"])):
-    process = runs.start(PLANE + f"{changed} -steps_max 1 -restart {middle} -output_dir {runs.scratch('other')}")
-    runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["another scene"]),
-               f"other_body {changed}", f"code {process.returncode}: {process.stderr[-300:]}")
-rest = STEPS - int(runs.head(middle)["step"])
-process = runs.start(PLANE + f"-steps_max {rest} -restart {middle} -output_dir {folder} -progress_interval 0")
-after = runs.series(folder)
-columns = [c for c in before.dtype.names if c != "wall_time"]
-runs.check(process.returncode == 0 and len(before) == len(after) and
-           all(np.array_equal(before[c], after[c], equal_nan=True) for c in columns), "series_goes_on",
-           f"code {process.returncode}, {len(before)} lines before, {len(after)} after; {process.stderr[-300:]}")
+def inside():
+    """In the folder of the checkpoint itself: the series goes on behind the restart."""
+    folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
+    before = runs.series(folder)
+    middle = runs.numbered(folder, "checkpoint")[0]
+    for changed, words in (("-float_turns 0 -float_rotation_rate 0", ["-float_turns (there 1, here 0)", "inertia"]),
+                           ("-float_inertia 3", ["moments of inertia of float", "3,3,3"]),
+                           ("-float_rotation_center 0.12,0.29", ["centre of mass of float", "0.12,0.29"])):
+        process = runs.start(PLANE + f"{changed} -steps_max 1 -restart {middle} -output_dir {runs.scratch('other')}")
+        runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["another scene"]),
+                   f"other_body {changed}", f"code {process.returncode}: {process.stderr[-300:]}")
+    rest = STEPS - int(runs.head(middle)["step"])
+    process = runs.start(PLANE + f"-steps_max {rest} -restart {middle} -output_dir {folder} -progress_interval 0")
+    after = runs.series(folder)
+    columns = [c for c in before.dtype.names if c != "wall_time"]
+    runs.check(process.returncode == 0 and len(before) == len(after) and
+               all(np.array_equal(before[c], after[c], equal_nan=True) for c in columns), "series_goes_on",
+               f"code {process.returncode}, {len(before)} lines before, {len(after)} after; {process.stderr[-300:]}")
+
+
+SCENES = {"impact": (IMPACT, 1e-3, 1, []), "impact_parallel": (IMPACT, 1e-3, 2, [1, 3]), "plane": (PLANE, 0.02, 1, [2]),
+          "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]), "tori": (TORI, 1e-3, 1, [3]),
+          "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1])}
+for part in runs.parts(*SCENES, "inside"):
+    if part == "inside":
+        inside()
+    else:
+        test(part, *SCENES[part])
 runs.done()

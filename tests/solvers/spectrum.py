@@ -49,77 +49,91 @@ def solver(text, name):
     runs.check_within(iterations, 2, bound, f"{name}, iterations within the bound of the condition")
 
 
-box = report(BOX + " -steps_max 1 -viscosity_form cleary", "box")
-largest, seen = numbers(box, r"largest +N? ?1/m2 = N/d0\^2; a full lattice has N/d0".replace("N? ?", r"[\d.e+]+ "))
-runs.check_within(seen, 3.53, 3.54, "3.53/d0^2 of a full lattice")
-runs.check_within(largest / seen, 0.999, 1.005, "largest eigenvalue of a full box over that")
-smallest, theory = numbers(box, r"smallest +N 1/m2; theory N 1/m2")
-runs.check_within(theory, 39.4, 39.5, "(2 pi/L)^2 of a box of 1 m")
-runs.check_within(smallest / theory, 0.93, 1.01, "smallest eigenvalue of a full box over that")
-viscous, limit = numbers(box, r"viscosity +largest eigenvalue [\d.e+]+ 1/s = N nu/d0\^2: stable up to 2/lambda = N s")
-runs.check_within(viscous, 9.35, 9.5, "largest eigenvalue of the viscosity, 9.44 nu/d0^2")
+def box():
+    """The full lattice and the explicit limit of viscosity."""
+    full = report(BOX + " -steps_max 1 -viscosity_form cleary", "box")
+    largest, seen = numbers(full, r"largest +N? ?1/m2 = N/d0\^2; a full lattice has N/d0".replace("N? ?", r"[\d.e+]+ "))
+    runs.check_within(seen, 3.53, 3.54, "3.53/d0^2 of a full lattice")
+    runs.check_within(largest / seen, 0.999, 1.005, "largest eigenvalue of a full box over that")
+    smallest, theory = numbers(full, r"smallest +N 1/m2; theory N 1/m2")
+    runs.check_within(theory, 39.4, 39.5, "(2 pi/L)^2 of a box of 1 m")
+    runs.check_within(smallest / theory, 0.93, 1.01, "smallest eigenvalue of a full box over that")
+    viscous, limit = numbers(full, r"viscosity +largest eigenvalue [\d.e+]+ 1/s = N nu/d0\^2: "
+                             "stable up to 2/lambda = N s")
+    runs.check_within(viscous, 9.35, 9.5, "largest eigenvalue of the viscosity, 9.44 nu/d0^2")
 
-# a viscosity that makes it the only thing that counts; 60 steps below and above the limit
-stiff = BOX.replace("viscosity 0.01", "viscosity 100") + " -shifting 0 -packing_jitter 0.05"
-limit = numbers(report(stiff + " -steps_max 1", "stiff"), r"2/lambda = N s")[0]
-for factor, stable in ((0.9, True), (1.1, False)):
-    folder = runs.scratch(f"stiff_{factor}")
-    process = runs.start((stiff + f" -time_step {factor * limit:.6g} -steps_max 60 -series_interval 0 "
-                          "-viscosity_solver explicit -energy_max 0 -displacement_max 1e9 -density_max 1e9 "
-                          "-progress_interval 0").replace("\n", "").split() +
-                         ["-output_dir", folder])
-    energy = runs.series(folder)["kinetic_energy"] if process.returncode == 0 else [1.0, math.inf]
-    runs.check((energy[-1] < energy[0]) == stable, f"viscosity at {factor} of its limit is " +
-               ("stable" if stable else "unstable"), f"kinetic energy from {energy[0]:.3g} to {energy[-1]:.3g} J")
+    # a viscosity that makes it the only thing that counts; 60 steps below and above the limit
+    stiff = BOX.replace("viscosity 0.01", "viscosity 100") + " -shifting 0 -packing_jitter 0.05"
+    limit = numbers(report(stiff + " -steps_max 1", "stiff"), r"2/lambda = N s")[0]
+    for factor, stable in ((0.9, True), (1.1, False)):
+        folder = runs.scratch(f"stiff_{factor}")
+        process = runs.start((stiff + f" -time_step {factor * limit:.6g} -steps_max 60 -series_interval 0 "
+                              "-viscosity_solver explicit -energy_max 0 -displacement_max 1e9 -density_max 1e9 "
+                              "-progress_interval 0").replace("\n", "").split() +
+                             ["-output_dir", folder])
+        energy = runs.series(folder)["kinetic_energy"] if process.returncode == 0 else [1.0, math.inf]
+        runs.check((energy[-1] < energy[0]) == stable, f"viscosity at {factor} of its limit is " +
+                   ("stable" if stable else "unstable"), f"kinetic energy from {energy[0]:.3g} to {energy[-1]:.3g} J")
 
-# rings in a closed tube of radius R: (3.8317/R)^2, the first wave across it, the zero of J1
-errors = []
-for spacing in (0.5e-3, 0.25e-3):
-    tube = report(f"""-dimension axisymmetric -spacing {spacing} -box_lower 0,0 -box_upper 12e-3,4e-3 -box_xmax wall
- -box_y periodic -bodies water -water_velocity 0,0.01 -packing_jitter 0 -steps_max 1 -checkpoint_interval 0 """,
-                  f"tube {spacing}")
-    errors.append(1 - numbers(tube, r"smallest +N 1/m2")[0] / (3.83171 / 12e-3)**2)
-runs.check_within(errors[0], 0.0, 0.1, "first wave across a tube, relative error")
-runs.check_within(errors[0] / errors[1], 1.5, 2.6, "first wave across a tube, the error halves with the spacing")
 
-errors = []
-for spacing in (1e-3, 0.5e-3):
-    film = report(f"{FILM} -spacing {spacing}", f"film {spacing}")
-    smallest, theory = numbers(film, r"smallest +N 1/m2; theory N 1/m2")
-    errors.append(1 - smallest / theory)
-    solver(film, f"film {spacing}")
-runs.check_within(errors[0], 0.0, 0.25, "(pi/2H)^2 of a film 10 spacings deep, relative error")
-runs.check_within(errors[1], 0.0, 0.13, "(pi/2H)^2 of a film 20 spacings deep, relative error")
-runs.check_within(errors[0] / errors[1], 1.5, 2.6, "(pi/2H)^2, the error halves with the spacing")
+def waves():
+    """The first waves of a tube and a film; a splash."""
+    # rings in a closed tube of radius R: (3.8317/R)^2, the first wave across it, the zero of J1
+    errors = []
+    for spacing in (0.5e-3, 0.25e-3):
+        tube = report(f"""-dimension axisymmetric -spacing {spacing} -box_lower 0,0 -box_upper 12e-3,4e-3 -box_xmax wall
+     -box_y periodic -bodies water -water_velocity 0,0.01 -packing_jitter 0 -steps_max 1 -checkpoint_interval 0 """,
+                      f"tube {spacing}")
+        errors.append(1 - numbers(tube, r"smallest +N 1/m2")[0] / (3.83171 / 12e-3)**2)
+    runs.check_within(errors[0], 0.0, 0.1, "first wave across a tube, relative error")
+    runs.check_within(errors[0] / errors[1], 1.5, 2.6, "first wave across a tube, the error halves with the spacing")
 
-# the scene of README, finer, as its drop touches the film: the largest eigenvalue is then a displacement that grows
-splash = report("""-dimension 2 -spacing 0.25e-3 -box_lower -5e-3,-2e-3 -box_upper 5e-3,10e-3 -box_x periodic
- -box_ymin wall
- -bodies film,drop -film_shape box -film_upper 5e-3,0 -film_tension 0.072 -drop_shape sphere -drop_center 0,1.5e-3
- -drop_radius 1e-3 -drop_tension 0.072 -drop_velocity 0,-1 -gravity 0,-9.81 -checkpoint_interval 0 -steps_max 5""",
-                "splash")
-step = numbers(splash, r"tension +largest frequency N 1/s: stable up to 2/omega = N s, N times the step")
-runs.check_within(step[0] * step[1], 1.99, 2.01, "splash, 2/omega")
-runs.check_within(step[2], 1, 1e3, "splash, the step is below the capillary limit")
-runs.check_within(numbers(splash, "a displacement grows at N 1/s")[0], 500, 5000, "splash, rate of growth, 1/s")
+    errors = []
+    for spacing in (1e-3, 0.5e-3):
+        film = report(f"{FILM} -spacing {spacing}", f"film {spacing}")
+        smallest, theory = numbers(film, r"smallest +N 1/m2; theory N 1/m2")
+        errors.append(1 - smallest / theory)
+        solver(film, f"film {spacing}")
+    runs.check_within(errors[0], 0.0, 0.25, "(pi/2H)^2 of a film 10 spacings deep, relative error")
+    runs.check_within(errors[1], 0.0, 0.13, "(pi/2H)^2 of a film 20 spacings deep, relative error")
+    runs.check_within(errors[0] / errors[1], 1.5, 2.6, "(pi/2H)^2, the error halves with the spacing")
 
-modes = {}
-for cells in (12, 16):
-    drop = report(f"{DROP} -spacing {1.5e-3 / cells:.9g}", f"drop {cells}")
-    step = numbers(drop, r"tension +largest frequency N 1/s: stable up to 2/omega = N s, N times the step")
-    runs.check_within(step[0] * step[1], 1.99, 2.01, f"R/d0 = {cells}, 2/omega")
-    runs.check_within(step[2], 1, 1e3, f"R/d0 = {cells}, the step is below the capillary limit")
-    modes[cells] = {int(n): (float(mean), float(low), float(high), int(count)) for n, mean, low, high, count in
-                re.findall(rf"degree (\d)  mean +{NUMBER} \(theory +\d+\), from +{NUMBER} to +{NUMBER}, (\d+) modes",
-                               drop)}
-for degree, exact, tolerance in ((1, 0, None), (2, 8, 0.03), (3, 30, 0.06), (4, 72, 0.10)):
-    mean, low, high, count = modes[16][degree]
-    runs.check(count == 2 * degree + 1, f"multiplicity of degree {degree}", f"{count}, not {2 * degree + 1}")
-    if degree == 1:
-        runs.check(max(abs(low), abs(high)) < 0.01, "degree 1 is a translation", f"{low} to {high}")
-        continue
-    runs.check_within(mean / exact, 1 - tolerance, 1.02, f"omega^2 of degree {degree} over {exact} sigma/(rho R^3)")
-    runs.check_within((high - low) / mean, 0, 0.04, f"degree {degree}, spread of its modes")
-    limit = mean + (mean - modes[12][degree][0]) / ((16 / 12)**2 - 1)  # of second order
-    runs.check_within(limit / exact, 0.97, 1.03, f"omega^2 of degree {degree}, extrapolated, over {exact}")
+    # the scene of README, finer, as its drop touches the film: the largest eigenvalue is then a displacement that grows
+    splash = report("""-dimension 2 -spacing 0.25e-3 -box_lower -5e-3,-2e-3 -box_upper 5e-3,10e-3 -box_x periodic
+     -box_ymin wall
+     -bodies film,drop -film_shape box -film_upper 5e-3,0 -film_tension 0.072 -drop_shape sphere -drop_center 0,1.5e-3
+     -drop_radius 1e-3 -drop_tension 0.072 -drop_velocity 0,-1 -gravity 0,-9.81 -checkpoint_interval 0 -steps_max 5""",
+                    "splash")
+    step = numbers(splash, r"tension +largest frequency N 1/s: stable up to 2/omega = N s, N times the step")
+    runs.check_within(step[0] * step[1], 1.99, 2.01, "splash, 2/omega")
+    runs.check_within(step[2], 1, 1e3, "splash, the step is below the capillary limit")
+    runs.check_within(numbers(splash, "a displacement grows at N 1/s")[0], 500, 5000, "splash, rate of growth, 1/s")
+
+
+def drop():
+    """The modes of a drop."""
+    modes = {}
+    for cells in (12, 16):
+        text = report(f"{DROP} -spacing {1.5e-3 / cells:.9g}", f"drop {cells}")
+        step = numbers(text, r"tension +largest frequency N 1/s: stable up to 2/omega = N s, N times the step")
+        runs.check_within(step[0] * step[1], 1.99, 2.01, f"R/d0 = {cells}, 2/omega")
+        runs.check_within(step[2], 1, 1e3, f"R/d0 = {cells}, the step is below the capillary limit")
+        modes[cells] = {int(n): (float(mean), float(low), float(high), int(count)) for n, mean, low, high, count in
+                         re.findall(rf"degree (\d)  mean +{NUMBER} \(theory +\d+\), from +{NUMBER} to +{NUMBER}, "
+                                    r"(\d+) modes", text)}
+    for degree, exact, tolerance in ((1, 0, None), (2, 8, 0.03), (3, 30, 0.06), (4, 72, 0.10)):
+        mean, low, high, count = modes[16][degree]
+        runs.check(count == 2 * degree + 1, f"multiplicity of degree {degree}", f"{count}, not {2 * degree + 1}")
+        if degree == 1:
+            runs.check(max(abs(low), abs(high)) < 0.01, "degree 1 is a translation", f"{low} to {high}")
+            continue
+        runs.check_within(mean / exact, 1 - tolerance, 1.02, f"omega^2 of degree {degree} over {exact} sigma/(rho R^3)")
+        runs.check_within((high - low) / mean, 0, 0.04, f"degree {degree}, spread of its modes")
+        limit = mean + (mean - modes[12][degree][0]) / ((16 / 12)**2 - 1)  # of second order
+        runs.check_within(limit / exact, 0.97, 1.03, f"omega^2 of degree {degree}, extrapolated, over {exact}")
+
+
+PARTS = {part.__name__: part for part in (box, waves, drop)}
+for chosen in runs.parts(*PARTS):
+    PARTS[chosen]()
 runs.done()

@@ -184,7 +184,7 @@ static PetscErrorCode TestConfine(void)
 /* A square pool with air above and a hole whose place changes: the parts keep their places and numbers. */
 static PetscErrorCode TestPartition(void)
 {
-  PetscInt    count, moved = 0, full = 0, *weight;
+  PetscInt    count, moved = 0, full = 0, total = 0, own = 0, *weight;
   PetscMPIInt rank, size, *before;
   Domain      d;
 
@@ -208,12 +208,15 @@ static PetscErrorCode TestPartition(void)
     for (PetscInt c = 0; c < count; c++) {
       if (step > 0) moved += weight[c] > 0 && before[c] != d->cell_rank[c];
       before[c] = d->cell_rank[c];
+      total += step == 7 ? weight[c] : 0;
+      own += step == 7 && !d->cell_rank[c] ? weight[c] : 0;
     }
   }
   PetscCall(PetscFree2(weight, before));
   PetscCall(DomainDestroy(&d));
   /* on 2 to 4 ranks 0.4 to 14 %; without favourite axis and numbers of the parts 26 to 39 % */
   if (rank == 0) CHECK(moved < 0.2 * (PetscReal)full, "partition_stays");
+  if (rank == 0) CHECK_CLOSE(own * (PetscReal)size / total, 1, 0.15, "partition_is_even");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

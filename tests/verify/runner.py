@@ -2,7 +2,6 @@
 
     runner.py [--size test|short|long] [--case CASE[:LABEL]] [--jobs N] [--from ID=FOLDER ...]
                                            make verify, make verify-long
-    runner.py --test [--size ...]          the part of `make test` and `make test-long`
     runner.py --convergence --case CASE    make convergence CASE=...
     runner.py --readme                     make verify-readme: cases/README.md, cases with markers; rows of entries
                                            that did not run stay
@@ -380,7 +379,7 @@ def main():
     parser.add_argument("--case", default="")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--from", dest="existing", action="append", default=[], metavar="ID=FOLDER")
-    for mode in ("test", "convergence", "readme", "list"):
+    for mode in ("convergence", "readme", "list"):
         parser.add_argument("--" + mode, action="store_true")
     a = parser.parse_args()
     case, _, label = a.case.partition(":")
@@ -398,8 +397,6 @@ def main():
     sized = [e for e in entries if e.size in SIZES[a.size]]
     if not sized:
         sys.exit(f"runner.py: {a.case} has no entry of size {a.size}; make verify-long runs all")
-    if a.test:
-        return test(sized)
     return verify(sized, max(1, a.jobs), existing)
 
 

@@ -1,0 +1,24 @@
+# Views of a run. Included by the makefile above.
+.PHONY: pictures film mesh report
+
+# make pictures RUN=output/my FLAGS="--color speed"   sections, surface, view from above, curves in output/my/figures;
+# FLAGS=--help: the others, here and with film, report, mesh
+# make film RUN=output/my                             figures/film.mp4, a frame a snapshot
+# make report RUN=output/my                           report.html: one page that shows the run, its surface to turn and play
+# make mesh RUN=output/my                             mesh/surface_*.vtp and surface.pvd; FLAGS="--format ply --particles"
+FLAGS =
+pictures:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/pictures.py "$(RUN)" $(FLAGS)
+
+film:
+	@tests/packages.sh pictures film
+	@$(PYTHON) src/pictures/film.py "$(RUN)" $(FLAGS)
+
+mesh:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/mesh.py "$(RUN)" $(FLAGS)
+
+report:
+	@tests/packages.sh pictures
+	@$(PYTHON) src/pictures/report.py "$(RUN)" $(FLAGS)

@@ -1,0 +1,297 @@
+#!/usr/bin/python3
+"""Runs the tests side by side, the long ones first.
+
+    tests/run.py [--check | --long] [--sanitizers] [--changed [COMMIT]] [--only NAMES] [--jobs N] [--list]
+
+A test is a job: a program of tests/unit on a number of ranks, a script of tests/, or one part of a script.
+tests/table.txt has a row for each: its ranks, its seconds, the set it belongs to, the folders whose change it watches.
+
+    --check       what belongs to the set `check` (make check); without: `check` and `test`; --long: all sets
+    --sanitizers  the jobs of tests/sanitizers too (make test-ci)
+    --changed     of these only what watches the paths in `git diff COMMIT` (HEAD), quick ones, and lint
+    --only        of all sets only jobs whose name contains one of these words, separated by commas or blanks
+    --jobs        so many at a time (one more than there are processors: some jobs wait for processes to end)
+
+Each test prints 'ok name' or 'FAIL name: why' a line, and whatever else it likes. One that exits non-zero without a
+FAIL line, is killed, runs out of time or prints neither counts as one failure. What failed stands at the end with the
+command that repeats it. output/tests/ keeps the output of each job (JOB.log) and times.csv. The last line is
+'N passed, N failed'; the exit code tells whether any failed."""
+import argparse
+import csv
+import fnmatch
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from typing import NamedTuple
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+TABLE = os.path.join(ROOT, "tests", "table.txt")
+OUTPUT = os.path.join(ROOT, "output", "tests")
+UNITS = os.path.join("output", "build", "tests", "unit")
+FOLDERS = ("docs", "input", "parallel", "restart", "faults", "extremes", "solvers", "verify", "lint")
+SETS = ("check", "test", "long")
+TIMEOUT = float(os.environ.get("TEST_TIMEOUT", 600))  # s a job may take; of the set `long` 7200
+QUICK = 10.0  # s: --changed takes no longer jobs but those of files that changed
+ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1",
+                   OMPI_MCA_rmaps_base_oversubscribe="1")
+
+YIELD = {"OMPI_MCA_mpi_yield_when_idle": "1"}
+ALONE = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self", "OMPI_MCA_ess_singleton_isolated": "1"}  # as in tests/runs.py
+
+
+class Row(NamedTuple):
+    """A line of the table. pattern: of names of jobs; ranks: of a program; seconds: about what it takes; set: check,
+    test or long; watches: paths whose change asks for it."""
+    pattern: str
+    ranks: tuple
+    seconds: float
+    set: str
+    watches: tuple
+
+    def fits(self, name):
+        """Whether the row is of a job: its ranks, behind the @ of a program's name, are in the row."""
+        stem, _, ranks = name.partition("@")
+        return fnmatch.fnmatchcase(stem, self.pattern) and (not ranks or int(ranks) in self.ranks)
+
+
+class Job(NamedTuple):
+    name: str
+    command: list
+    row: Row
+    source: str  # the file it is written in
+
+
+class Result(NamedTuple):
+    job: Job
+    passed: int
+    failures: list  # its FAIL lines and, where there are none, the end of its output
+    wall: float
+    cpu: float
+
+
+def read_table(path=TABLE):
+    """The rows of the table; a ValueError tells which line is wrong. A folder of src/ stands without src/."""
+    rows = []
+    with open(path, encoding="utf-8") as file:
+        for number, line in enumerate(file, 1):
+            words = line.partition("#")[0].split()
+            if not words:
+                continue
+            try:
+                pattern, ranks, seconds, kind, *watches = words
+                rows.append(Row(pattern, tuple(int(n) for n in ranks.split(",")), float(seconds), kind,
+                                tuple(w.removeprefix("./") if "/" in w or "." in w else f"src/{w}/"
+                                      for w in watches)))
+            except ValueError:
+                raise ValueError(f"{path}:{number}: a line is PATTERN RANKS SECONDS SET WATCHES ...") from None
+            if kind not in SETS:
+                raise ValueError(f"{path}:{number}: {kind} is no set; there are {', '.join(SETS)}")
+    return rows
+
+
+def row_of(name, rows):
+    """The last row that is of a job: particular rows stand below general ones."""
+    return next((row for row in reversed(rows) if row.fits(name)), None)
+
+
+def parts(script):
+    """The parts of a script that has some: it prints their names with --parts; none: [None]."""
+    with open(os.path.join(ROOT, script), encoding="utf-8") as file:
+        if not re.search(r"runs\.parts\(|^ *--parts\)", file.read(), re.M):
+            return [None]
+    done = subprocess.run(command_of(script) + ["--parts"], cwd=ROOT, env=ENVIRONMENT, check=True,
+                          stdout=subprocess.PIPE, text=True)
+    return done.stdout.split()
+
+
+def command_of(script):
+    return ([os.environ.get("PYTHON", sys.executable)] if script.endswith(".py") else []) + [os.path.join(".", script)]
+
+
+def find(rows, folders):
+    """All jobs there are, each with its row of the table (None where it has none)."""
+    jobs = []
+
+    def add(name, command, source):
+        jobs.append(Job(name, command, row_of(name, rows), source))
+
+    for file in sorted(os.listdir(os.path.join(ROOT, "tests", "unit"))):
+        stem, kind = os.path.splitext(file)
+        if kind != ".c":
+            continue
+        row = row_of(f"unit/{stem}", rows)
+        for ranks in row.ranks if row else (1,):
+            mpiexec = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+            add(f"unit/{stem}@{ranks}", mpiexec + [os.path.join(".", UNITS, stem)], f"tests/unit/{file}")
+    for folder in folders:
+        for file in sorted(os.listdir(os.path.join(ROOT, "tests", folder))):
+            script = os.path.join("tests", folder, file)
+            if not file.endswith((".sh", ".py")) or not os.access(os.path.join(ROOT, script), os.X_OK):
+                continue
+            for part in parts(script):
+                add(f"{folder}/{file}" + (f":{part}" if part else ""),
+                    command_of(script) + (["--part", part] if part else []), script)
+    return jobs
+
+
+def changed_paths(commit):
+    git = ["git", "-C", ROOT]
+    paths = subprocess.run(git + ["diff", "--name-only", commit, "--"], check=True, stdout=subprocess.PIPE, text=True)
+    new = subprocess.run(git + ["ls-files", "--others", "--exclude-standard"], check=True, stdout=subprocess.PIPE,
+                         text=True)
+    return paths.stdout.split() + new.stdout.split()
+
+
+def watching(jobs, paths):
+    """The jobs that watch one of the paths and are quick, and those that are written in one of them."""
+    return [job for job in jobs if job.source in paths or job.row.seconds <= QUICK and
+            (job.name.startswith("lint/") or any(path.startswith(w) for w in job.row.watches for path in paths))]
+
+
+def choose(jobs, arguments):
+    """What is to run, the longest first."""
+    if arguments.only:
+        words = arguments.only.replace(",", " ").split()
+        jobs = [job for job in jobs if any(word in job.name for word in words)]
+    else:
+        last = SETS.index("check" if arguments.check else "long" if arguments.long else "test")
+        if arguments.changed:
+            jobs = watching([job for job in jobs if job.row.set != "long"], changed_paths(arguments.changed))
+        else:
+            jobs = [job for job in jobs if SETS.index(job.row.set) <= last]
+    return sorted(jobs, key=lambda job: -job.row.seconds)
+
+
+def log_of(job):
+    return os.path.join(OUTPUT, job.name.replace("/", "_").replace(":", "_") + ".log")
+
+
+def judge(job, code, text):
+    """(number of ok lines, what failed)."""
+    lines = text.splitlines()
+    passed = sum(line.startswith("ok ") for line in lines)
+    failures = [line for line in lines if line.startswith("FAIL ")]
+    if not failures:
+        if code is None:
+            failures = [f"FAIL {job.name}: it was stopped, for it took longer than allowed"]
+        elif code:
+            failures = [f"FAIL {job.name}: exit code {code}"] + ["  | " + line for line in lines[-15:]]
+        elif not passed:
+            failures = [f"FAIL {job.name}: it printed no result"]
+    return passed, failures
+
+
+def execute(job):
+    """Runs a job to its end; its processor time is that of all its processes."""
+    log, began = log_of(job), time.monotonic()
+    limit = TIMEOUT if job.row.set != "long" else max(TIMEOUT, 7200)
+    environment = ENVIRONMENT
+    if job.name.startswith("unit/"):
+        environment = dict(environment, **(YIELD if job.command[0] == "mpiexec" else ALONE))
+    with open(log, "w", encoding="utf-8") as out:
+        try:
+            process = subprocess.Popen(job.command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=out,
+                                       stderr=subprocess.STDOUT, start_new_session=True)
+        except OSError as error:
+            return Result(job, 0, [f"FAIL {job.name}: {error}; make test builds it"], 0.0, 0.0)
+        late = threading.Event()
+
+        def stop():
+            late.set()
+            os.killpg(process.pid, signal.SIGKILL)
+
+        timer = threading.Timer(limit, stop)
+        timer.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        timer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+    with open(log, encoding="utf-8", errors="replace") as file:
+        passed, failures = judge(job, None if late.is_set() else process.returncode, file.read())
+    return Result(job, passed, failures, time.monotonic() - began, usage.ru_utime + usage.ru_stime)
+
+
+def run(jobs, number):
+    """The results, as they come; a line for each."""
+    waiting, results, lock = list(jobs), [], threading.Lock()
+
+    def work():
+        while True:
+            with lock:
+                if not waiting:
+                    return
+                job = waiting.pop(0)
+            result = execute(job)
+            with lock:
+                results.append(result)
+                failed = sum(line.startswith("FAIL ") for line in result.failures)
+                print(f"{len(results):3}/{len(jobs)}  {job.name:58} {result.passed:4} ok"
+                      f"{f' {failed:3} FAILED' if failed else '':11} {result.wall:6.1f} s {result.cpu:6.1f} s",
+                      flush=True)
+
+    workers = [threading.Thread(target=work) for _ in range(number)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    return results
+
+
+def write_times(results):
+    """output/tests/times.csv: those of this run, and of jobs that did not run now."""
+    path, times = os.path.join(OUTPUT, "times.csv"), {}
+    if os.path.exists(path):
+        with open(path, newline="", encoding="utf-8") as file:
+            times = {line["test"]: line for line in csv.DictReader(file)}
+    for r in results:
+        times[r.job.name] = {"test": r.job.name, "passed": r.passed, "wall_s": f"{r.wall:.2f}", "cpu_s": f"{r.cpu:.2f}"}
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, ("test", "passed", "wall_s", "cpu_s"))
+        writer.writeheader()
+        writer.writerows(sorted(times.values(), key=lambda line: -float(line["wall_s"])))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("check", "long", "sanitizers", "list"):
+        parser.add_argument("--" + name, action="store_true")
+    parser.add_argument("--changed", nargs="?", const="HEAD", default="")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() + 1)  # some only wait
+    arguments = parser.parse_args()
+    folders = list(FOLDERS) + ["long"] * (arguments.long or bool(arguments.only)) + \
+        ["sanitizers"] * (arguments.sanitizers or "sanitizers" in arguments.only)
+    began, rows = time.monotonic(), read_table()
+    jobs = find(rows, folders)
+    unknown = [job.name for job in jobs if job.row is None]
+    if unknown:
+        sys.exit(f"run.py: no row of tests/table.txt is of {', '.join(unknown)}")
+    jobs = choose(jobs, arguments)
+    if arguments.list:
+        print("\n".join(f"{job.row.set:6} {job.row.seconds:6.1f} s  {job.name}" for job in jobs))
+        return 0
+    if not jobs:
+        print("run.py: no test is chosen" + (f": none has {arguments.only} in its name" * bool(arguments.only)))
+        print("0 passed, 1 failed")
+        return 0 if arguments.changed else 1
+    os.makedirs(OUTPUT, exist_ok=True)
+    results = run(jobs, max(1, arguments.jobs))
+    write_times(results)
+    bad = [r for r in results if r.failures]
+    if bad:
+        print("\nFailed:")
+    for r in bad:
+        print("\n".join("  " + line for line in r.failures))
+        print(f"    again: make test ONLY={r.job.name}    its output: {os.path.relpath(log_of(r.job), ROOT)}")
+    print(f"{len(results)} jobs in {time.monotonic() - began:.0f} s, {sum(r.cpu for r in results):.0f} s of processor "
+          "time; output/tests/times.csv has each one's")
+    failed = sum(sum(line.startswith("FAIL ") for line in r.failures) for r in bad)
+    print(f"{sum(r.passed for r in results)} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

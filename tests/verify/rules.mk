@@ -1,0 +1,28 @@
+# The physics: cases/ against exact solutions. Included by the makefile above.
+# make verify, verify-long   the cases against exact solutions; CASE=couette, JOBS=1, FROM="ID=FOLDER ..."
+# make convergence           a case at several spacings; writes the tables of its README; CASE=couette
+# make verify-readme         the tables of cases/README.md and of the cases from the last runs
+# make reference             the volume-of-fluid computations that some checks compare with, anew (gerris); CASE=thin_film
+.PHONY: verify verify-long convergence verify-readme reference
+
+VERIFY = $(MPI) $(PYTHON) tests/verify/runner.py
+CASE   =
+FROM   =
+
+# FROM="ID=FOLDER ...": judge runs that exist instead of running these entries; IDs: tests/verify/runner.py --list
+verify: isph
+	@$(VERIFY) --size short --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+
+verify-long: isph
+	@$(VERIFY) --size long --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+
+convergence: isph
+	@$(VERIFY) --convergence --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+
+verify-readme:
+	@$(VERIFY) --readme
+
+# Independent computations by volume of fluid that the checks read, cases/*/reference*.csv: ten minutes each; Debian's gerris
+reference:
+	@tests/packages.sh reference
+	@$(PYTHON) tests/verify/reference.py $(CASE)
