@@ -181,4 +181,5 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 const GaugeKind GaugeForces = {.setfromoptions = SetFromOptions_Forces,
                                .columns        = Columns_Forces,
                                .name           = Name_Forces,
-                               .measure        = Measure_Forces};
+                               .measure        = Measure_Forces,
+                               .needs_sums     = PETSC_TRUE};

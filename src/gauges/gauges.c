@@ -36,6 +36,12 @@ PetscErrorCode GaugesDestroy(Gauges *gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), void *context)
+{
+  gauges->refresh = refresh;
+  gauges->context = context;
+}
+
 void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension)
 {
   gauges->viscosity = viscosity;
@@ -114,10 +120,24 @@ PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], siz
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sums over neighbours for the gauges that read them, where those of the step belong to another order. */
+static PetscErrorCode Refresh(Gauges gauges)
+{
+  PetscBool current = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < KINDS; k++)
+    if (kinds[k]->needs_sums && Columns(gauges, k) && !CloudIsCurrent(gauges->cloud, FIELD_CORRECTION))
+      current = PETSC_FALSE;
+  if (!current && gauges->refresh) PetscCall(gauges->refresh(gauges->context));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(Refresh(gauges));
   for (PetscInt k = 0; k < KINDS; k++) {
     const PetscInt columns = Columns(gauges, k);
 

@@ -37,6 +37,10 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
    gradient of pressure, or of pairs; tension: and the pull of surface tension, whose pressure FIELD_CAPILLARY is. Not
    collective. */
 void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension);
+/* GaugesSetRefresh - what GaugesMeasure calls with its context (borrowed) when a gauge needs sums over neighbours and
+   the cloud's are of another order of its particles: it computes them anew from the stored fields, so that the gauge
+   has the value that the state has in a checkpoint. Not collective. */
+void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), void *context);
 /* GaugesSetFromOptions - all options -gauge_...; refuses (UserError) values that make no sense. Collective. */
 PetscErrorCode GaugesSetFromOptions(Gauges gauges);
 PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer);

@@ -15,6 +15,7 @@ typedef struct {
   PetscInt (*columns)(Gauges gauges);
   PetscErrorCode (*name)(Gauges gauges, PetscInt column, char name[], size_t length);
   PetscErrorCode (*measure)(Gauges gauges, PetscReal values[]);
+  PetscBool needs_sums; /* 'measure' reads what OperatorsMoments and TensionApply write */
   /* A table of its own: its file, whether it is wanted, its head, its rows (see GaugesTableRows). */
   const char *file;
   PetscBool (*wanted)(Gauges gauges);
@@ -60,7 +61,9 @@ struct _p_Gauges {
   Places           points, heights, lines;
   PetscInt         line_points;
   PetscBool        forces, droplets;
-  PetscInt         droplet_least; /* particles of the smallest droplet */
+  PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
+  void    *context;
+  PetscInt droplet_least; /* particles of the smallest droplet */
 };
 
 static inline char AxisName(PetscInt direction)

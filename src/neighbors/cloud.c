@@ -125,11 +125,14 @@ static PetscErrorCode Load(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the particles of each kind; the swarm's sort has put them in this order. */
+/* Counts the particles of each kind; the swarm's sort has put them in this order. What the work fields have belongs to
+   other particles from now on: nobody can read it. */
 static void CountKinds(Cloud cloud)
 {
   const PetscInt *layer = cloud->integer[INT_LAYER];
 
+  for (PetscInt f = FIELD_STORED_COUNT; f < FIELD_COUNT; f++)
+    for (PetscInt k = 0; k < Fields[f].width * cloud->n_owned; k++) cloud->field[f][k] = NAN;
   cloud->n_fluid = cloud->n_rows = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     cloud->n_fluid += layer[a] == 0;

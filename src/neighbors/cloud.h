@@ -77,6 +77,7 @@ typedef struct _p_Cloud {
   PetscReal  rebalance;        /* imbalance that triggers METIS */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
   PetscInt   layout; /* counts changes of the local order: a preconditioner is valid for one layout */
+  PetscInt   written[FIELD_COUNT]; /* of each work field the layout in which it was last written: see CloudWrote */
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
 } * Cloud;
 
@@ -191,6 +192,18 @@ PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[]);
    with the next migration. Particles that left through an open face are removed; their number on all ranks is added to
    *lost, their kinetic and potential energy (J) to *energy (NULL: not wanted). Collective. */
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy);
+
+/* CloudWrote - for the operator that writes a work field of all particles of this rank: its numbers are those of the
+   present local order. CloudIsCurrent - whether they still are: a new order leaves all work fields NAN until they are
+   written again. Not collective. */
+static inline void CloudWrote(Cloud cloud, FieldId field)
+{
+  cloud->written[field] = cloud->layout;
+}
+static inline PetscBool CloudIsCurrent(Cloud cloud, FieldId field)
+{
+  return (PetscBool)(field < FIELD_STORED_COUNT || cloud->written[field] == cloud->layout);
+}
 
 /* CloudCheckUnknowns - refuses (UserError) 'width' unknowns for each fluid particle of n on this rank if PETSc cannot
    number those of all ranks; what: needs them, for the sentence. Collective. */

@@ -216,6 +216,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   if (viscosity) PetscCall(OperatorsWallFriction(cloud, viscosity, scales.viscosity / inverse_h2));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
+  CloudWrote(cloud, FIELD_CORRECTION);
+  CloudWrote(cloud, FIELD_NORMAL);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

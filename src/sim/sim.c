@@ -100,6 +100,14 @@ static PetscErrorCode OwnNames(MPI_Comm comm, OptionNames *names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* For GaugesSetRefresh. */
+static PetscErrorCode RefreshSums(void *stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(StepperRefresh((Stepper)stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 {
   MPI_Comm comm = sim->comm;
@@ -136,6 +144,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(GaugesSetFromOptions(sim->gauges));
   GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), PressureGradientCorrected(sim->pressure),
                   TensionOnSurface(sim->tension));
+  GaugesSetRefresh(sim->gauges, RefreshSums, sim->stepper);
   PetscCall(OutputCreate(sim->cloud, sim->gauges, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
   PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,

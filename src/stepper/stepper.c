@@ -429,6 +429,17 @@ PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode StepperRefresh(Stepper stepper)
+{
+  Cloud cloud = stepper->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(StepSearch(stepper, PETSC_FALSE));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned)); /* TensionApply may add to it */
+  PetscCall(TensionApply(stepper->tension, cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 {
   StepTrial trial = {0};

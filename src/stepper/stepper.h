@@ -72,6 +72,9 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
 /* StepperViscosity - of -viscosity_form and -viscosity_wall; borrowed. Not collective. */
 const Viscosity *StepperViscosity(Stepper stepper);
+/* StepperRefresh - the work fields that gauges read (see GaugesSetRefresh), from the swarm's state as the cloud has it;
+   nothing that is stored changes. Collective. */
+PetscErrorCode StepperRefresh(Stepper stepper);
 /* StepperMeasure - density, its mean and surface_energy of the state at the start of a run, of the swarm's particles as
    they are; gives them their viscosity where it varies. Collective. */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
