@@ -309,7 +309,8 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
   PetscReal least = PETSC_MAX_REAL;
 
   for (PetscInt b = 0; b < scene->solids; b++) {
-    const PetscReal s = BodyDistance(scene->solid[b], x);
+    PetscReal       y[DIM];
+    const PetscReal s = BodyNearest(scene->solid[b], x, y);
 
     if (s < least) {
       least = s;

@@ -91,7 +91,8 @@ Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidC
    -<s>_contact_hysteresis (degrees). */
 PetscReal BodyContactHysteresis(Body solid);
 PetscReal BodyContactAngle(Body solid);
-/* SceneSolidDistance - signed distance of x (m) to the nearest solid, negative inside one; PETSC_MAX_REAL without any.
+/* SceneSolidDistance - signed distance of x (m) to the nearest solid or image of one through a periodic face, negative
+   inside; PETSC_MAX_REAL without any.
  *nearest (may be NULL): its index. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);
 /* SceneSolidNormal - unit vector n out of the nearest solid at x (m), by differences of the distance; zero where that

@@ -11,14 +11,19 @@
 #include "stepper_impl.h"
 
 /* F and the torque about the centre (N, N m) on a body, after StepKick: the sum of what the liquid loses to its dummy
-   particles ('each', see OperatorsWallForce), so nothing where no liquid is within reach of them. */
-static PetscErrorCode Balance(Stepper stepper, const PetscReal each[], PetscInt index, PetscReal force[FREE_MOTIONS])
+   particles ('each', see OperatorsWallForce), so nothing where no liquid is within reach of them. Alone in a box that
+   is periodic all around a body takes up all momentum that the liquid loses, to the last digit. */
+static PetscErrorCode Balance(Stepper stepper, PetscReal dt, const PetscReal each[], PetscInt index,
+                              PetscReal force[FREE_MOTIONS])
 {
   Cloud      cloud = stepper->cloud;
   const Body solid = SceneSolid(cloud->scene, index);
+  PetscBool  alone = (PetscBool)(SceneSolidCount(cloud->scene) == 1);
   PetscReal  center[DIM], motion[FREE_MOTIONS];
 
   PetscFunctionBegin;
+  for (PetscInt d = 0; d < cloud->domain->dim; d++)
+    alone = (PetscBool)(alone && cloud->domain->face[d][0] == FACE_PERIODIC);
   FreeMotion(solid, center, motion);
   for (PetscInt k = 0; k < FREE_MOTIONS; k++) force[k] = 0;
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
@@ -29,10 +34,13 @@ static PetscErrorCode Balance(Stepper stepper, const PetscReal each[], PetscInt 
     DomainNearest(cloud->domain, arm);
     Cross(arm, each + DIM * b, torque);
     for (PetscInt d = 0; d < DIM; d++) {
-      force[d] += each[DIM * b + d];
+      force[d] += alone ? 0 : each[DIM * b + d];
       force[DIM + d] += torque[d];
     }
   }
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid && alone; k++)
+    force[k % DIM] -= cloud->volume[k / DIM] * cloud->rest_density[k / DIM] / dt *
+                      (cloud->field[FIELD_VELOCITY_NEW][k] - cloud->field[FIELD_VELOCITY_STAR][k]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, FREE_MOTIONS, MPIU_REAL, MPIU_SUM, cloud->comm));
   FreeRoundTorque(solid, force + DIM);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,10 +81,29 @@ PetscErrorCode FreePredict(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The share of what the pressure owes a body that it is given in a step. */
+static PetscReal Soon(Stepper stepper, PetscReal dt)
+{
+  return 1 - PetscExpReal(-dt / PressureRelaxationTime(stepper->pressure));
+}
+
+void FreeTake(Stepper stepper, PetscReal dt, const PetscReal impulse[])
+{
+  Scene scene = stepper->cloud->scene;
+
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
+    PetscReal *force, *excess;
+
+    if (BodyMass(SceneSolid(scene, b)) == 0) continue;
+    FreeForces(SceneSolid(scene, b), &force, &excess);
+    for (PetscInt k = 0; k < FREE_MOTIONS; k++) excess[k] += Soon(stepper, dt) / dt * impulse[FREE_MOTIONS * b + k];
+  }
+}
+
 PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud           cloud = stepper->cloud;
-  const PetscReal soon  = 1 - PetscExpReal(-dt / PressureRelaxationTime(stepper->pressure));
+  const PetscReal soon  = Soon(stepper, dt);
   PetscReal       equation[FREE_MOTIONS * SCENE_MAX_BODIES], *push = equation, *each;
   PetscMPIInt     rank;
 
@@ -94,7 +121,7 @@ PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
     if (BodyMass(solid) == 0) continue;
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, before);
-    PetscCall(Balance(stepper, each, b, balance));
+    PetscCall(Balance(stepper, dt, each, b, balance));
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
       force[k]   = push[k] + excess[k];
       impulse[k] = dt * (stepper->free_drag[FREE_MOTIONS * b + k] + force[k]);

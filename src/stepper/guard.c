@@ -21,26 +21,47 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
   }
 }
 
-/* The same for solids: out along the normal. */
-static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[])
+/* The momentum and angular momentum that a particle loses at x to a free body. */
+static void AddImpulse(Cloud cloud, PetscInt a, Body solid, const PetscReal x[DIM], const PetscReal change[DIM],
+                       PetscReal impulse[FREE_MOTIONS])
+{
+  const PetscReal mass = cloud->volume[a] * cloud->rest_density[a];
+  PetscReal       center[DIM], motion[FREE_MOTIONS], arm[DIM], torque[DIM];
+
+  FreeMotion(solid, center, motion);
+  for (PetscInt d = 0; d < DIM; d++) arm[d] = x[d] - center[d];
+  DomainNearest(cloud->domain, arm);
+  Cross(arm, change, torque);
+  for (PetscInt d = 0; d < DIM; d++) {
+    impulse[d] -= mass * change[d];
+    impulse[DIM + d] -= mass * torque[d];
+  }
+}
+
+/* The same for solids: out along the normal. Free bodies take what they stop. */
+static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[])
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscInt        solid = 0;
     const PetscReal deep  = distance - SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
-    PetscReal       n[DIM], u[DIM], inwards;
+    PetscReal       n[DIM], u[DIM], image[DIM], change[DIM], inwards;
 
     if (deep <= 0) continue;
-    BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), x + DIM * a, u);
+    (void)BodyNearest(SceneSolid(cloud->scene, solid), x + DIM * a, image);
+    BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), image, u);
     SceneSolidNormal(cloud->scene, x + DIM * a, n);
     inwards = PetscMin(0, Dot(v + DIM * a, n) - Dot(u, n));
     for (PetscInt d = 0; d < DIM; d++) {
+      change[d] = -inwards * n[d];
       x[DIM * a + d] += deep * n[d];
-      v[DIM * a + d] -= inwards * n[d];
+      v[DIM * a + d] += change[d];
     }
+    if (impulse && BodyMass(SceneSolid(cloud->scene, solid)) > 0)
+      AddImpulse(cloud, a, SceneSolid(cloud->scene, solid), x + DIM * a, change, impulse + FREE_MOTIONS * solid);
   }
 }
 
-PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[])
+PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[])
 {
   const Domain domain = cloud->domain;
 
@@ -49,6 +70,10 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
     for (PetscInt side = 0; side < 2; side++)
       if (domain->face[d][side] == FACE_WALL || domain->face[d][side] == FACE_SYMMETRY)
         GuardFace(cloud, d, side, distance, x, v);
-  if (SceneSolidCount(cloud->scene)) GuardSolids(cloud, distance, x, v);
+  if (impulse) PetscCall(PetscArrayzero(impulse, FREE_MOTIONS * SceneSolidCount(cloud->scene)));
+  if (SceneSolidCount(cloud->scene)) GuardSolids(cloud, distance, x, v, impulse);
+  if (impulse && SceneHasFree(cloud->scene))
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, impulse, (PetscMPIInt)(FREE_MOTIONS * SceneSolidCount(cloud->scene)),
+                               MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -180,8 +180,9 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
 /* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: a particle closer to a wall face or solid
    than 'distance' (m) is set back to it and loses its velocity into the wall; one that crossed a symmetry face is
    mirrored back. The distance is that of the finest particles; larger ones keep more. The Neumann condition of the
-   pressure makes walls impermeable to first order only; this is the remainder. Not collective. */
-PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[]);
+   pressure makes walls impermeable to first order only; this is the remainder. impulse[solids][FREE_MOTIONS]: the
+   momentum (N s) and angular momentum (N m s) that free bodies take up by it, of all ranks; or NULL. Collective. */
+PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[]);
 
 /* --- solids.c --- */
 
@@ -214,6 +215,8 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
    their new velocities; adds what they did on the fluid to the trial. Collective. */
 PetscErrorCode FreePredict(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial);
+/* FreeTake - they will get the impulses of WallGuard, as what the pressure owes them. Not collective. */
+void FreeTake(Stepper stepper, PetscReal dt, const PetscReal impulse[]);
 
 /* --- forces.c --- */
 

@@ -93,7 +93,8 @@ PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[]
 PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
-  PetscReal *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0;
+  PetscReal *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0,
+            impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
@@ -102,7 +103,8 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
 
     PetscCall(SolidsMove(cloud, stepper->time + 0.5 * dt, end, end));
   }
-  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r_new, v_new));
+  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r_new, v_new, impulse));
+  FreeTake(stepper, dt, impulse);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal moved[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
                                   r_new[3 * a + 2] - from[3 * a + 2]};

@@ -286,7 +286,7 @@ static PetscErrorCode TestGuard(void)
       x[DIM * a + d] = c->before[d];
       v[DIM * a + d] = c->before[2 + d];
     }
-  PetscCall(WallGuard(s.cloud, 0.025, x, v));
+  PetscCall(WallGuard(s.cloud, 0.025, x, v, NULL));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
     for (PetscInt d = 0; d < 2; d++) {
       const Guarded  *c = &cases[s.cloud->integer[INT_ID][a]];
