@@ -8,16 +8,41 @@
 #include <string.h>
 #include <time.h>
 
-#define TEXT_LENGTH 8192 /* of one print, bytes; what is longer takes memory of its own */
+#define TEXT_LENGTH 8192    /* of one print, bytes; what is longer takes memory of its own */
+#define EARLY_MOST  1048576 /* bytes kept for a journal that is not open yet */
 
 static FILE     *journal   = NULL;
+static PetscBool early     = PETSC_TRUE; /* no journal has been open yet: what is printed is kept for it */
+static char     *kept      = NULL;
 static PetscBool lost      = PETSC_FALSE; /* standard output */
 static PetscBool open_line = PETSC_FALSE; /* the next line of progress overwrites the last one */
 
+/* What is printed before the journal is open; what is too much for it, or for the memory, is left out. */
+static void Keep(const char text[])
+{
+  const size_t used = kept ? strlen(kept) : 0, length = strlen(text);
+  char        *longer = used + length < EARLY_MOST ? realloc(kept, used + length + 1) : NULL;
+
+  if (!longer) return;
+  memcpy(longer + used, text, length + 1);
+  kept = longer;
+}
+
+static void KeepNoMore(void)
+{
+  free(kept);
+  kept  = NULL;
+  early = PETSC_FALSE;
+}
+
 void JournalText(const char text[])
 {
-  if (!journal || (text[0] == '\r' && !strchr(text, '\n'))) return; /* a line that the terminal overwrites */
-  fputs(text + (text[0] == '\r'), journal);
+  const size_t skip = text[0] == '\r';
+
+  if (skip && !strchr(text, '\n')) return; /* a line that the terminal overwrites */
+  if (early) Keep(text + skip);
+  if (!journal) return;
+  fputs(text + skip, journal);
   if (strchr(text, '\n')) fflush(journal);
 }
 
@@ -81,17 +106,19 @@ PetscErrorCode JournalOpen(MPI_Comm comm, const char path[])
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank || journal) PetscFunctionReturn(PETSC_SUCCESS);
-  journal = fopen(path, "a"); /* a run does not fail for want of its journal */
-  if (!journal) PetscFunctionReturn(PETSC_SUCCESS);
-  if (gmtime_r(&now, &moment)) strftime(date, sizeof(date), "%Y-%m-%d %H:%M:%S UTC", &moment);
-  fprintf(journal, "=== isph %s, %s\n", ISPH_VERSION, date);
+  if (!rank && !journal) {
+    journal = fopen(path, "a"); /* a run does not fail for want of its journal */
+    if (gmtime_r(&now, &moment)) strftime(date, sizeof(date), "%Y-%m-%d %H:%M:%S UTC", &moment);
+    if (journal) fprintf(journal, "=== isph %s, %s\n%s", ISPH_VERSION, date, kept ? kept : "");
+  }
+  KeepNoMore();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode JournalClose(void)
 {
   PetscFunctionBegin;
+  KeepNoMore();
   if (!journal) PetscFunctionReturn(PETSC_SUCCESS);
   fclose(journal);
   journal = NULL;

@@ -9,6 +9,7 @@
 #define KEEP        0.02 /* of the time so far: lines that stay are at least so far apart */
 #define SILENCE     10   /* s: but in a file no further */
 #define LINE_LENGTH 256
+#define FORESEEN    1e8 /* s: what is to go for longer is not known */
 
 static struct {
   const char *what, *left;                    /* the work, and what of the run there is if it is ended */
@@ -23,15 +24,15 @@ void ProgressInterval(double seconds)
 
 PetscErrorCode FormatDuration(double seconds, char text[], size_t length)
 {
-  const int whole = (int)PetscMin(seconds + 0.5, 1e8);
+  const PetscInt64 whole = (PetscInt64)PetscMin(seconds + 0.5, 1e15);
 
   PetscFunctionBegin;
   if (whole >= 3600)
-    PetscCall(PetscSNPrintf(text, length, "%d h %02d min", whole / 3600, whole / 60 % 60));
+    PetscCall(PetscSNPrintf(text, length, "%" PetscInt64_FMT " h %02d min", whole / 3600, (int)(whole / 60 % 60)));
   else if (whole >= 60)
-    PetscCall(PetscSNPrintf(text, length, "%d min %02d s", whole / 60, whole % 60));
+    PetscCall(PetscSNPrintf(text, length, "%d min %02d s", (int)(whole / 60), (int)(whole % 60)));
   else
-    PetscCall(PetscSNPrintf(text, length, "%d s", whole));
+    PetscCall(PetscSNPrintf(text, length, "%d s", (int)whole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,7 +65,7 @@ PetscErrorCode ProgressDue(MPI_Comm comm, PetscBool last, PetscBool *due)
 
 PetscErrorCode ProgressPrint(MPI_Comm comm, PetscReal share, const char format[], ...)
 {
-  const double seconds = ProgramSeconds() - Work.began;
+  const double to_go = (ProgramSeconds() - Work.began) * (1 / PetscMax((double)share, 1e-30) - 1);
   char         text[LINE_LENGTH], left[64] = "";
   va_list      arguments;
 
@@ -72,9 +73,10 @@ PetscErrorCode ProgressPrint(MPI_Comm comm, PetscReal share, const char format[]
   va_start(arguments, format);
   (void)vsnprintf(text, sizeof(text), format, arguments);
   va_end(arguments);
-  PetscCall(FormatDuration(seconds * (1 / PetscMax((double)share, 1e-9) - 1), left, sizeof(left)));
-  if (share >= 0)
-    (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "  %3d %%  to go %s", (int)(100 * share), left);
+  PetscCall(FormatDuration(to_go, left, sizeof(left)));
+  if (share >= 0) (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "  %3d %%", (int)(100 * share));
+  if (share >= 0 && to_go < FORESEEN)
+    (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "  to go %s", left);
   PetscCall(PetscPrintf(comm, "%s%s%s", isatty(STDOUT_FILENO) ? "\r" : "", text, Work.open ? "   " : "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -52,7 +52,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
                             "  density error %.1e",
                             (double)state->time * 1e3, state->step, (double)state->time_step, state->iterations,
                             (double)state->density_error));
-  if (last && sim->progress_interval > 0) {
+  if (last) {
     PetscInt n;
 
     PetscCall(ParticlesGlobalSize(sim->particles, &n));

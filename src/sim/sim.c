@@ -34,7 +34,8 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                              "set up, print particles, memory, time-step bounds, estimated time and output, draw the "
                              "scene, stop",
                              "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
-  PetscCall(OptionReal("-progress_interval", "wall-clock time between progress lines (s); 0: none", "[0, inf)",
+  PetscCall(OptionReal("-progress_interval",
+                       "wall-clock time between progress lines (s); 0: none but the summary at the end", "[0, inf)",
                        &sim->progress_interval));
   PetscCall(OptionReal("-wall_clock_limit",
                        "wall-clock time from the start of the program, set-up included, after which the run writes a "
@@ -281,7 +282,6 @@ static PetscErrorCode SayHowToContinue(Sim sim, const char *interrupted)
   char        checkpoint[OUTPUT_NAME_LENGTH];
 
   PetscFunctionBegin;
-  if (!interrupted && sim->progress_interval == 0) PetscFunctionReturn(PETSC_SUCCESS);
   OutputCheckpointName(sim->state.step, checkpoint);
   if (interrupted)
     PetscCall(PetscFPrintf(sim->comm, stream, "ended by %s at %g s\n", interrupted, (double)sim->state.time));

@@ -44,6 +44,7 @@ PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene)
   SolidContact *solid = &tension->solid;
 
   PetscFunctionBegin;
+  solid->scene = scene;
   for (PetscInt d = 0; d < DIM; d++)
     for (PetscInt side = 0; side < 2; side++) {
       tension->face[d][side] = domain->face[d][side];
@@ -126,11 +127,46 @@ static PetscErrorCode Warn(const ContactAngle *contact, const char what[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* One angle, or the receding and the advancing one between which the line sticks; first: nothing is said before it. */
+static PetscErrorCode ViewAngle(const ContactAngle *contact, const char where[], PetscBool *first, PetscViewer viewer)
+{
+  const PetscReal degrees = 180 / PETSC_PI, receding = degrees * acos(contact->cosine + contact->stick),
+                  advancing = degrees * acos(contact->cosine - contact->stick);
+
+  PetscFunctionBegin;
+  PetscCall(
+    PetscViewerASCIIPrintf(viewer, "%s %s %.4g", *first ? "Contact angles in degrees:" : ",", where, (double)receding));
+  if (contact->stick > 0) PetscCall(PetscViewerASCIIPrintf(viewer, " to %.4g", (double)advancing));
+  *first = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViewAngles(Tension tension, PetscViewer viewer)
+{
+  const SolidContact *solid = &tension->solid;
+  PetscBool           first = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < 2 * tension->dim; f++) {
+    char face[8];
+
+    if (tension->face[f / 2][f % 2] != FACE_WALL) continue;
+    PetscCall(PetscSNPrintf(face, sizeof(face), "%c%s", "xyz"[f / 2], f % 2 ? "max" : "min"));
+    PetscCall(ViewAngle(&tension->contact[f / 2][f % 2], face, &first, viewer));
+  }
+  for (PetscInt s = 0; s < solid->count; s++)
+    if (solid->angle[s].angle > 0)
+      PetscCall(ViewAngle(&solid->angle[s], BodyName(SceneSolid(solid->scene, s)), &first, viewer));
+  if (!first) PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ContactView(Tension tension, PetscViewer viewer)
 {
   const ContactAngle *worst = NULL;
 
   PetscFunctionBegin;
+  PetscCall(ViewAngles(tension, viewer));
   for (PetscInt f = 0; f < 2 * tension->dim; f++) {
     const ContactAngle *contact = &tension->contact[f / 2][f % 2];
 

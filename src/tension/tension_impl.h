@@ -223,6 +223,7 @@ typedef struct {
 
 /* Of the particles near solids that have a contact angle. */
 typedef struct {
+  Scene         scene; /* borrowed */
   PetscInt      count; /* of solids; 0: none has a contact angle */
   ContactAngle *angle; /* [count] those without one have the angle 0 */
   PetscReal    *place; /* [n_total][3] distance (m) from the nearest solid; volume of the image in it over that of the
@@ -339,7 +340,7 @@ static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scal
  */
 PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene);
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
-/* ContactView - warns of angles that look like radians. Collective. */
+/* ContactView - the angles of walls and solids, and a warning of those that look like radians. Collective. */
 PetscErrorCode ContactView(Tension tension, PetscViewer viewer);
 /* ContactFindSolids - place, normal and index of SolidContact, ghosts too. ContactFindMeeting - its meeting, from
    normals ([n_total][3]) and depths ([n_total], m) of the particles near the free surface. ContactRestore - ends what

@@ -1,0 +1,39 @@
+#!/usr/bin/python3
+"""What a run says, and its log.txt: all of it, without lines of progress too; and no line that is nonsense."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+SCENE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies film -film_upper 1,0.3 -film_tension 1 -solids post -post_lower 0.4,0 -post_upper 0.6,0.5 -time_end 1
+ -wall_contact_angle 60 -box_xmax_contact_angle 100 -box_xmax_contact_hysteresis 30 -post_contact_angle 75 """
+
+
+def log(folder):
+    with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+        return file.read()
+
+
+def has(text, words, name):
+    missing = [word for word in words if word not in text]
+    runs.check(not missing, name, f"{missing} are not in {text[-1500:]}")
+
+
+folder = runs.run(SCENE + "-steps_max 3", "quiet")  # with -progress_interval 0
+has(log(folder), ["3 steps of", "Error budget", "residual", "continue with"], "summary_without_progress")
+has(log(folder), ["Contact angles in degrees: xmin 60, xmax 85 to 115, ymin 60, post 75\n"], "contact_angles")
+first = runs.numbered(folder, "checkpoint")[0]
+runs.run(SCENE + f"-steps_max 1 -film_viscosity 0.5 -time_start 0.5 -restart {first}", "again")
+has(log(runs.scratch("again")), ["Options changed since", "-film_viscosity 0.5 (was not given)", "-steps_max 1 (was 3)",
+                                 "-time_start 0.5 (was not given): acts at the start of a run only"],
+    "what_a_restart_changes")
+text = log(runs.scratch("again"))
+runs.check(text.startswith("=== isph") and text.count("Options changed") == 1, "the_head_of_the_log_is_first",
+           text[:300])
+dry = runs.start(SCENE + f"-spacing 0.006 -dry_run -progress_interval 1e-3 -output_dir {runs.scratch('dry')}")
+lines = [line for line in dry.stdout.splitlines() if line.startswith("the dry run: ") and "%" in line]
+runs.check(dry.returncode == 0 and lines and lines[0].endswith("0 %") and not any(" h " in line for line in lines),
+           "dry_run_without_nonsense", str(lines[:3]) + dry.stderr[-300:])
+runs.done()
