@@ -162,7 +162,8 @@ void InterruptWatch(void);
 /* ProgramSeconds - since ProgramStart (s, wall clock). Not collective. */
 double ProgramSeconds(void);
 /* InterruptLimit - the program shall end after so many seconds; 0: no such limit. InterruptCheck - *reason: why it
-   should end now, or NULL; the same on every rank. Collective. */
+   should end now, or NULL; the same on every rank. Where it is called rarely, a signal is confirmed on standard error
+   when it comes. Collective. */
 void           InterruptLimit(double seconds);
 PetscErrorCode InterruptCheck(MPI_Comm comm, const char **reason);
 

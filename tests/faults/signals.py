@@ -159,6 +159,25 @@ def ignored(name):
         count(f"ignored SIG{name}, {moment}", "continued" if good else "failed", f"code {code}: {err[-300:]}")
 
 
+def confirmed():
+    """A step that takes long: a signal is confirmed when it comes, with how to have mpiexec wait; the run ends as ever.
+    The step takes long because the processes are stopped for a while."""
+    for ranks, words in ((1, "when this step is done"), (2, "odls_base_sigkill_timeout")):
+        folder = runs.scratch(f"confirmed_{ranks}")
+        process = launch(SCENE + f" -output_dir {folder}", ranks)
+        there = wait(process, ranks, "step", folder)
+        for order in (signal.SIGSTOP, signal.SIGTERM, signal.SIGCONT):
+            for pid in there:
+                os.kill(pid, order)
+            time.sleep(0.8 if order == signal.SIGSTOP else 0)
+        code, out, err = end(process)
+        result = outcome(code, out + err, err, folder, "SIGTERM")
+        said = [line for line in err.splitlines() if "a signal came" in line]
+        if len(said) != 1 or words not in said[0]:
+            result = "failed"
+        count(f"confirmed, {ranks} rank{'s' * (ranks > 1)}", result, f"code {code}: {err[-400:]}")
+
+
 def clock():
     """-wall_clock_limit counts from the start of the program."""
     folder = runs.scratch("limit")
@@ -199,6 +218,7 @@ def main():
             send(name, moment, ranks, only)
         ignored("HUP")
     pipes()
+    confirmed()
     clock()
     alone()
     print(f"{'signal':28s} {'tried':>6s} {'continued':>10s} {'refused':>8s} {'failed':>7s}")
