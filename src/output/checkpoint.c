@@ -205,6 +205,7 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  PetscCall(FolderStands(output));
   output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   PetscCall(RowsSet(output->comm, arrays.n, 1, &rows));

@@ -25,6 +25,7 @@ PetscErrorCode OutputDestroy(Output *output)
   PetscFunctionBegin;
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SeriesFinish(*output));
+  PetscCall(FolderUnlock(*output));
   for (PetscInt k = 0; k < (*output)->content.names; k++) PetscCall(PetscFree((*output)->content.name[k]));
   PetscCall(PetscFree((*output)->entry));
   PetscCall(PetscFree((*output)->options));
@@ -78,6 +79,7 @@ PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState 
 
   PetscFunctionBegin;
   PetscCall(FolderMake(output));
+  PetscCall(FolderLock(output));
   if (restart) PetscCall(FolderHolds(output, restart, &same));
   if (!same) PetscCall(FolderClear(output));
   PetscCall(DescribeRun(output, same));
@@ -111,22 +113,26 @@ PetscErrorCode OutputView(Output output, PetscViewer viewer)
 
 PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
 {
-  const PetscBool every = (PetscBool)(output->series.interval <= 0);
+  const PetscBool line = (PetscBool)(state->step != output->series_step &&
+                                     (last || output->series.interval <= 0 || output->series_step < 0 ||
+                                      ScheduleReached(&output->series, state->time)));
+  const PetscBool picture =
+    (PetscBool)(state->step != output->snapshot_step &&
+                (last || ScheduleReached(&output->snapshot, state->time) || output->snapshot_step < 0));
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
+  if (line || picture) PetscCall(FolderStands(output));
   if (!output->solids) PetscCall(SolidsWrite(output));
   output->solids = PETSC_TRUE;
   if (output->checkpoint.next == SCHEDULE_UNSET)
     output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
-  if (state->step != output->series_step &&
-      (last || every || ScheduleReached(&output->series, state->time) || output->series_step < 0)) {
+  if (line) {
     PetscCall(SeriesWrite(output, state));
     output->series_step = state->step;
     output->series.next = ScheduleAfter(&output->series, state->time);
   }
-  if (state->step != output->snapshot_step &&
-      (last || ScheduleReached(&output->snapshot, state->time) || output->snapshot_step < 0)) {
+  if (picture) {
     PetscCall(SnapshotWrite(output, state));
     PetscCall(SeriesWriteTables(output, state));
     output->snapshot_step = state->step;

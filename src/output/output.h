@@ -17,15 +17,16 @@ PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output);
    -checkpoint_interval (s), -snapshot_* (what is in them). Refuses (UserError) negative intervals. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
-   another run unless -output_overwrite, which removes the files of that run; writes options.opts (every option in use,
+   another run unless -output_overwrite, which removes the files of that run; locks it, and refuses (UserError) one in
+   which another run is going on; writes options.opts (every option in use,
    usable with -options_file), version.txt and the head of series.csv. restart: the checkpoint of OutputRestart, or
    NULL; in its own folder the series and the snapshots are cut behind the state and go on. To be called when nothing
    else can refuse the run. Collective. */
 PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState *state);
 PetscErrorCode OutputView(Output output, PetscViewer viewer);
 /* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written
-   twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full.
-   Collective. */
+   twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full or
+   the folder gone. Collective. */
 PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last);
 /* OutputSeriesDue - whether a state at this time (s) gets a line of the series. Not collective, same answer on all
  * ranks. */

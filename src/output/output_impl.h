@@ -55,7 +55,9 @@ struct _p_Output {
   FILE          *series_file, *table_file[GAUGE_TABLES_MOST]; /* rank 0 */
   SnapshotEntry *entry;                                       /* [entries], the same on every rank */
   PetscInt       entries, entry_capacity;
-  PetscReal      wall_start, wall_before; /* s: MPI_Wtime at the start; spent before the restart */
+  PetscReal      wall_start, wall_before;  /* s: MPI_Wtime at the start; spent before the restart */
+  PetscReal      clock_interval, clock_at; /* s: between checkpoints by the clock; MPI_Wtime at the last checkpoint */
+  PetscBool      locked;                   /* this run holds the folder's lock */
 };
 
 /* OutputWallTime - s that the run has taken, earlier starts included. Not collective. */
@@ -105,6 +107,18 @@ PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count
    FolderDiscard - removes <name>.tmp. Collective. */
 PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);
 PetscErrorCode FolderDiscard(Output output, const char name[]);
+
+/* CHECKPOINT_BY_CLOCK - the name of the checkpoint by the clock. */
+#define CHECKPOINT_BY_CLOCK "checkpoint_clock.h5"
+
+/* --- lock.c: the lock of the run folder --- */
+/* FolderLock - makes the lock; refuses (UserError) a folder in which another run is going on, and one that not all
+   ranks see. The lock of a dead process of this machine is taken over, with a line that says so. FolderUnlock - removes
+   it; the end of the program does so, too. FolderStands - refuses (UserError) to go on when the lock is gone, since
+   the folder was removed or moved then. Collective. */
+PetscErrorCode FolderLock(Output output);
+PetscErrorCode FolderUnlock(Output output);
+PetscErrorCode FolderStands(Output output);
 
 /* --- description.c: options.opts and version.txt --- */
 /* DescribeRun - writes both files; same: the run in the folder is continued. Collective. */

@@ -206,6 +206,7 @@ static PetscErrorCode CheckOtherRanks(void)
     PetscCall(OutputSetUp(one.output, NULL, &Beginning));
     PetscCall(OutputCheckpoint(one.output, &state));
   }
+  PetscCall(OutputDestroy(&one.output)); /* which locks the folder */
   world = PETSC_COMM_WORLD;
   PetscCallMPI(MPI_Barrier(world));
   PetscCall(TryRestart(RUN_OPTIONS, FOLDER "/checkpoint_000001.h5", &all, &state));
