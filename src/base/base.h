@@ -191,7 +191,7 @@ PetscBool PrinterLost(void);
 
 /* JournalOpen - all that is printed on standard output, from the start of the program on, and the sentence of a
    UserError is added to the file as well (rank 0), without lines that a terminal overwrites. JournalClose - ends that.
-   JournalText - adds a text; nothing when none is open. Collective, but for JournalText. */
+   JournalText - adds a text, also one for a journal that is not open yet. Collective, but for JournalText. */
 PetscErrorCode JournalOpen(MPI_Comm comm, const char path[]);
 PetscErrorCode JournalClose(void);
 void           JournalText(const char text[]);

@@ -108,19 +108,34 @@ static void HeadPut(H5File *h5, const Head *head, const char scene[], const char
   for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
 }
 
+/* The positions inside the box, as a restart wants them, to be freed: a particle may be behind a periodic face for some
+   steps. */
+static PetscErrorCode Positions(Output output, const ParticleArrays *arrays, PetscReal **position)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(DIM * arrays->n, position));
+  PetscCall(PetscArraycpy(*position, arrays->real[FIELD_POSITION], DIM * arrays->n));
+  for (PetscInt a = 0; a < arrays->n; a++)
+    if (arrays->integer[INT_LAYER][a] == 0) DomainWrap(output->cloud->domain, *position + DIM * a);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *arrays, Rows rows)
 {
-  PetscInt counts = arrays->n;
-  Rows     ranks  = {.n = 1, .start = output->rank, .total = output->size, .width = 1};
+  PetscInt   counts = arrays->n;
+  Rows       ranks  = {.n = 1, .start = output->rank, .total = output->size, .width = 1};
+  PetscReal *position;
 
   PetscFunctionBegin;
   PetscCall(H5FileWrite(h5, "counts", H5FILE_INT, &ranks, &counts, "1", "particles of each rank"));
+  PetscCall(Positions(output, arrays, &position));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     if (!arrays->real[f]) continue;
     rows.width = Fields[f].width;
-    PetscCall(
-      H5FileWrite(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays->real[f], Fields[f].unit, Fields[f].meaning));
+    PetscCall(H5FileWrite(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows,
+                          f == FIELD_POSITION ? position : arrays->real[f], Fields[f].unit, Fields[f].meaning));
   }
+  PetscCall(PetscFree(position));
   rows.width = 1;
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(H5FileWrite(h5, IntFieldNames[f], H5FILE_INT, &rows, arrays->integer[f], "1", IntFieldMeanings[f]));
@@ -172,7 +187,7 @@ void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH])
 }
 
 /* Removes all checkpoints but that of this step and the newest before it; later ones are of a run that was given up by
- * a restart. */
+ * a restart. That by the clock is older than this one, too. */
 static PetscErrorCode Prune(Output output, PetscInt step)
 {
   PetscInt count, *numbers, before = -1;
@@ -190,27 +205,27 @@ static PetscErrorCode Prune(Output output, PetscInt step)
     (void)unlink(path);
   }
   PetscCall(PetscFree(numbers));
+  PetscCall(OutputPath(output, CHECKPOINT_BY_CLOCK, path));
+  (void)unlink(path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
+static PetscErrorCode Write(Output output, const StepState *state, const char name[])
 {
   ParticleArrays arrays;
   H5File         h5;
   Rows           rows;
   Head           head;
   PetscBool      failed, good = PETSC_TRUE;
-  char           name[OUTPUT_NAME_LENGTH], path[PETSC_MAX_PATH_LEN], *scene;
+  char           path[PETSC_MAX_PATH_LEN], *scene;
 
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
   PetscCall(FolderStands(output));
-  output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   PetscCall(RowsSet(output->comm, arrays.n, 1, &rows));
   HeadFill(output, state, rows.total, &head);
-  OutputCheckpointName(state->step, name);
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(H5FileCreate(output->comm, path, &h5));
@@ -226,8 +241,31 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscCheckUser(!failed, output->comm, "Cannot write the checkpoint %s/%s: is the disk full, or the folder gone?",
                  output->folder, name);
   PetscCall(FolderCommit(output, name, PETSC_TRUE));
-  PetscCall(Prune(output, state->step));
+  output->clock_at = (PetscReal)MPI_Wtime();
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
+{
+  char name[OUTPUT_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
+  OutputCheckpointName(state->step, name);
+  PetscCall(Write(output, state, name));
+  PetscCall(Prune(output, state->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputByClock(Output output, const StepState *state)
+{
+  PetscMPIInt due = MPI_Wtime() - (double)output->clock_at >= (double)output->clock_interval;
+
+  PetscFunctionBegin;
+  if (output->clock_interval == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(&due, 1, MPI_INT, 0, output->comm)); /* clocks differ between ranks */
+  if (due) PetscCall(Write(output, state, CHECKPOINT_BY_CLOCK));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

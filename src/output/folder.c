@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 /* Files of a run besides the numbered ones. */
-static const char *const files[]    = {"series.csv",   "snapshots.xdmf", "options.opts", "version.txt", "lines.csv",
-                                       "droplets.csv", "solids.h5",      "log.txt",      NULL};
+static const char *const files[] = {"series.csv",   "snapshots.xdmf", "options.opts", "version.txt",       "lines.csv",
+                                    "droplets.csv", "solids.h5",      "log.txt",      CHECKPOINT_BY_CLOCK, NULL};
 static const char *const numbered[] = {"snapshot_", "checkpoint_", NULL};
 
 PetscErrorCode OutputPath(Output output, const char name[], char path[PETSC_MAX_PATH_LEN])
@@ -112,8 +112,8 @@ static int Sweep(Output output, PetscBool removing, PetscInt *found)
   while ((file = readdir(folder))) {
     const char *name = file->d_name;
 
-    if (!strcmp(name, files[0]) || NumberOf(name, numbered[0], PETSC_FALSE) >= 0 ||
-        NumberOf(name, numbered[1], PETSC_FALSE) >= 0)
+    if (!strcmp(name, files[0]) || !strcmp(name, CHECKPOINT_BY_CLOCK) ||
+        NumberOf(name, numbered[0], PETSC_FALSE) >= 0 || NumberOf(name, numbered[1], PETSC_FALSE) >= 0)
       (*found)++;
     if (!removing || !IsOurs(name)) continue;
     if (snprintf(path, sizeof(path), "%s/%s", output->folder, name) >= (int)sizeof(path) || unlink(path)) {

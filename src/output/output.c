@@ -15,8 +15,9 @@ PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output)
   PetscCall(PetscStrncpy(o->folder, "output/run", sizeof(o->folder)));
   o->series.next = o->snapshot.next = o->checkpoint.next = SCHEDULE_UNSET;
   o->series_step = o->snapshot_step = -1;
-  o->wall_start                     = MPI_Wtime();
-  *output                           = o;
+  o->wall_start = o->clock_at = MPI_Wtime();
+  o->clock_interval           = 600;
+  *output                     = o;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,6 +60,11 @@ PetscErrorCode OutputSetFromOptions(Output output)
                              "OutputStep", output->snapshot.interval, &output->snapshot.interval, NULL));
   PetscCall(PetscOptionsReal("-checkpoint_interval", "Time between checkpoints, s; 0: only at the end",
                              "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
+  PetscCall(OptionReal("-checkpoint_wall_clock",
+                       "wall-clock time between checkpoints into " CHECKPOINT_BY_CLOCK
+                       " (s), the last alone is kept, until the next other checkpoint; the run goes on as without "
+                       "them, one continued from there differs by round-off and the solver's tolerance; 0: none",
+                       "[0, inf)", &output->clock_interval));
   PetscCall(SnapshotSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(SnapshotCheck(output));
@@ -107,6 +113,7 @@ PetscErrorCode OutputView(Output output, PetscViewer viewer)
   PetscCall(ViewInterval(viewer, "snapshots", output->snapshot.interval, "of the first and the last state"));
   PetscCall(SnapshotView(output, viewer));
   PetscCall(ViewInterval(viewer, "checkpoints", output->checkpoint.interval, "at the end only"));
+  PetscCall(ViewInterval(viewer, "one by the clock", output->clock_interval, "never"));
   PetscCall(GaugesView(output->gauges, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,7 +14,8 @@ typedef struct _p_Output *Output;
 /* OutputCreate - for the particles of a cloud, and the gauges on it (both borrowed). Collective. */
 PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output);
 /* OutputSetFromOptions - -output_dir, -output_overwrite, -snapshot_interval (s), -series_interval (s),
-   -checkpoint_interval (s), -snapshot_* (what is in them). Refuses (UserError) negative intervals. Collective. */
+   -checkpoint_interval (s), -checkpoint_wall_clock (s), -snapshot_* (what is in them). Refuses (UserError) negative
+   intervals. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
    another run unless -output_overwrite, which removes the files of that run; locks it, and refuses (UserError) one in
@@ -38,6 +39,10 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state);
    temporary name, fsync, then renamed; keeps this one and the newest one before it. The swarm's order is kept in the
    file. Collective. */
 PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
+/* OutputByClock - writes <dir>/checkpoint_clock.h5 if -checkpoint_wall_clock has passed since the last checkpoint; it
+   replaces the former of this name, and the next OutputCheckpoint removes it. The run goes on as without, so nothing
+   must have been brought into the state of a restart; one from it agrees to round-off. Collective. */
+PetscErrorCode OutputByClock(Output output, const StepState *state);
 /* OutputCheckpointName - the name of the file that OutputCheckpoint makes at a step. Not collective. */
 #define OUTPUT_NAME_LENGTH 64
 void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);

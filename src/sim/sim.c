@@ -317,7 +317,10 @@ PetscErrorCode SimRun(Sim sim)
     PetscCall(InterruptCheck(sim->comm, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
-    if (last || OutputCheckpointDue(sim->output, &sim->state)) PetscCall(Checkpoint(sim));
+    if (last || OutputCheckpointDue(sim->output, &sim->state))
+      PetscCall(Checkpoint(sim));
+    else
+      PetscCall(OutputByClock(sim->output, &sim->state));
     PetscCall(ProgressStep(sim, &progress, last));
     PetscCall(MonitorStep(sim));
   }

@@ -103,6 +103,7 @@ def core():
     os.environ["HOME"] = home
     refused("options_file_is_a_pipe", GOOD + f"-options_file {pipe}", [pipe, "pipe"])
     refused("stl_is_a_pipe", GOOD + f"-solids s -s_shape stl -s_file {pipe}", [pipe, "cannot be read"])
+    refused("clock_backwards", GOOD + "-checkpoint_wall_clock -1", ["-checkpoint_wall_clock"])
     refused("endless_start", GOOD + "-time_start inf", ["-time_start"])
     refused("endless_relaxation", GOOD + "-packing_relaxation_time inf", ["-packing_relaxation_time"])
     for start in ("-1e6", "nan"):

@@ -1,8 +1,12 @@
 #!/usr/bin/python3
 """A run continued from a checkpoint equals the one that was not interrupted: to the last bit on as many ranks as wrote
-it, to round-off on another number."""
+it, to round-off on another number, or from a checkpoint by the clock, which does not change the run that writes it."""
 import os
+import shlex
+import signal
+import subprocess
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import numpy as np  # noqa: E402
@@ -122,12 +126,59 @@ def inside():
                f"code {process.returncode}, {len(before)} lines before, {len(after)} after; {process.stderr[-300:]}")
 
 
+def killed_by(name, scene, ranks):
+    """Kills a run when it has written a checkpoint by the clock after its fifth step; the step of it, and its path."""
+    folder = runs.scratch(name)
+    words = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [runs.PROGRAM] + shlex.split(
+        scene + f"-checkpoint_interval 0 -checkpoint_wall_clock 1e-9 -time_end 1 -output_dir {folder}")
+    process = subprocess.Popen(words, cwd=runs.ROOT, env=runs.environment(ranks), stdin=subprocess.DEVNULL,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    path = os.path.join(folder, "checkpoint_clock.h5")
+    while process.poll() is None:
+        if os.path.exists(path) and runs.head(path)["step"] > 5:
+            break
+        time.sleep(1e-3)
+    with open(os.path.join(folder, "run.lock"), encoding="utf-8") as file:
+        first = int(file.read().split("process ")[1].split()[0])
+    os.kill(first, signal.SIGKILL)  # of rank 0: mpiexec ends the others
+    process.wait()
+    return int(runs.head(path)["step"]), path
+
+
+def clock():
+    """Checkpoints by the clock: the run that writes them is to the last bit that which does not; one is kept, until the
+    next other one; a run continued from it agrees to round-off if the solver is tight."""
+    for name, scene, spacing, ranks in (("plane", PLANE, 0.02, 1), ("plane_parallel", PLANE, 0.02, 2),
+                                        ("rings", RINGS, 1e-3, 1)):
+        end = f"-checkpoint_interval 0 -steps_max {STEPS} -ksp_rtol 1e-12 "
+        without = runs.run(scene + end + "-checkpoint_wall_clock 0", f"{name}_without", ranks)
+        often = runs.run(scene + end + "-checkpoint_wall_clock 1e-9", f"{name}_often", ranks)
+        files = [runs.numbered(folder, "checkpoint") for folder in (without, often)]
+        runs.check([len(f) for f in files] == [1, 1], f"clock_{name}_one_is_left", str(files))
+        differing = same(*(runs.fields(f[-1]) for f in files))
+        runs.check(not differing, f"clock_{name}_changes_nothing", f"differing fields: {differing}")
+        compare_series(f"clock_{name}_series", runs.series(without), runs.series(often))
+        step, file = killed_by(f"{name}_killed", scene + "-ksp_rtol 1e-12 ", ranks)
+        runs.check(runs.numbered(os.path.dirname(file), "checkpoint") == [file], f"clock_{name}_alone",
+                   str(os.listdir(os.path.dirname(file))))
+        more = 10
+        whole = runs.run(scene + f"-checkpoint_interval 0 -checkpoint_wall_clock 0 -steps_max {step + more} "
+                         "-ksp_rtol 1e-12", f"{name}_whole", ranks)
+        rest = runs.run(scene + f"-checkpoint_interval 0 -steps_max {more} -ksp_rtol 1e-12 -restart {file}",
+                        f"{name}_rest", ranks)
+        a, b = (runs.fields(runs.numbered(folder, "checkpoint")[-1]) for folder in (whole, rest))
+        moved = np.abs(a["position"] - b["position"]).max() / spacing if len(a["id"]) == len(b["id"]) else np.nan
+        print(f"clock_{name}: continued from step {step}, positions differ by {moved:.2e} spacings")
+        runs.check_below(moved, 100 * ROUND_OFF, f"clock_{name}_continues")
+
+
 SCENES = {"impact": (IMPACT, 1e-3, 1, []), "impact_parallel": (IMPACT, 1e-3, 2, [1, 3]), "plane": (PLANE, 0.02, 1, [2]),
           "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]), "tori": (TORI, 1e-3, 1, [3]),
           "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1])}
-for part in runs.parts(*SCENES, "inside"):
-    if part == "inside":
-        inside()
+ALONE = {"inside": inside, "clock": clock}
+for part in runs.parts(*SCENES, *ALONE):
+    if part in ALONE:
+        ALONE[part]()
     else:
         test(part, *SCENES[part])
 runs.done()
