@@ -9,16 +9,16 @@
 FLAGS =
 pictures:
 	@tests/packages.sh pictures
-	@$(PYTHON) src/pictures/pictures.py "$(RUN)" $(FLAGS)
+	@set -f; $(PYTHON) src/pictures/pictures.py "$$RUN" $$FLAGS
 
 film:
 	@tests/packages.sh pictures film
-	@$(PYTHON) src/pictures/film.py "$(RUN)" $(FLAGS)
+	@set -f; $(PYTHON) src/pictures/film.py "$$RUN" $$FLAGS
 
 mesh:
 	@tests/packages.sh pictures
-	@$(PYTHON) src/pictures/mesh.py "$(RUN)" $(FLAGS)
+	@set -f; $(PYTHON) src/pictures/mesh.py "$$RUN" $$FLAGS
 
 report:
 	@tests/packages.sh pictures
-	@$(PYTHON) src/pictures/report.py "$(RUN)" $(FLAGS)
+	@set -f; $(PYTHON) src/pictures/report.py "$$RUN" $$FLAGS

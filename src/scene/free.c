@@ -10,6 +10,11 @@
 #define SAMPLES         64   /* of a shape a direction, for its volume, centre and moment of inertia */
 #define ROUND_SAMPLES   7    /* of its distance a direction, for whether it is one of revolution */
 #define ROUND_TOLERANCE 1e-6 /* of its extent */
+/* What a body's density may be over that of the densest liquid, and its moment of inertia over its mass times the
+   square of its extent. Lighter ones are thrown out of the liquid within steps, heavier ones are as good as held; far
+   beyond, the pressure cannot be solved for. */
+#define LEAST_SHARE 1e-5
+#define MOST_SHARE  1e9
 
 /* What changes, and what a checkpoint holds: numbers only. */
 typedef struct {
@@ -204,6 +209,36 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
   PetscCheckUser(f->turns || Norm(rate) == 0, domain->comm, "-%srotation_rate has no place with -%sturns 0",
                  body->prefix, body->prefix);
   f->kept = f->now;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FreeCheck(Body body, PetscReal density)
+{
+  const Domain          domain = body->domain;
+  const struct _p_Free *f      = body->free;
+  const char           *flat   = domain->dim == 2 && !domain->rings ? "/m" : "";
+  PetscReal             lower[DIM], upper[DIM], scale = 0;
+
+  PetscFunctionBegin;
+  if (!f) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheckUser(f->mass >= LEAST_SHARE * density * f->volume && f->mass <= MOST_SHARE * density * f->volume,
+                 domain->comm,
+                 "-%smass is %g kg%s; it must lie in [%.3g, %.3g]: the liquid in the body's place has %.3g kg%s",
+                 body->prefix, (double)f->mass, flat, (double)(LEAST_SHARE * density * f->volume),
+                 (double)(MOST_SHARE * density * f->volume), (double)(density * f->volume), flat);
+  body->shape->bounds(body, lower, upper);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    scale += f->mass * PetscSqr(upper[d] - lower[d]);
+    PetscCheckUser(!f->here[d] || (f->start[d] >= lower[d] && f->start[d] <= upper[d]), domain->comm,
+                   "-%srotation_center: the solid %s has a mass and reaches from %g to %g m along %c; its centre of "
+                   "mass cannot be at %g m",
+                   body->prefix, body->name, (double)lower[d], (double)upper[d], "xyz"[d], (double)f -> start[d]);
+  }
+  for (PetscInt d = 0; d < f->numbers; d++)
+    PetscCheckUser(f->given[d] >= LEAST_SHARE * scale && f->given[d] <= MOST_SHARE * scale, domain->comm,
+                   "-%sinertia has %g kg m2%s; with this mass and shape its numbers must lie in [%.3g, %.3g]",
+                   body->prefix, (double)f->given[d], flat, (double)(LEAST_SHARE * scale),
+                   (double)(MOST_SHARE * scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,6 +8,7 @@
    of the rate. The table is a file of lines t, x, y (and z): a curve through its points, straight up to its first and
    from its last one on, of which the solid leaves the first and reaches the last from rest and to rest. */
 #include "scene_impl.h"
+#include <ctype.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +16,9 @@
 
 #define DEGREE      (PETSC_PI / 180)
 #define LINE_LENGTH 4096
-#define SAMPLES     16 /* between two rows of a table, of its speed */
+#define NUMBER_MOST (PETSC_MAX_REAL / 4) /* in a table, so that differences are finite */
+#define BYTE_ORDER  "\xef\xbb\xbf"       /* the mark that some programs put before the text of a file */
+#define SAMPLES     16                   /* between two rows of a table, of its speed */
 
 struct _p_Motion {
   PetscReal  velocity[DIM];              /* m/s */
@@ -160,25 +163,38 @@ PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the numbers of a line; returns their number, -1 if there is something else in it. */
+/* What a line of a table's file can be, if it has no numbers. */
+enum {
+  LINE_BAD   = -1, /* numbers, but not only, too many, or none that are finite */
+  LINE_NAMES = -2  /* words only, of which the first begins with a letter, quoted or not */
+};
+
+/* Reads the numbers of a line; returns how many there are, or what the line is instead. */
 static int ReadLine(char line[], PetscReal number[DIM + 2])
 {
-  int   count = 0;
-  char *rest;
+  int       count = 0, others = 0;
+  PetscBool named = PETSC_FALSE;
+  char     *rest;
 
   for (char *word = strtok_r(line, ", \t\r\n", &rest); word; word = strtok_r(NULL, ", \t\r\n", &rest)) {
-    char *end;
+    char     *end;
+    PetscReal value;
 
-    if (count == DIM + 2) return -1;
-    number[count] = (PetscReal)strtod(word, &end);
-    if (*end || PetscIsInfOrNanReal(number[count])) return -1;
-    count++;
+    word += *word == '"' || *word == '\'';
+    value = (PetscReal)strtod(word, &end);
+    if (count + others == 0) named = (PetscBool)(isalpha((unsigned char)*word) != 0);
+    if (end == word || (*end && isalpha((unsigned char)*word))) { /* as in "information" */
+      others++;
+      continue;
+    }
+    if (*end || !(PetscAbsReal(value) < NUMBER_MOST) || count == DIM + 2) return LINE_BAD;
+    number[count++] = value;
   }
-  return count;
+  return others == 0 ? count : named && count == 0 ? LINE_NAMES : LINE_BAD;
 }
 
-/* Rank 0: reads the table; *bad: the line that is none of a table, -1: no such file. Lines of comments (#) and a first
-   line of names are passed over. */
+/* Rank 0: reads the table; *bad: the line that is none of a table, -1: no such file. Passed over are blank lines,
+   comments (#), names of the columns in the first line that is neither, and a mark of the byte order before all. */
 static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
 {
   PetscSegBuffer rows;
@@ -186,6 +202,7 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
   struct stat    info;
   char           line[LINE_LENGTH];
   PetscReal      before = -PETSC_MAX_REAL;
+  PetscBool      first  = PETSC_TRUE;
 
   PetscFunctionBegin;
   *bad = -1;
@@ -194,12 +211,20 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
   *bad = 0;
   PetscCall(PetscSegBufferCreate((DIM + 1) * sizeof(PetscReal), 64, &rows));
   for (int n = 1; !*bad && fgets(line, sizeof(line), file); n++) {
-    PetscReal number[DIM + 2] = {0}, *row;
-    int       count;
+    const PetscBool whole = (PetscBool)(strchr(line, '\n') || feof(file)); /* neither too long nor with a zero in it */
+    char           *text  = line;
+    PetscReal       number[DIM + 2] = {0}, *row;
+    int             count;
 
-    if (line[0] == '#') continue;
-    count = ReadLine(line, number);
-    if (count == 0 || (count < 0 && m->rows == 0)) continue;
+    if (n == 1 && !strncmp(text, BYTE_ORDER, strlen(BYTE_ORDER))) text += strlen(BYTE_ORDER);
+    text += strspn(text, " \t");
+    count = !whole ? LINE_BAD : *text == '#' ? 0 : ReadLine(text, number);
+    if (count == 0) continue;
+    if (first && count == LINE_NAMES) {
+      first = PETSC_FALSE;
+      continue;
+    }
+    first = PETSC_FALSE;
     if (count != dim + 1 || number[0] <= before) *bad = n;
     before = number[0];
     PetscCall(PetscSegBufferGet(rows, 1, &row));
@@ -209,6 +234,24 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
   (void)fclose(file);
   PetscCall(PetscSegBufferExtractAlloc(rows, &m->table));
   PetscCall(PetscSegBufferDestroy(&rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a table that moves the solid faster between two rows than any solid may be; the same on all ranks. */
+static PetscErrorCode CheckTable(Body body)
+{
+  const struct _p_Motion *m = body->motion;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k + 1 < m->rows; k++) {
+    const PetscReal *a = m->table + (DIM + 1) * k, *b = a + DIM + 1, way[DIM] = {b[1] - a[1], b[2] - a[2], b[3] - a[3]},
+                    speed = Norm(way) / (b[0] - a[0]);
+
+    PetscCheckUser(speed <= SPEED_MOST, body->domain->comm,
+                   "-%smotion_file %s: between the times %g and %g s the solid moves by %g m, with %g m/s; at most %g "
+                   "m/s are allowed",
+                   body->prefix, m->file, (double)a[0], (double)b[0], (double)Norm(way), (double)speed, SPEED_MOST);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -229,7 +272,7 @@ static PetscErrorCode ShareTable(Body body)
   PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read, or is no regular file", body->prefix, m->file);
   PetscCheckUser(bad == 0, comm,
                  "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, and a later time than the line "
-                 "before",
+                 "before; the first may have the names of these columns",
                  body->prefix, m->file, bad, (int)body->domain->dim + 1, body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
   PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file);
   if (rank) PetscCall(PetscMalloc1((DIM + 1) * m->rows, &m->table));
@@ -238,6 +281,7 @@ static PetscErrorCode ShareTable(Body body)
     PetscCheckUser(!body->domain->rings || m->table[(DIM + 1) * k + 1] == 0, comm,
                    "-%smotion_file %s: with -dimension axisymmetric x must be 0: a solid can move along the axis only",
                    body->prefix, m->file);
+  PetscCall(CheckTable(body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -399,6 +443,12 @@ static PetscReal TableSpeed(const struct _p_Motion *m)
   return speed;
 }
 
+/* Of a point at the end of the arm, which may be beyond all numbers where nothing turns. */
+static PetscReal TurningSpeed(const PetscReal rate[DIM], const PetscReal arm[DIM])
+{
+  return Norm(rate) > 0 ? Norm(rate) * Norm(arm) : 0;
+}
+
 /* The velocity, the largest of the oscillation, and the rate times the distance of the farthest corner. */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
@@ -410,7 +460,7 @@ PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upp
     arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
   if (body->free) {
     FreeVelocity(body, velocity, rate);
-    return Norm(velocity) + Norm(rate) * Norm(arm);
+    return Norm(velocity) + TurningSpeed(rate, arm);
   }
-  return Norm(m->velocity) + m->w * Norm(m->amplitude) + Norm(m->rate) * Norm(arm) + TableSpeed(m);
+  return Norm(m->velocity) + m->w * Norm(m->amplitude) + TurningSpeed(m->rate, arm) + TableSpeed(m);
 }

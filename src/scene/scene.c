@@ -200,12 +200,28 @@ static PetscErrorCode CheckGrading(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a solid of which any point would be too fast, be it for one of the options or for their sum. */
+static PetscErrorCode CheckSpeed(Body solid)
+{
+  PetscReal lower[DIM], upper[DIM], speed;
+
+  PetscFunctionBegin;
+  BodyBounds(solid, lower, upper);
+  speed = MotionSpeed(solid, lower, upper);
+  PetscCheckUser(speed <= SPEED_MOST, solid->domain->comm,
+                 "the solid %s moves with up to %g m/s, as -%svelocity, -%srotation_rate and what else moves it say; "
+                 "at most %g m/s are allowed",
+                 solid->name, (double)speed, solid->prefix, solid->prefix, SPEED_MOST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SceneSetFromOptions(Scene scene)
 {
-  Domain domain = scene->domain;
-  Names  bodies = {.option = "-bodies", .count = SCENE_MAX_BODIES + 1},
-        solids  = {.option = "-solids", .count = SCENE_MAX_BODIES + 1},
-        fine    = {.option = "-fine", .count = SCENE_MAX_BODIES + 1};
+  Domain    domain  = scene->domain;
+  PetscReal densest = 0;
+  Names     bodies  = {.option = "-bodies", .count = SCENE_MAX_BODIES + 1},
+        solids      = {.option = "-solids", .count = SCENE_MAX_BODIES + 1},
+        fine        = {.option = "-fine", .count = SCENE_MAX_BODIES + 1};
 
   PetscFunctionBegin;
   PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read once only");
@@ -219,9 +235,12 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   for (PetscInt b = 0; b < scene->count; b++) {
     PetscCall(BodySetFromOptions(scene->body[b], &Choices));
     PetscCall(BodyCheckInside(scene->body[b]));
+    densest = PetscMax(densest, BodyMaterial(scene->body[b])->density);
   }
   for (PetscInt b = 0; b < scene->solids; b++) {
     PetscCall(SolidSetFromOptions(scene->solid[b], &Choices));
+    PetscCall(CheckSpeed(scene->solid[b]));
+    PetscCall(FreeCheck(scene->solid[b], densest));
     PetscCall(BodyCheckInside(scene->solid[b]));
   }
   for (PetscInt b = 0; b < scene->fine_regions; b++) {

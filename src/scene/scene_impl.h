@@ -143,11 +143,13 @@ PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
 PetscErrorCode FrameView(Scene scene, PetscViewer viewer);
 /* FreeSetFromOptions - reads -<s>_mass and what belongs to it; FreeSetUp - refuses (UserError) what does not fit, and
    removes the free body if there is no mass. center (m): of mass, given if 'centered', else found here; velocity (m/s)
-   and rate (rad/s): at the start. Collective. FreePlace - shift (m) and turn at the time (s) of a free body;
+   and rate (rad/s): at the start. FreeCheck - refuses a mass, a moment of inertia or a centre of mass that cannot be in
+   liquids of this density at most (kg/m3). Collective. FreePlace - shift (m) and turn at the time (s) of a free body;
    FreeVelocity - its velocity (m/s) and rate (rad/s) since it was pushed last; FreeSetTime - where it is from here on.
    FreeView - prints it. Collective.
  */
 PetscErrorCode FreeSetFromOptions(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode FreeCheck(Body body, PetscReal density);
 PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], const PetscReal velocity[DIM],
                          const PetscReal rate[DIM]);
 PetscErrorCode FreeView(Body body, PetscViewer viewer);
@@ -162,6 +164,7 @@ void RotationMultiply(PetscReal A[DIM][DIM], PetscReal B[DIM][DIM], PetscReal ou
 void RotationInverse(PetscReal A[DIM][DIM], PetscReal out[DIM][DIM]);
 void RotationStraighten(PetscReal turn[DIM][DIM]);
 void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
+#define SPEED_MOST 1e5 /* m/s, of a solid: some seventy times the speed of sound in water */
 /* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);

@@ -133,6 +133,12 @@ def scenes():
             ["-scheme consistent"])
     refused("solid_moves_while_packing_relaxes", PLANE + "-part_velocity 1,0 -packing_relaxation_time 1",
             ["-packing_relaxation_time"])
+    table = runs.scratch("way.csv")
+    for name, text, words in (("no_table", "\xef\xbb\xbf0;0;0\n0,0,0\n1,0,0.2\n", ["line 1", "t,x,y"]),
+                              ("jump", "0,0,0\n1e-9,0,0.2\n", ["0.2 m", "2e+08 m/s", "at most"])):
+        with open(table, "w", encoding="latin-1") as file:
+            file.write(text)
+        refused("motion_" + name, PLANE + f"-part_motion_file {table}", ["-part_motion_file"] + words)
     FLOAT = PLANE.replace("part,post", "part").split(" -post")[0] + " -part_mass 50 "
     for name, options, words in (("printed_scheme", "-scheme density_invariant", ["-scheme consistent"]),
                                  ("density_source", "-pressure_source density", ["-pressure_source divergence"]),
@@ -141,7 +147,11 @@ def scenes():
                                   ["-<body>_density"]),
                                  ("direct_solver", "-ksp_type preonly -pc_type lu", ["-ksp_type preonly", "mass"]),
                                  ("frame", "-frame_rotation_rate 1 -gravity 0,0", ["-frame_rotation_rate"]),
-                                 ("moved_too", "-part_motion_file way.csv", ["-part_m"])):
+                                 ("moved_too", "-part_motion_file way.csv", ["-part_m"]),
+                                 ("no_mass", "-part_mass 1e-300", ["-part_mass", "must lie in"]),
+                                 ("all_mass", "-part_mass 1e300", ["-part_mass", "must lie in"]),
+                                 ("no_inertia", "-part_inertia 1e-300", ["-part_inertia", "must lie in"]),
+                                 ("speed", "-part_velocity 0,1e300", ["solid part", "m/s are allowed"])):
         refused("free_body_and_" + name, FLOAT + options, words)
     LIQUIDS = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -bodies drop,bath,top -drop_upper 0.5,0.5
      -bath_lower 0.5,0 -bath_upper 1.5,0.5 -top_lower 1.5,0 -top_upper 2,0.5 -interface_tension 1 -steps_max 2 """

@@ -63,6 +63,58 @@ static PetscErrorCode TestTable(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a table's file may begin with, and what not: no line of numbers is dropped. */
+static PetscErrorCode TestTableText(void)
+{
+  static const struct {
+    const char *name, *text, *refusal; /* none: the solid goes from 0.1 to 0.3 m along x */
+  } files[] = {
+    {"names_of_columns", "# a comment\n\n  \"t (s)\", information, x2\n0,0.1,0\n1,0.3,0\n", NULL},
+    {"indented_comment", " # a comment\n0,0.1,0\n1,0.3,0\n", NULL},
+    {"byte_order_mark",
+     "\xef\xbb\xbf"
+     "0,0.1,0\n1,0.3,0\n",
+     NULL},
+    {"mark_before_names", "\xef\xbb\xbft,x,y\r\n0,0.1,0\r\n1,0.3,0\r\n", NULL},
+    {"refuse_other_mark",
+     "\xff\xfe"
+     "0,0.1,0\n0.5,0.1,0\n1,0.3,0\n",
+     "line 1"},
+    {"refuse_semicolons", "0;0.1;0\n0,0.1,0\n1,0.3,0\n", "line 1"},
+    {"refuse_quoted_numbers", "\"-1\",\"0\",\"0\"\n0,0.1,0\n1,0.3,0\n", "line 1"},
+    {"refuse_a_letter_among", "O,0.2,0\n0.5,0.1,0\n1,0.3,0\n", "line 1"},
+    {"refuse_signs_of_print",
+     "\xe2\x88\x92"
+     "1,0,0\n0,0.1,0\n1,0.3,0\n",
+     "line 1"},
+    {"refuse_what_is_no_number", "nan,0,0\n0,0.1,0\n1,0.3,0\n", "line 1"},
+    {"refuse_names_twice", "t,x,y\ns,m,m\n0,0.1,0\n1,0.3,0\n", "line 2"},
+    {"refuse_names_later", "0,0.1,0\nt,x,y\n1,0.3,0\n", "line 2"},
+    {"refuse_a_jump", "0,0.1,0\n1,0.1,0\n1.000000001,0.3,0\n", "m/s are allowed"},
+    {"refuse_far_places", "0,0.1,0\n1,1e300,0\n", "m/s are allowed"},
+    {"refuse_far_times", "-1.7e308,0,0\n1.7e308,1,0\n", "line 1"},
+  };
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++) {
+    PetscReal x[DIM] = {0.1, 0, 0}, y[DIM] = {0.1, 0, 0};
+    Domain    domain;
+    Scene     scene;
+
+    PetscCall(WriteTable(files[k].text));
+    if (files[k].refusal) {
+      PetscCall(Refused(MOVING, files[k].refusal, files[k].name));
+      continue;
+    }
+    PetscCall(Read(MOVING, &domain, &scene));
+    BodyMove(SceneSolid(scene, 0), 1, 0, x);
+    BodyMove(SceneSolid(scene, 0), 0, 1, y);
+    CHECK(PetscAbsReal(x[0] + 0.1) < 1e-12 && PetscAbsReal(y[0] - 0.3) < 1e-12, files[k].name);
+    PetscCall(Free(&domain, &scene));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A solid that moves in every way: its points stay the same distance apart, come back, and have the velocity of the
    differences of their places; the distance to it goes with it. */
 static PetscErrorCode TestMotion(void)
@@ -105,6 +157,13 @@ static PetscErrorCode TestMotion(void)
   CHECK_CLOSE(error, 0, 1e-7, "motion_back");
   PetscCall(Free(&domain, &scene));
   PetscCall(TestTable());
+  PetscCall(TestTableText());
+  PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_velocity 0,0,1e300", "m/s are allowed", "refuse_speed"));
+  PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_rotation_rate 0,0,1e9", "m/s are allowed",
+                    "refuse_speed_of_a_turn"));
+  PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_oscillation_amplitude 0,0,1e-3 "
+                              "-s_oscillation_frequency 1e300",
+                    "m/s are allowed", "refuse_speed_of_an_oscillation"));
   /* a quarter turn about z in the plane: x goes to y */
   PetscCall(Read(SQUARE BALL "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 -s_rotation_rate "
                              "3.14159265358979",
@@ -181,6 +240,18 @@ static PetscErrorCode TestFree(void)
   PetscCall(Refused(FLOAT "-s_inertia 1", "need -s_mass", "refuse_inertia_without_mass"));
   PetscCall(Refused(FLOAT "-s_mass 1 -s_inertia 1,2", "one number or three", "refuse_two_moments"));
   PetscCall(Refused(FLOAT "-s_mass 1 -s_inertia 0", "positive", "refuse_no_inertia"));
+  PetscCall(Refused(FLOAT "-s_mass 1e-300", "-s_mass is 1e-300 kg; it must lie in", "refuse_no_mass"));
+  PetscCall(Refused(FLOAT "-s_mass 1e-9", "-s_mass is 1e-09 kg; it must lie in", "refuse_light_mass"));
+  PetscCall(Refused(FLOAT "-s_mass 1e300", "-s_mass is 1e+300 kg; it must lie in", "refuse_heavy_mass"));
+  PetscCall(Refused(FLOAT "-s_mass 9 -s_inertia 1e-300", "-s_inertia has 1e-300", "refuse_little_inertia"));
+  PetscCall(Refused(FLOAT "-s_mass 9 -s_inertia 1,1,1e300", "-s_inertia has 1e+300", "refuse_large_inertia"));
+  PetscCall(Refused(FLOAT "-s_mass 9 -s_velocity 0,1e300,0", "m/s are allowed", "refuse_speed_of_free_body"));
+  PetscCall(Refused(FLOAT "-s_mass 9 -s_rotation_center 0,9,0", "-s_rotation_center", "refuse_centre_far_away"));
+  PetscCall(Refused(FLOAT "-s_mass 9 -s_rotation_center 0,1e300,0", "-s_rotation_center", "refuse_centre_nowhere"));
+  PetscCall(Read(FLOAT "-s_mass 2e-3", &domain, &scene)); /* a bubble of air may be light, an anchor heavy */
+  PetscCall(Free(&domain, &scene));
+  PetscCall(Read(FLOAT "-s_mass 1e11", &domain, &scene));
+  PetscCall(Free(&domain, &scene));
   PetscCall(Refused(FLOAT "-s_mass 1 -s_turns 0 -s_rotation_rate 1,0,0", "-s_turns 0", "refuse_rate_of_no_turn"));
   PetscCall(Refused(FLOAT "-s_mass 1 -s_oscillation_amplitude 1,0,0 -s_oscillation_frequency 1", "moves freely",
                     "refuse_two_ways_of_moving"));
