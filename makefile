@@ -87,56 +87,65 @@ $(BUILD)/tests/unit/%: tests/unit/%.c $(OBJECTS) $(BUILD)/flags
 RULES = $(wildcard cases/*/rules.mk options/rules.mk src/pictures/rules.mk tests/*/rules.mk)
 include $(RULES)
 
+# Processes that run at a time; the tests choose their number themselves, unless it is given.
+JOBS   := $(shell nproc)
+NUMBER := $(if $(filter command,$(origin JOBS)),--jobs "$$JOBS")
+
+# What users give reaches the shell in the environment and is never read by it: recipes say "$$RUN". Lists of words are
+# split at blanks and nothing else: set -f; $$FLAGS. The values are kept as they are typed, also before make.
+GIVEN = BASE BUDGET CASE COMMIT FLAGS FROM GAUGES JOBS MUTANT ONLY RANKS RUN SCENE SIZE STATE TARGET WAYS
+$(foreach name,$(GIVEN),$(eval override $(name) := $$(value $(name))))
+export $(GIVEN) DESTDIR PREFIX
+
 packages:
 	@tests/packages.sh build pictures
 
 # The main case at quick resolution (options/quick.opts), a quarter of the box: a minute on two cores, then its figures.
 run: packages
-	$(MAKE) -j$(JOBS) isph
+	$(MAKE) -j"$$JOBS" isph
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
-	  -options_file options/quick.opts -output_dir $(RUN) -output_overwrite
-	$(PYTHON) cases/drop_impact/figures.py $(RUN)
-	$(PYTHON) src/pictures/report.py $(RUN)
-	$(PYTHON) cases/drop_impact/compare.py $(RUN)
+	  -options_file options/quick.opts -output_dir "$$RUN" -output_overwrite
+	$(PYTHON) cases/drop_impact/figures.py "$$RUN"
+	$(PYTHON) src/pictures/report.py "$$RUN"
+	$(PYTHON) cases/drop_impact/compare.py "$$RUN"
 
 # The main case as rings around its axis (-dimension axisymmetric): ten seconds on one core, then its figures.
 run-axisymmetric: packages
-	$(MAKE) -j$(JOBS) isph
-	$(MPI) ./isph -options_file cases/drop_impact/axisymmetric.opts -output_dir $(RUN)_axisymmetric -output_overwrite
-	$(PYTHON) cases/drop_impact/figures.py $(RUN)_axisymmetric
-	$(PYTHON) src/pictures/report.py $(RUN)_axisymmetric
-	$(PYTHON) cases/drop_impact/compare.py $(RUN)_axisymmetric
+	$(MAKE) -j"$$JOBS" isph
+	$(MPI) ./isph -options_file cases/drop_impact/axisymmetric.opts -output_dir "$$RUN"_axisymmetric -output_overwrite
+	$(PYTHON) cases/drop_impact/figures.py "$$RUN"_axisymmetric
+	$(PYTHON) src/pictures/report.py "$$RUN"_axisymmetric
+	$(PYTHON) cases/drop_impact/compare.py "$$RUN"_axisymmetric
 
 # PORTABLE=1 for a cluster of mixed machines
 PREFIX = /usr/local
-SHARE  = $(DESTDIR)$(PREFIX)/share/isph
+SHARE  = "$$DESTDIR$$PREFIX"/share/isph
 install: isph
-	install -D -m 755 isph $(DESTDIR)$(PREFIX)/bin/isph
+	install -D -m 755 isph "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
-	  install -D -m 755 $(BUILD)/lib/$$library $(DESTDIR)$(PREFIX)/lib/isph/$$library || exit 1; done
+	  install -D -m 755 $(BUILD)/lib/$$library "$$DESTDIR$$PREFIX"/lib/isph/$$library || exit 1; done
 	install -d $(SHARE)/pictures $(SHARE)/options/cluster
 	install -m 644 options/*.opts $(SHARE)/options
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
 	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/viewer.js $(SHARE)/pictures
 	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
-	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
-	$(PYTHON) options/manual.py > $(DESTDIR)$(PREFIX)/share/man/man1/isph.1
-	$(PYTHON) options/manual.py --completion > $(DESTDIR)$(PREFIX)/share/bash-completion/completions/isph
-	for tool in pictures film mesh report; do printf '#!/bin/sh\nexec %s %s/share/isph/pictures/%s.py "$$@"\n' $(PYTHON) $(PREFIX) $$tool \
-	  > $(DESTDIR)$(PREFIX)/bin/isph-$$tool && chmod 755 $(DESTDIR)$(PREFIX)/bin/isph-$$tool; done
+	install -d "$$DESTDIR$$PREFIX"/share/man/man1 "$$DESTDIR$$PREFIX"/share/bash-completion/completions
+	$(PYTHON) options/manual.py > "$$DESTDIR$$PREFIX"/share/man/man1/isph.1
+	$(PYTHON) options/manual.py --completion > "$$DESTDIR$$PREFIX"/share/bash-completion/completions/isph
+	for tool in pictures film mesh report; do printf '#!/bin/sh\nexec %s "%s/share/isph/pictures/%s.py" "$$@"\n' $(PYTHON) "$$PREFIX" $$tool \
+	  > "$$DESTDIR$$PREFIX"/bin/isph-$$tool && chmod 755 "$$DESTDIR$$PREFIX"/bin/isph-$$tool; done
 
 # The tests. All are built with as many processes as run at a time. ONLY=NAME: those with NAME in their name; after a
 # change of the sources CHANGED=1 (and BASE=COMMIT) takes those that watch what changed since the commit, tests/table.txt.
-JOBS      = $(shell nproc)
 ONLY      =
 CHANGED   =
 BASE      = HEAD
 SANITIZED = output/sanitized
 PROGRAMS  = $(PROGRAM) $(UNIT) $(COMPARE) $(TYPES)
-TESTS     = @PYTHON=$(PYTHON) $(PYTHON) tests/run.py --only "$(ONLY)" $(if $(filter command line,$(origin JOBS)),--jobs $(JOBS))
+TESTS     = @PYTHON=$(PYTHON) $(PYTHON) tests/run.py --only "$$ONLY" $(NUMBER)
 .PHONY: check test test-ci test-long lint sanitized programs sanitized-programs
 check: programs
-	$(TESTS) --check $(if $(CHANGED),--changed $(BASE))
+	$(TESTS) --check $(if $(CHANGED),--changed "$$BASE")
 
 test: programs $(if $(findstring sanitizers,$(ONLY)),sanitized)
 	$(TESTS)
@@ -151,10 +160,10 @@ lint: programs
 	@$(PYTHON) tests/run.py --only lint/
 
 programs:
-	@$(MAKE) -s --no-print-directory -j$(JOBS) $(PROGRAMS)
+	@$(MAKE) -s --no-print-directory -j"$$JOBS" $(PROGRAMS)
 
 sanitized: programs
-	@$(MAKE) -s --no-print-directory -j$(JOBS) BUILD=$(SANITIZED) PROGRAM=$(SANITIZED)/isph LDFLAGS="$(LDFLAGS)" \
+	@$(MAKE) -s --no-print-directory -j"$$JOBS" BUILD=$(SANITIZED) PROGRAM=$(SANITIZED)/isph LDFLAGS="$(LDFLAGS)" \
 	  CFLAGS="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined" sanitized-programs
 
 sanitized-programs: $(PROGRAM) $(UNIT)

@@ -8,7 +8,7 @@
 # scenes and builds: tables and chart in output/bench/.
 SIZE = quick
 bench: isph
-	@$(PYTHON) tests/bench/bench.py --size $(SIZE)
+	@$(PYTHON) tests/bench/bench.py --size "$$SIZE"
 	@$(PYTHON) tests/bench/variants.py
 
 bench-readme:
@@ -18,4 +18,4 @@ bench-readme:
 # Processor time and errors of the whole impact in different ways, into output/bench_results/, five minutes of one core;
 # FLAGS=--all: the slow ones too; FLAGS=--readme: puts the last table into tests/bench/README.md
 bench-results: isph
-	@$(PYTHON) tests/bench/results.py $(FLAGS)
+	@set -f; $(PYTHON) tests/bench/results.py $$FLAGS

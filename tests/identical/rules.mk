@@ -4,4 +4,4 @@
 
 COMMIT = HEAD
 identical: isph
-	@$(PYTHON) tests/identical/identical.py $(COMMIT)
+	@$(PYTHON) tests/identical/identical.py "$$COMMIT"

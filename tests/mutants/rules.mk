@@ -7,7 +7,7 @@
 # tests/mutants/README.md from the last run of all. MUTANT="pressure growth_limit": those of a file, folder or name
 MUTANT =
 mutants: isph $(UNIT)
-	@$(PYTHON) tests/mutants/mutants.py --jobs $(JOBS) $(MUTANT)
+	@set -f; $(PYTHON) tests/mutants/mutants.py --jobs "$$JOBS" $$MUTANT
 
 mutants-readme:
 	@$(PYTHON) tests/mutants/mutants.py --readme

@@ -16,7 +16,7 @@ $(TYPES): tests/solvers/types.c $(OBJECTS) $(BUILD)/flags
 STATE =
 RANKS = 1
 compare-solvers: $(COMPARE)
-	@$(MPI) $(PYTHON) tests/solvers/compare.py --ranks $(RANKS) "$(STATE)"
+	@$(MPI) $(PYTHON) tests/solvers/compare.py --ranks "$$RANKS" "$$STATE"
 
 solver-sweep: isph $(TYPES)
 	@$(PYTHON) tests/solvers/sweep.py --readme

@@ -9,13 +9,13 @@ TARGET = 5
 WAYS   =
 tradeoff: isph
 ifdef SCENE
-	@$(MPI) $(PYTHON) tests/tradeoff/scene.py "$(SCENE)" --gauges "$(GAUGES)" --budget $(BUDGET) --target $(TARGET) \
-	  --ways $(WAYS)
+	@set -f; $(MPI) $(PYTHON) tests/tradeoff/scene.py "$$SCENE" --gauges="$$GAUGES" --budget="$$BUDGET" \
+	  --target="$$TARGET" --ways $$WAYS
 else
-	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)"
+	@$(MPI) $(PYTHON) tests/tradeoff/tradeoff.py --case="$$CASE"
 endif
 
 # The table of the case and, once the five scenes have been swept, the summary in tests/tradeoff/README.md.
 tradeoff-readme:
-	@$(PYTHON) tests/tradeoff/tradeoff.py --case "$(CASE)" --readme
+	@$(PYTHON) tests/tradeoff/tradeoff.py --case="$$CASE" --readme
 	@$(PYTHON) tests/tradeoff/summary.py

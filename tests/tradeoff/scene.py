@@ -14,6 +14,7 @@ import argparse
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -63,7 +64,8 @@ class Sweep:
         row = dict(axis=axis, label=label, options=options, scene=scene or self.scene, factor=factor, steps=0,
                    curves=None, reason="")
         first = tradeoff.yard()
-        line = f"-options_file {row['scene']} {options} -snapshot_interval 0 -checkpoint_interval 0 -output_overwrite"
+        line = f"-options_file {shlex.quote(row['scene'])} {options} -snapshot_interval 0 -checkpoint_interval 0 " \
+            "-output_overwrite"
         try:
             row["cpu"], code, row["reason"] = tradeoff.cpu(line, folder)
         except subprocess.TimeoutExpired:
@@ -171,14 +173,35 @@ def advise(rows, gauges, target, notes):
     return lines, choice
 
 
+def quoted(path):
+    """A path as a word of an options file, which has two kinds of quotes and no other way to write one."""
+    mark = "'" if '"' in path else '"'
+    return f"{mark}{path}{mark}" if re.search(r"[\s'\"]", path) else path
+
+
 def write_options(path, choice, gauges, target):
     worst = max(choice["errors"])
     head = f"within {target:g} %" if worst <= target else f"{worst:.2g} %, the best of all (asked: {target:g} %)"
     with open(path, "w", encoding="utf-8") as file:
         file.write(f"# {', '.join(gauges)}: {head}; {choice['seconds']:.3g} s of CPU time. Written by make tradeoff.\n"
-                   f"-options_file {choice['scene']}\n")
+                   f"-options_file {quoted(choice['scene'])}\n")
         option = re.sub(r" (?=-[a-z])", "\n", choice["options"])  # one a line
         file.write(f"{option}\n" if option else "")
+
+
+def refuse_nonsense(arguments):
+    """Ends us with a sentence for what no sweep can do, before anything runs."""
+    for name, value in (("BUDGET", arguments.budget), ("TARGET", arguments.target)):
+        if not 0 < value < math.inf:
+            sys.exit(f"scene.py: {name}={value:g}: a positive number is wanted, of "
+                     f"{'CPU seconds' if name == 'BUDGET' else 'per cent'}")
+    for path in arguments.ways:
+        if not os.path.isfile(path):
+            sys.exit(f"scene.py: WAYS: {path} is no file; options files are wanted, separated by blanks")
+    if not all(arguments.gauges.split(",")):
+        sys.exit(f"scene.py: GAUGES={arguments.gauges}: columns of series.csv are wanted, separated by commas")
+    if "'" in arguments.scene and '"' in arguments.scene:
+        sys.exit(f"scene.py: SCENE={arguments.scene}: a path with both kinds of quotes cannot stand in an options file")
 
 
 def main():
@@ -189,6 +212,7 @@ def main():
     parser.add_argument("--target", type=float, default=5, help="per cent, of advice.opts")
     parser.add_argument("--ways", nargs="*", default=[], metavar="OTHER.opts", help="the same scene in other ways")
     arguments = parser.parse_args()
+    refuse_nonsense(arguments)
     sweep = Sweep(arguments.scene, arguments.gauges.split(","), arguments.budget)
     good = sweep.ladder(sweep.spacing())
     base = min(good, key=lambda row: abs(row["factor"] - 1))
@@ -236,8 +260,8 @@ def report(sweep, good, base, target):
         file.write(text)
     write_options(os.path.join(sweep.folder, "advice.opts"), choice, sweep.gauges, target)
     drawn = [row for row in sweep.rows if row["axis"] != "seed"]
-    chart.draw(drawn, tradeoff.front(drawn), f"{sweep.scene}: {', '.join(sweep.gauges)}, the worst of them",
-               os.path.join(sweep.folder, "chart.png"))
+    title = f"{sweep.scene}: {', '.join(sweep.gauges)}, the worst of them".replace("$", r"\$")  # no formula
+    chart.draw(drawn, tradeoff.front(drawn), title, os.path.join(sweep.folder, "chart.png"))
     print(f"\n{text}\nTake {os.path.relpath(sweep.folder, runs.ROOT)}/advice.opts: {name_of(choice)}, "
           f"{100 * choice['error']:.2g} %, {choice['seconds']:.3g} s.")
 

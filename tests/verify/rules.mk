@@ -8,16 +8,17 @@
 VERIFY = $(MPI) $(PYTHON) tests/verify/runner.py
 CASE   =
 FROM   =
+EACH_FROM = set -f; for from in $$FROM; do set -- "$$@" --from "$$from"; done
 
 # FROM="ID=FOLDER ...": judge runs that exist instead of running these entries; IDs: tests/verify/runner.py --list
 verify: isph
-	@$(VERIFY) --size short --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+	@$(EACH_FROM); $(VERIFY) --size short --case="$$CASE" --jobs "$$JOBS" "$$@"
 
 verify-long: isph
-	@$(VERIFY) --size long --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+	@$(EACH_FROM); $(VERIFY) --size long --case="$$CASE" --jobs "$$JOBS" "$$@"
 
 convergence: isph
-	@$(VERIFY) --convergence --case "$(CASE)" --jobs $(JOBS) $(addprefix --from ,$(FROM))
+	@$(EACH_FROM); $(VERIFY) --convergence --case="$$CASE" --jobs "$$JOBS" "$$@"
 
 verify-readme:
 	@$(VERIFY) --readme
@@ -25,4 +26,4 @@ verify-readme:
 # Independent computations by volume of fluid that the checks read, cases/*/reference*.csv: ten minutes each; Debian's gerris
 reference:
 	@tests/packages.sh reference
-	@$(PYTHON) tests/verify/reference.py $(CASE)
+	@set -f; $(PYTHON) tests/verify/reference.py $$CASE
