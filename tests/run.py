@@ -21,9 +21,11 @@ import csv
 import fnmatch
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from typing import NamedTuple
@@ -189,9 +191,10 @@ def execute(job):
     """Runs a job to its end; its processor time is that of all its processes."""
     log, began = log_of(job), time.monotonic()
     limit = TIMEOUT if job.row.set != "long" else max(TIMEOUT, 7200)
-    environment = ENVIRONMENT
+    environment, folder = ENVIRONMENT, tempfile.mkdtemp(prefix="isph-test-")
     if job.name.startswith("unit/"):
-        environment = dict(environment, **(YIELD if job.command[0] == "mpiexec" else ALONE))
+        alone = dict(ALONE, OMPI_MCA_orte_tmpdir_base=folder)
+        environment = dict(environment, **(YIELD if job.command[0] == "mpiexec" else alone))
     with open(log, "w", encoding="utf-8") as out:
         try:
             process = subprocess.Popen(job.command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=out,
@@ -209,6 +212,7 @@ def execute(job):
         _, status, usage = os.wait4(process.pid, 0)
         timer.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
+    shutil.rmtree(folder, ignore_errors=True)
     with open(log, encoding="utf-8", errors="replace") as file:
         passed, failures = judge(job, None if late.is_set() else process.returncode, file.read())
     return Result(job, passed, failures, time.monotonic() - began, usage.ru_utime + usage.ru_stime)

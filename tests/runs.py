@@ -54,11 +54,12 @@ def done():
 def environment(ranks=1):
     """That of the program's processes. One alone must not yield: on a busy machine each call of MPI then costs it a
     slice of time, and a small run four times as long. Nor need it look for networks and servers, which takes Open MPI
-    0.3 s of waiting a start."""
-    alone = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self", "OMPI_MCA_ess_singleton_isolated": "1"}
+    0.3 s of waiting a start; all such runs have one job number, so each needs a folder of its own."""
+    alone = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self", "OMPI_MCA_ess_singleton_isolated": "1",
+             "OMPI_MCA_orte_tmpdir_base": tempfile.mkdtemp(dir=_scratch.name)} if ranks == 1 else {}
     return dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                 OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1" if ranks > 1 else "0",
-                OMP_NUM_THREADS="1", **(alone if ranks == 1 else {}))
+                OMP_NUM_THREADS="1", **alone)
 
 
 def parts(*names):

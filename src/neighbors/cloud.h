@@ -194,15 +194,15 @@ PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[]);
 PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy);
 
 /* CloudWrote - for the operator that writes a work field of all particles of this rank: its numbers are those of the
-   present local order. CloudIsCurrent - whether they still are: a new order leaves all work fields NAN until they are
-   written again. Not collective. */
+   present local order. CloudIsCurrent - whether those of a work field still are: a new order leaves all work fields NAN
+   until they are written again. Not collective. */
 static inline void CloudWrote(Cloud cloud, FieldId field)
 {
   cloud->written[field] = cloud->layout;
 }
 static inline PetscBool CloudIsCurrent(Cloud cloud, FieldId field)
 {
-  return (PetscBool)(field < FIELD_STORED_COUNT || cloud->written[field] == cloud->layout);
+  return (PetscBool)(cloud->written[field] == cloud->layout);
 }
 
 /* CloudCheckUnknowns - refuses (UserError) 'width' unknowns for each fluid particle of n on this rank if PETSc cannot

@@ -213,7 +213,6 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
     PetscCall(CloudSearch(cloud, viscosity ? GradedViscousRow : GradedMomentsRow, &scales));
   else
     PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
-  if (viscosity) PetscCall(OperatorsWallFriction(cloud, viscosity, scales.viscosity / inverse_h2));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
   CloudWrote(cloud, FIELD_CORRECTION);

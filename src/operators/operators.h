@@ -80,7 +80,8 @@ PetscErrorCode OperatorsDensity(Cloud cloud);
      FIELD_LAMBDA      the smallest eigenvalue of M = -sum V grad W (x) r_ab (Marrone et al. 2010)
      FIELD_CORRECTION  B = M^-1, the identity where lambda <= MOMENT_MINIMUM (Randles & Libersky 1996)
    viscosity: NULL, or one in the form of Cleary; FIELD_ACCELERATION (m/s2) of the fluid then becomes what
-   OperatorsViscosity would add to it, for half the price; only for OperatorsOneLiquid at its rest density. */
+   OperatorsViscosity would add to it, but for OperatorsFrictionRest, for half the price; only for OperatorsOneLiquid at
+   its rest density. */
 PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsOneLiquid - whether all bodies have one density and one viscosity, which does not vary, so that every pair
    has the same coefficient. */
@@ -114,10 +115,12 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity);
    walls. viscosity: whether liquid slips there. Does nothing where no viscosity varies (SceneViscosityVaries): such
    scenes have no such field. Collective. */
 PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosity);
-/* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. Walls
-   have their own velocity and the viscosity of their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and
-   in the linear operator. The form of Morris is divided by the second moments of FIELD_CORRECTION, so that its error on
-   a lattice vanishes with the spacing. Collective. */
+/* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3; with
+   the rest density it counts what neighbours are missing at a free surface, by FIELD_DENSITY of owned particles and
+   ghosts, so that thin sheets resist with all of their viscosity. Walls have their own velocity and the viscosity of
+   their neighbour; a viscosity that varies is FIELD_VISCOSITY, here and in the linear operator. The form of Morris is
+   divided by the second moments of FIELD_CORRECTION, so that its error on a lattice vanishes with the spacing.
+   Collective. */
 PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const PetscReal density[]);
 /* OperatorsWallDrag - the viscous force of the fluid of this rank at these velocities ([n_total][3], m/s) on each dummy
    particle of walls, drag[] ([n_total][3], N), ghosts too: what the pairs with it take from the fluid, at rest density.
@@ -137,12 +140,11 @@ void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM]);
    rank; corrected: the gradient of pressure is corrected, and the walls hold what it takes from the fluid. After
    OperatorsMoments; the pressures of ghosts must be current. Collective. */
 PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[]);
-/* OperatorsWallFriction - adds to FIELD_ACCELERATION the walls' part of the form of Cleary times the wall factor - 1,
-   which the sums of OperatorsMoments leave out. scale (1/s) multiplies slope v_ab.r_ab/(r2 + eta2) r_ab. Not
-   collective. */
-PetscErrorCode OperatorsWallFriction(Cloud cloud, const Viscosity *viscosity, PetscReal scale);
-/* The same term as a linear operator, for an implicit solve; with the rest density it counts what neighbours are
-   missing at a free surface, by FIELD_DENSITY of owned particles and ghosts, which the explicit term does not.
+/* OperatorsFrictionRest - adds to FIELD_ACCELERATION what the viscosity of OperatorsMoments leaves out: the walls' part
+   times the wall factor - 1, and what pairs weigh more where neighbours are missing. After OperatorsMoments; densities
+   of ghosts must be current. Not collective. */
+PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity);
+/* The same term as a linear operator, for an implicit solve.
    OperatorsViscosityPairs - pair[] has a coefficient for each place of the neighbour lists of the fluid (cloud->first):
    cleary sum pair (v_ab.r_ab) r_ab, morris sum pair v_ab; of rings, behind them, one for each of the fluid, 1/s, for
    its growth; collective. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose

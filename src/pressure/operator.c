@@ -95,15 +95,15 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
   return PETSC_FALSE;
 }
 
-/* The sum of the weights of particle a's pairs, without those with its own image. */
-static PetscReal WeightSum(Pressure pressure, PetscInt a)
+/* The sum of the weights of particle a's pairs; itself: with its own images, too. */
+static PetscReal WeightSum(Pressure pressure, PetscInt a, PetscBool itself)
 {
   Cloud            cloud = pressure->cloud;
   const PetscInt  *id    = cloud->integer[INT_ID];
   const PetscInt64 end   = cloud->first[a + 1];
   PetscReal        sum   = 0;
 
-  if (a < cloud->n_fluid && MayMeetItself(cloud, a)) {
+  if (!itself && a < cloud->n_fluid && MayMeetItself(cloud, a)) {
     for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += id[cloud->list[k]] == id[a] ? 0 : PairWeight(pressure, k);
   } else if (pressure->own_weights) {
     SIMD_LOOP(reduction(+ : sum))
@@ -143,11 +143,16 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
     PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->pair_diagonal));
   }
   for (PetscInt r = 0; r < cloud->n_rows; r++)
-    pressure->pair_diagonal[r] = pressure->weight_scale * WeightSum(pressure, r);
+    pressure->pair_diagonal[r] = pressure->weight_scale * WeightSum(pressure, r, PETSC_FALSE);
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
-    pressure->pair_diagonal[ParentRow(pressure, a)] += pressure->weight_scale * WeightSum(pressure, a);
+    pressure->pair_diagonal[ParentRow(pressure, a)] += pressure->weight_scale * WeightSum(pressure, a, PETSC_FALSE);
   for (PetscInt r = 0; r < cloud->n_rows; r++) {
-    pressure->closure_diagonal[r] = pressure->closure(pressure, r, pressure->pair_diagonal[r]);
+    /* an image of the particle itself fills its neighbourhood as any other does */
+    const PetscReal filled = r < cloud->n_fluid && MayMeetItself(cloud, r)
+                               ? pressure->weight_scale * WeightSum(pressure, r, PETSC_TRUE)
+                               : pressure->pair_diagonal[r];
+
+    pressure->closure_diagonal[r] = pressure->closure(pressure, r, filled);
     count[0] += pressure->closure_diagonal[r] > 0;
     count[1] += pressure->pair_diagonal[r] == 0;
   }

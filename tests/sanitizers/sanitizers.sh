@@ -35,7 +35,12 @@ impact() { # ranks
 }
 
 alone() { # command ...: on one rank, which need not look for networks
-  env OMPI_MCA_pml=ob1 OMPI_MCA_btl=self OMPI_MCA_ess_singleton_isolated=1 "$@"
+  local folder code
+  folder=$(mktemp -d)
+  env OMPI_MCA_pml=ob1 OMPI_MCA_btl=self OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_orte_tmpdir_base="$folder" "$@"
+  code=$?
+  rm -rf "$folder"
+  return $code
 }
 
 programs=$(basename -s .c tests/unit/*.c)

@@ -46,6 +46,7 @@ static PetscErrorCode TestPair(ViscosityForm form, PetscReal crowd, const char l
     for (PetscInt d = 0; d < DIM; d++) s.cloud->field[FIELD_VELOCITY][DIM * a + d] = b ? u[d] : 0;
   }
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+  PetscCall(PetscArraycpy(s.cloud->field[FIELD_DENSITY], s.cloud->rest_density, s.cloud->n_total));
   PetscCall(OperatorsViscosity(s.cloud, &viscosity, crowd == 1 ? s.cloud->rest_density : rho));
   PetscCall(OperatorsViscosityPairs(s.cloud, &viscosity, rho, pair));
   PetscCall(OperatorsViscosityApply(s.cloud, &viscosity, pair, s.cloud->field[FIELD_VELOCITY], out));

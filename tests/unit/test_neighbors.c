@@ -304,8 +304,8 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 
       cloud->field[FIELD_POSITION][DIM * a + d] += width * (0.7 * drift + 0.3 * noise);
     }
-  PetscCall(WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY],
-                      NULL));
+  PetscCall(
+    WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], NULL));
   PetscCall(CloudMoved(cloud));
   PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -334,6 +334,8 @@ static PetscErrorCode TakenAlong(Cloud cloud, const Viscosity *viscosity, PetscR
   PetscCall(PetscMalloc1(n, &own));
   PetscCall(PetscArraycpy(own, cloud->field[FIELD_ACCELERATION], n));
   PetscCall(OperatorsMoments(cloud, viscosity));
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  PetscCall(OperatorsFrictionRest(cloud, viscosity));
   *difference = 0;
   for (PetscInt k = 0; k < n; k++) {
     most        = PetscMax(most, PetscAbsReal(own[k]));
@@ -463,6 +465,77 @@ static PetscErrorCode TestViscosity(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A sheet in the plane, 'layers' particles thick, that stretches with the rate E: what its viscosity takes over 4 mu
+   E^2 V, the exact value (Trouton's ratio in the plane), far from its ends; and by how much the linear operator of an
+   implicit step and the viscosity that OperatorsMoments takes along differ from it, over the largest. */
+static PetscErrorCode Sheet(PetscInt layers, PetscReal *ratio, PetscReal *implicit, PetscReal *along)
+{
+  const Viscosity  viscosity = {.form = VISCOSITY_CLEARY};
+  const PetscReal  E = 0.3, mu = 0.5;
+  PetscReal       *pair, *out, most = 0, different = 0, loss = 0, volume = 0;
+  const PetscReal *x;
+  Setup            s;
+  Cloud            cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupFill(OPEN_2D "-a_density 250 -a_viscosity 0.5", Block(35, layers, 1, 0, NULL), points, 0, &s));
+  PetscCall(SetupMoments(&s));
+  cloud = s.cloud;
+  x     = cloud->field[FIELD_POSITION];
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    PetscReal *v = cloud->field[FIELD_VELOCITY] + DIM * a;
+
+    v[0] = E * x[DIM * a];
+    v[1] = -E * x[DIM * a + 1];
+    v[2] = 0;
+  }
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
+  PetscCall(OperatorsViscosity(cloud, &viscosity, cloud->rest_density));
+  PetscCall(
+    PetscMalloc2(cloud->first[cloud->n_owned] + cloud->n_owned + SEARCH_LANES, &pair, DIM * cloud->n_owned, &out));
+  PetscCall(OperatorsViscosityPairs(cloud, &viscosity, cloud->rest_density, pair));
+  PetscCall(OperatorsViscosityApply(cloud, &viscosity, pair, cloud->field[FIELD_VELOCITY], out));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    for (PetscInt d = 0; d < DIM; d++) {
+      most      = PetscMax(most, PetscAbsReal(out[DIM * a + d]));
+      different = PetscMax(different, PetscAbsReal(out[DIM * a + d] - cloud->field[FIELD_ACCELERATION][DIM * a + d]));
+    }
+    if (PetscAbsReal(x[DIM * a]) > 10) continue;
+    volume += cloud->volume[a];
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) { /* half of what each pair takes */
+      const PetscInt  b      = cloud->list[k];
+      const PetscReal r[DIM] = {x[DIM * a] - x[DIM * b], x[DIM * a + 1] - x[DIM * b + 1], 0};
+
+      loss -= 0.5 * cloud->volume[a] * cloud->rest_density[a] * pair[k] * PetscSqr(E * (r[0] * r[0] - r[1] * r[1]));
+    }
+  }
+  *ratio    = SetupSum(loss) / SetupSum(volume) / (4 * mu * E * E);
+  *implicit = SetupMax(different) / SetupMax(most);
+  PetscCall(PetscFree2(pair, out));
+  PetscCall(TakenAlong(cloud, &viscosity, along));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestSheets(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 4; k++) {
+    const PetscInt layers[] = {1, 2, 3, 10};
+    PetscReal      ratio = 0, implicit = 0, along = 0;
+    char           name[64];
+
+    PetscCall(Sheet(layers[k], &ratio, &implicit, &along));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "sheet_of_%" PetscInt_FMT "_resists_with_its_viscosity", layers[k]));
+    CHECK_CLOSE(ratio, 1, 0.1, name);
+    PetscCall(PetscSNPrintf(name, sizeof(name), "sheet_of_%" PetscInt_FMT "_explicit_is_implicit", layers[k]));
+    CHECK_CLOSE(implicit, 0, 1e-5, name);
+    PetscCall(PetscSNPrintf(name, sizeof(name), "sheet_of_%" PetscInt_FMT "_taken_along", layers[k]));
+    CHECK_CLOSE(along, 0, 1e-5, name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sum of m a . r over the fluid. */
 static PetscReal Virial(Cloud cloud)
 {
@@ -546,6 +619,7 @@ int main(int argc, char **argv)
   PetscCall(CheckDivergence(OPEN, 11, "divergence_3d"));
   PetscCall(CheckDivergence(OPEN_2D, 1, "divergence_2d"));
   PetscCall(TestViscosity());
+  PetscCall(TestSheets());
   PetscCall(TestNoSlip());
   PetscCall(TestTension());
   PetscCall(PetscOptionsClear(NULL));

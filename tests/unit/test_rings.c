@@ -332,8 +332,8 @@ static void Random(const PetscReal x[DIM], PetscReal v[DIM])
   v[1] = PetscSinReal(0.9 * x[0] * x[1]);
 }
 
-/* The operator of the implicit solve: where no neighbours are missing its product is the explicit term, times the mass
-   it is symmetric, and the diagonal is its own. */
+/* The operator of the implicit solve: its product is the explicit term, where neighbours are missing, too; times the
+   mass it is symmetric, and the diagonal is its own. */
 static PetscErrorCode TestImplicit(ViscosityForm form, const char label[])
 {
   const Viscosity viscosity = {.form = form};
@@ -352,7 +352,6 @@ static PetscErrorCode TestImplicit(ViscosityForm form, const char label[])
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY)); /* images are those of vectors */
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
   PetscCall(OperatorsViscosity(cloud, &viscosity, cloud->rest_density));
-  PetscCall(PetscArraycpy(cloud->field[FIELD_DENSITY], cloud->rest_density, cloud->n_total));
   PetscCall(OperatorsViscosityPairs(cloud, &viscosity, cloud->rest_density, pair));
   PetscCall(OperatorsViscosityApply(cloud, &viscosity, pair, cloud->field[FIELD_VELOCITY], out));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
