@@ -17,7 +17,7 @@ BOX = """-dimension 3 -spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x peri
 FILM = ("-options_file cases/film_at_rest/case.opts -box_lower -2e-3,-2e-3,-10e-3 -box_upper 2e-3,2e-3,5e-3 "
         "-film_lower -2e-3,-2e-3,-10e-3 -film_upper 2e-3,2e-3,0 -steps_max 2 -packing_jitter 0")
 DROP = """-dimension 3 -box_lower -2e-3,-2e-3,-2e-3 -box_upper 2e-3,2e-3,2e-3 -bodies drop -drop_shape sphere
- -drop_center 0,0,0 -drop_radius 1.5e-3 -drop_density 1100 -drop_viscosity 3.5e-3 -drop_tension 0.067 -packing_jitter 0
+ -drop_center 0,0,0 -drop_radius 1.5e-3 -drop_density 1100 -drop_viscosity 0 -drop_tension 0.067 -packing_jitter 0
  -checkpoint_interval 0 -steps_max 30"""
 
 
