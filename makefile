@@ -1,5 +1,5 @@
 # isph: incompressible SPH on PETSc
-#   make                the program ./isph; PORTABLE=1: code for any processor, ARCH=-march=...: for one; STRICT=1: no warnings
+#   make                the program ./isph; PORTABLE=1: for any processor, ARCH=-march=...: for one; STRICT=1: warnings stop it
 #   make run            the main case at quick resolution, a minute on two cores, its series and pictures in output/
 #   make run-axisymmetric   the main case as rings around its axis: seconds
 #   make check          whether a change is right, in three minutes; CHANGED=1: only what watches the files of `git diff`,
