@@ -123,13 +123,14 @@ PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], siz
 /* Sums over neighbours for the gauges that read them, where those of the step belong to another order. */
 static PetscErrorCode Refresh(Gauges gauges)
 {
-  PetscBool current = PETSC_TRUE;
+  const Cloud     cloud = gauges->cloud;
+  const PetscBool old =
+    (PetscBool)(!CloudIsCurrent(cloud, FIELD_CORRECTION) || !CloudIsCurrent(cloud, FIELD_CAPILLARY));
+  PetscBool needed = PETSC_FALSE;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < KINDS; k++)
-    if (kinds[k]->needs_sums && Columns(gauges, k) && !CloudIsCurrent(gauges->cloud, FIELD_CORRECTION))
-      current = PETSC_FALSE;
-  if (!current && gauges->refresh) PetscCall(gauges->refresh(gauges->context));
+  for (PetscInt k = 0; k < KINDS; k++) needed = (PetscBool)(needed || (kinds[k]->needs_sums && Columns(gauges, k)));
+  if (needed && old && gauges->refresh) PetscCall(gauges->refresh(gauges->context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -215,8 +215,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
     PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
-  CloudWrote(cloud, FIELD_CORRECTION);
-  CloudWrote(cloud, FIELD_NORMAL);
+  CloudWrote(cloud, FIELD_CORRECTION); /* and all other sums here */
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

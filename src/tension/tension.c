@@ -158,8 +158,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  CloudWrote(cloud, FIELD_CAPILLARY);
-  CloudWrote(cloud, FIELD_CAPILLARY_SLOPE);
+  CloudWrote(cloud, FIELD_CAPILLARY); /* and its slope */
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));

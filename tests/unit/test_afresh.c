@@ -78,6 +78,7 @@ static PetscErrorCode Run(const char options[], PetscInt steps, const char name[
   PetscInt  changed = 0;
   PetscReal worst   = 0;
   char      text[256], why[256];
+  Values    first, second;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
@@ -87,6 +88,13 @@ static PetscErrorCode Run(const char options[], PetscInt steps, const char name[
   PetscCall(SimSetFromOptions(sim, &stop));
   PetscCall(SimSetUp(sim));
   CHECK(GaugesColumns(sim->gauges) <= COLUMNS_MOST, "columns_fit");
+  PetscCall(StepperMeasure(sim->stepper, &sim->state)); /* sums of neighbours, but no tension */
+  PetscCall(Measure(sim, &first));
+  PetscCall(CloudResync(sim->cloud));
+  PetscCall(Measure(sim, &second));
+  PetscCall(Compare(sim, &first, &second, &worst));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s_at_the_start", name));
+  CHECK_CLOSE(worst, 0, 1e-9, text);
   for (PetscInt k = 0; k < steps && !failed; k++) {
     PetscInt before;
     Values   now, afresh;
