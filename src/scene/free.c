@@ -352,6 +352,19 @@ void FreeForces(Body solid, PetscReal **force, PetscReal **excess)
   *excess = f->now.excess;
 }
 
+void FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], PetscReal sum[FREE_MOTIONS])
+{
+  PetscReal arm[DIM], torque[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) arm[d] = x[d] - solid->free->center[d];
+  DomainNearest(solid->domain, arm);
+  Cross(arm, force, torque);
+  for (PetscInt d = 0; d < DIM; d++) {
+    sum[d] += force[d];
+    sum[DIM + d] += torque[d];
+  }
+}
+
 void FreeRoundTorque(Body solid, PetscReal torque[DIM])
 {
   const struct _p_Free *f        = solid->free;

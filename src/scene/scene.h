@@ -118,7 +118,7 @@ PetscReal SceneSolidSpeed(Scene scene);
    as the body lies at that time. FreePush - gives it that impulse at the time, which must be that one: from then on it
    moves on with its new velocity. FreeForces - room for the force (N) and torque (N m) of the liquid's pressure in the
    step before, and by how much they exceeded those of the projection: the stepper's, kept with the body.
-   FreeRoundTorque
+   FreeAdd - adds a force (N) at x (m) and its torque about the centre to a sum. FreeRoundTorque
    - takes out of a torque of pressure, which acts along the normals, what would turn a shape of revolution about its
    axis: there is none. FreeTurned - axis times angle (rad) by which it has turned at its last push. FreeKinetic - its
    kinetic energy (J). FreeNumbers - all that changes of it, as numbers, for a checkpoint. FreeStart - at the start: its
@@ -133,6 +133,7 @@ void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_M
 void       FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal change[FREE_MOTIONS]);
 void       FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS]);
 void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
+void       FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], PetscReal sum[FREE_MOTIONS]);
 void       FreeRoundTorque(Body solid, PetscReal torque[DIM]);
 void       FreeTurned(Body solid, PetscReal angle[DIM]);
 PetscReal  FreeKinetic(Body solid);

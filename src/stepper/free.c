@@ -10,39 +10,31 @@
    is not lost: body and liquid keep the momentum they have together. */
 #include "stepper_impl.h"
 
-/* F and the torque about the centre (N, N m) on a body, after StepKick: the sum of what the liquid loses to its dummy
-   particles ('each', see OperatorsWallForce), so nothing where no liquid is within reach of them. Alone in a box that
-   is periodic all around a body takes up all momentum that the liquid loses, to the last digit. */
-static PetscErrorCode Balance(Stepper stepper, PetscReal dt, const PetscReal each[], PetscInt index,
-                              PetscReal force[FREE_MOTIONS])
+/* F and the torque about the centre (N, N m) on each body, after StepKick: the sum of what the liquid loses to its
+   dummy particles, so nothing where no liquid is within reach of them. Alone in a box that is periodic all around a
+   body takes up all momentum that the liquid loses, to the last digit. */
+static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
 {
-  Cloud      cloud = stepper->cloud;
-  const Body solid = SceneSolid(cloud->scene, index);
-  PetscBool  alone = (PetscBool)(SceneSolidCount(cloud->scene) == 1);
-  PetscReal  center[DIM], motion[FREE_MOTIONS];
+  Cloud            cloud = stepper->cloud;
+  const PetscReal *v = cloud->field[FIELD_VELOCITY_NEW], *v_star = cloud->field[FIELD_VELOCITY_STAR];
+  PetscBool        alone = (PetscBool)(SceneSolidCount(cloud->scene) == 1);
+  PetscReal       *each;
 
   PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, DIM, &each));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(stepper->pressure), each));
+  PetscCall(FreeSum(cloud, each, force));
+  PetscCall(CloudRestoreWork(cloud, &each));
+  for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
+    if (BodyMass(SceneSolid(cloud->scene, b)) > 0)
+      FreeRoundTorque(SceneSolid(cloud->scene, b), force + FREE_MOTIONS * b + DIM);
   for (PetscInt d = 0; d < cloud->domain->dim; d++)
     alone = (PetscBool)(alone && cloud->domain->face[d][0] == FACE_PERIODIC);
-  FreeMotion(solid, center, motion);
-  for (PetscInt k = 0; k < FREE_MOTIONS; k++) force[k] = 0;
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
-    PetscReal arm[DIM], torque[DIM];
-
-    if (!cloud->integer[INT_LAYER][b] || cloud->integer[INT_BODY][b] != BODY_SOLID - index) continue;
-    for (PetscInt d = 0; d < DIM; d++) arm[d] = cloud->field[FIELD_POSITION][DIM * b + d] - center[d];
-    DomainNearest(cloud->domain, arm);
-    Cross(arm, each + DIM * b, torque);
-    for (PetscInt d = 0; d < DIM; d++) {
-      force[d] += alone ? 0 : each[DIM * b + d];
-      force[DIM + d] += torque[d];
-    }
-  }
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid && alone; k++)
-    force[k % DIM] -= cloud->volume[k / DIM] * cloud->rest_density[k / DIM] / dt *
-                      (cloud->field[FIELD_VELOCITY_NEW][k] - cloud->field[FIELD_VELOCITY_STAR][k]);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, FREE_MOTIONS, MPIU_REAL, MPIU_SUM, cloud->comm));
-  FreeRoundTorque(solid, force + DIM);
+  if (!alone) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt d = 0; d < DIM; d++) force[d] = 0;
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
+    force[k % DIM] -= cloud->volume[k / DIM] * cloud->rest_density[k / DIM] / dt * (v[k] - v_star[k]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, DIM, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,28 +96,25 @@ PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud           cloud = stepper->cloud;
   const PetscReal soon  = Soon(stepper, dt);
-  PetscReal       equation[FREE_MOTIONS * SCENE_MAX_BODIES], *push = equation, *each;
+  PetscReal       equation[FREE_MOTIONS * SCENE_MAX_BODIES], *push = equation, balance[FREE_MOTIONS * SCENE_MAX_BODIES];
   PetscMPIInt     rank;
 
   PetscFunctionBegin;
   if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PressureFreeForces(stepper->pressure, equation));
-  PetscCall(CloudGetWork(cloud, DIM, &each));
-  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(stepper->pressure), each));
+  PetscCall(Balance(stepper, dt, balance));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
-    PetscReal  center[DIM], before[FREE_MOTIONS], after[FREE_MOTIONS], balance[FREE_MOTIONS], impulse[FREE_MOTIONS],
-      *force, *excess;
+    PetscReal  center[DIM], before[FREE_MOTIONS], after[FREE_MOTIONS], impulse[FREE_MOTIONS], *force, *excess;
 
     if (BodyMass(solid) == 0) continue;
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, before);
-    PetscCall(Balance(stepper, dt, each, b, balance));
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
       force[k]   = push[k] + excess[k];
       impulse[k] = dt * (stepper->free_drag[FREE_MOTIONS * b + k] + force[k]);
-      excess[k] += soon * (balance[k] - force[k]);
+      excess[k] += soon * (balance[FREE_MOTIONS * b + k] - force[k]);
     }
     AddWeightOf(cloud->scene, solid, dt, impulse);
     FreePush(solid, stepper->time + 0.5 * dt, impulse);
@@ -134,6 +123,5 @@ PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
       trial->sum[SUM_SOLID_WORK] -= 0.5 * dt * force[k] * (before[k] + after[k]);
     push += FREE_MOTIONS;
   }
-  PetscCall(CloudRestoreWork(cloud, &each));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

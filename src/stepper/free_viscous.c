@@ -22,34 +22,36 @@ void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_
   }
 }
 
-PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
+PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], PetscReal sum[])
 {
-  Cloud          cloud  = stepper->cloud;
   const PetscInt solids = SceneSolidCount(cloud->scene);
-  PetscReal     *each;
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(drag, FREE_MOTIONS * solids));
+  PetscCall(PetscArrayzero(sum, FREE_MOTIONS * solids));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
+    const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
+
+    if (!cloud->integer[INT_LAYER][b] || solid < 0 || BodyMass(SceneSolid(cloud->scene, solid)) == 0) continue;
+    FreeAdd(SceneSolid(cloud->scene, solid), cloud->field[FIELD_POSITION] + DIM * b, each + DIM * b,
+            sum + FREE_MOTIONS * solid);
+  }
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(FREE_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
+{
+  Cloud      cloud = stepper->cloud;
+  PetscReal *each;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(drag, FREE_MOTIONS * SceneSolidCount(cloud->scene)));
   if (!SceneHasViscosity(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &each));
   PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, each));
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
-    const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
-    PetscReal      center[DIM], motion[FREE_MOTIONS], arm[DIM], torque[DIM];
-
-    if (!cloud->integer[INT_LAYER][b] || solid < 0 || BodyMass(SceneSolid(cloud->scene, solid)) == 0) continue;
-    FreeMotion(SceneSolid(cloud->scene, solid), center, motion);
-    for (PetscInt d = 0; d < DIM; d++) arm[d] = cloud->field[FIELD_POSITION][DIM * b + d] - center[d];
-    DomainNearest(cloud->domain, arm);
-    Cross(arm, each + DIM * b, torque);
-    for (PetscInt d = 0; d < DIM; d++) {
-      drag[FREE_MOTIONS * solid + d] += each[DIM * b + d];
-      drag[FREE_MOTIONS * solid + DIM + d] += torque[d];
-    }
-  }
+  PetscCall(FreeSum(cloud, each, drag));
   PetscCall(CloudRestoreWork(cloud, &each));
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, drag, (PetscMPIInt)(FREE_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

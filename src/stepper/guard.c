@@ -21,30 +21,13 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
   }
 }
 
-/* The momentum and angular momentum that a particle loses at x to a free body. */
-static void AddImpulse(Cloud cloud, PetscInt a, Body solid, const PetscReal x[DIM], const PetscReal change[DIM],
-                       PetscReal impulse[FREE_MOTIONS])
-{
-  const PetscReal mass = cloud->volume[a] * cloud->rest_density[a];
-  PetscReal       center[DIM], motion[FREE_MOTIONS], arm[DIM], torque[DIM];
-
-  FreeMotion(solid, center, motion);
-  for (PetscInt d = 0; d < DIM; d++) arm[d] = x[d] - center[d];
-  DomainNearest(cloud->domain, arm);
-  Cross(arm, change, torque);
-  for (PetscInt d = 0; d < DIM; d++) {
-    impulse[d] -= mass * change[d];
-    impulse[DIM + d] -= mass * torque[d];
-  }
-}
-
 /* The same for solids: out along the normal. Free bodies take what they stop. */
 static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[])
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscInt        solid = 0;
     const PetscReal deep  = distance - SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
-    PetscReal       n[DIM], u[DIM], image[DIM], change[DIM], inwards;
+    PetscReal       n[DIM], u[DIM], image[DIM], taken[DIM], inwards;
 
     if (deep <= 0) continue;
     (void)BodyNearest(SceneSolid(cloud->scene, solid), x + DIM * a, image);
@@ -52,12 +35,12 @@ static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscRea
     SceneSolidNormal(cloud->scene, x + DIM * a, n);
     inwards = PetscMin(0, Dot(v + DIM * a, n) - Dot(u, n));
     for (PetscInt d = 0; d < DIM; d++) {
-      change[d] = -inwards * n[d];
       x[DIM * a + d] += deep * n[d];
-      v[DIM * a + d] += change[d];
+      v[DIM * a + d] -= inwards * n[d];
+      taken[d] = cloud->volume[a] * cloud->rest_density[a] * inwards * n[d];
     }
     if (impulse && BodyMass(SceneSolid(cloud->scene, solid)) > 0)
-      AddImpulse(cloud, a, SceneSolid(cloud->scene, solid), x + DIM * a, change, impulse + FREE_MOTIONS * solid);
+      FreeAdd(SceneSolid(cloud->scene, solid), x + DIM * a, taken, impulse + FREE_MOTIONS * solid);
   }
 }
 

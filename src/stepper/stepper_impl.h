@@ -208,6 +208,9 @@ void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial);
    dummies there become what its viscosity makes of a body at rest in dt, 'own': of a body with its velocity, weight
    and pressure. */
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
+/* FreeSum - sum[solids][FREE_MOTIONS] of the forces on their dummy particles, each ([n_total][3], N), of all ranks; 0
+   of solids that are not free. Collective. */
+PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], PetscReal sum[]);
 PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[]);
 PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
