@@ -227,29 +227,22 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PetscReal eta2, PairRow *r
   }
 }
 
-/* By how much more than 1 a particle must weigh because the share s = sum V W of its kernel is filled: 1/s, from a
-   share on that disorder inside the liquid leaves. */
-static inline PetscReal Missing(Cloud cloud, PetscInt a)
+/* By how much more than 1 a particle must weigh because a share s = sum V W of its kernel is filled: 1/s - 1, from a
+   share on that disorder inside the liquid leaves; 0 of walls. [n_total]. */
+static void FindLack(Cloud cloud, PetscReal lack[])
 {
-  return PetscMax(0, FILLED_SHARE * cloud->rest_density[a] / cloud->field[FIELD_DENSITY][a] - 1);
+  const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
+
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    lack[a] = cloud->integer[INT_LAYER][a] ? 0 : PetscMax(0, FILLED_SHARE * rest[a] / rho[a] - 1);
 }
 
 /* By what a pair of particles at rest density must weigh more where neighbours of both are missing, so that the sum is
    the dissipation of the liquid that there is. On a lattice a sheet of one, two or three particles resists a stretch
    with 0.53, 0.75 and 0.88 of its viscosity without it (test_operators). */
-static inline PetscReal FillingOf(PetscReal own, PetscReal other)
+static inline PetscReal Filling(PetscReal own, PetscReal other)
 {
   return own > 0 && other > 0 ? 1 + 2 * own * other / (own + other) : 1;
-}
-
-static inline PetscReal Filling(Cloud cloud, PetscInt a, PetscInt b)
-{
-  PetscReal own, other;
-
-  if (cloud->integer[INT_LAYER][b]) return 1;
-  own   = Missing(cloud, a);
-  other = Missing(cloud, b);
-  return FillingOf(own, other);
 }
 
 PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity)
@@ -262,7 +255,7 @@ PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscCall(CloudGetWork(cloud, 1, &lack));
-  for (PetscInt a = 0; a < cloud->n_total; a++) lack[a] = cloud->integer[INT_LAYER][a] ? 0 : Missing(cloud, a);
+  FindLack(cloud, lack);
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   scale =
     FormFactor(cloud, VISCOSITY_CLEARY) * cloud->domain->volume * 2 * liquid->viscosity / liquid->density * scale_f;
@@ -276,7 +269,7 @@ PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity)
     PairRowLoadFactors(cloud, a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b     = row.index[k];
-      const PetscReal times = cloud->integer[INT_LAYER][b] ? factor : missing ? FillingOf(lack[a], lack[b]) : 1;
+      const PetscReal times = cloud->integer[INT_LAYER][b] ? factor : missing ? Filling(lack[a], lack[b]) : 1;
       PetscReal       d[DIM], u[DIM], f;
 
       if (times == 1) continue;
@@ -293,17 +286,17 @@ PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The row of fluid particle a with its factors in the viscous sum, but zeta and scale_f. */
+/* The row of fluid particle a with its factors in the viscous sum, but zeta and scale_f. lack: of FindLack, or NULL. */
 static inline void LoadViscousRow(Cloud cloud, const Viscosity *viscosity, PetscBool one, PetscInt a,
-                                  const PetscReal density[], const PetscReal mu[], PairRow *row)
+                                  const PetscReal density[], const PetscReal mu[], const PetscReal lack[], PairRow *row)
 {
   PetscReal factor;
 
   PairRowLoadFactors(cloud, a, row);
   if (viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, EtaSquared(cloud->kernel), row);
   MultiplyViscosity(cloud, one, a, density, mu, row);
-  if (density == cloud->rest_density && Missing(cloud, a) > 0)
-    for (PetscInt k = 0; k < row->n; k++) row->f[k] *= Filling(cloud, a, row->index[k]);
+  if (lack && lack[a] > 0)
+    for (PetscInt k = 0; k < row->n; k++) row->f[k] *= Filling(lack[a], lack[row->index[k]]);
   factor = WallFactor(cloud, viscosity, a);
   if (factor != 1)
     for (PetscInt k = 0; k < row->n; k++)
@@ -327,7 +320,7 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
     const PetscReal mass = cloud->volume[a] * cloud->rest_density[a];
 
     if (mu[a] <= 0 || !OperatorsNearWall(cloud, x + DIM * a)) continue;
-    LoadViscousRow(cloud, viscosity, PETSC_FALSE, a, cloud->rest_density, mu, &row);
+    LoadViscousRow(cloud, viscosity, PETSC_FALSE, a, cloud->rest_density, mu, NULL, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt b = row.index[k];
       PetscReal      d[DIM], u[DIM], f = mass * zeta * scale_f * row.f[k];
@@ -354,7 +347,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
   const PetscReal  zeta = FormFactor(cloud, viscosity->form);
   const PetscBool  one =
     (PetscBool)(density == cloud->rest_density && viscosity->form == VISCOSITY_CLEARY && OperatorsOneLiquid(cloud));
-  PetscReal *mu, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
+  PetscReal *mu, *lack, *acceleration = cloud->field[FIELD_ACCELERATION], scale_w, scale_f, inverse_h2;
   PairRow    row;
 
   PetscFunctionBegin;
@@ -362,11 +355,13 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CloudGetWork(cloud, 1, &mu));
   PetscCall(CollectViscosity(cloud, viscosity, mu));
+  PetscCall(CloudGetWork(cloud, 1, &lack));
+  FindLack(cloud, lack);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal sum[DIM];
 
     if (mu[a] <= 0) continue;
-    LoadViscousRow(cloud, viscosity, one, a, density, mu, &row);
+    LoadViscousRow(cloud, viscosity, one, a, density, mu, density == cloud->rest_density ? lack : NULL, &row);
     if (viscosity->form == VISCOSITY_CLEARY && cloud->domain->rings)
       acceleration[DIM * a] += GrowthFriction(cloud, a, mu[a] / density[a]) * v[DIM * a];
     if (viscosity->form == VISCOSITY_CLEARY)
@@ -377,6 +372,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
       ViscosityMorris(a, &row, v, sum);
     for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += zeta * scale_f * sum[d];
   }
+  PetscCall(CloudRestoreWork(cloud, &lack));
   PetscCall(CloudRestoreWork(cloud, &mu));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -438,12 +434,14 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
 {
   const PetscReal *volume = cloud->volume, *rest = cloud->rest_density;
   const PetscReal  eta2 = EtaSquared(cloud->kernel), zeta = FormFactor(cloud, viscosity->form);
-  PetscReal       *mu;
+  PetscReal       *mu, *lack;
   PairRow          row;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, 1, &mu));
   PetscCall(CollectViscosity(cloud, viscosity, mu));
+  PetscCall(CloudGetWork(cloud, 1, &lack));
+  FindLack(cloud, lack);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal      *c      = pair + cloud->first[a];
     const PetscReal factor = WallFactor(cloud, viscosity, a);
@@ -459,10 +457,11 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
                      : 0;
       if (viscosity->form == VISCOSITY_CLEARY) c[k] /= row.r2[k] + eta2 * PetscSqr(CloudPairSize(cloud, a, b));
       if (cloud->integer[INT_LAYER][b]) c[k] *= factor;
-      if (density == rest) c[k] *= Filling(cloud, a, b);
+      if (density == rest) c[k] *= Filling(lack[a], lack[b]);
     }
   }
   if (cloud->domain->rings) WeighRings(cloud, viscosity, mu, density, pair);
+  PetscCall(CloudRestoreWork(cloud, &lack));
   PetscCall(CloudRestoreWork(cloud, &mu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -129,11 +129,11 @@ PetscErrorCode SchemeCreate_Consistent(Stepper stepper)
   scheme->project         = StepProject;
   stepper->scheme         = scheme;
   stepper->keeps_pressure = PETSC_TRUE;
-  stepper->ops    = (SchemeOps){.setfromoptions = ConsistentSetFromOptions,
-                                .check          = CheckConsistent,
-                                .view           = ConsistentView,
-                                .step           = ConsistentStep,
-                                .destroy        = SchemeDestroyData};
+  stepper->ops            = (SchemeOps){.setfromoptions = ConsistentSetFromOptions,
+                                        .check          = CheckConsistent,
+                                        .view           = ConsistentView,
+                                        .step           = ConsistentStep,
+                                        .destroy        = SchemeDestroyData};
   PetscCall(ConsistentDefaults(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

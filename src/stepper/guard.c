@@ -39,7 +39,7 @@ static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscRea
       v[DIM * a + d] -= inwards * n[d];
       taken[d] = cloud->volume[a] * cloud->rest_density[a] * inwards * n[d];
     }
-    if (impulse && BodyMass(SceneSolid(cloud->scene, solid)) > 0)
+    if (BodyMass(SceneSolid(cloud->scene, solid)) > 0)
       FreeAdd(SceneSolid(cloud->scene, solid), x + DIM * a, taken, impulse + FREE_MOTIONS * solid);
   }
 }
@@ -53,9 +53,9 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
     for (PetscInt side = 0; side < 2; side++)
       if (domain->face[d][side] == FACE_WALL || domain->face[d][side] == FACE_SYMMETRY)
         GuardFace(cloud, d, side, distance, x, v);
-  if (impulse) PetscCall(PetscArrayzero(impulse, FREE_MOTIONS * SceneSolidCount(cloud->scene)));
+  PetscCall(PetscArrayzero(impulse, FREE_MOTIONS * SceneSolidCount(cloud->scene)));
   if (SceneSolidCount(cloud->scene)) GuardSolids(cloud, distance, x, v, impulse);
-  if (impulse && SceneHasFree(cloud->scene))
+  if (SceneHasFree(cloud->scene))
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, impulse, (PetscMPIInt)(FREE_MOTIONS * SceneSolidCount(cloud->scene)),
                                MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -181,7 +181,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
    than 'distance' (m) is set back to it and loses its velocity into the wall; one that crossed a symmetry face is
    mirrored back. The distance is that of the finest particles; larger ones keep more. The Neumann condition of the
    pressure makes walls impermeable to first order only; this is the remainder. impulse[solids][FREE_MOTIONS]: the
-   momentum (N s) and angular momentum (N m s) that free bodies take up by it, of all ranks; or NULL. Collective. */
+   momentum (N s) and angular momentum (N m s) that free bodies take up by it, of all ranks. Collective. */
 PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[]);
 
 /* --- solids.c --- */

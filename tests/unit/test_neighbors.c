@@ -289,6 +289,7 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 /* A random walk of the fluid, as a step of the program goes: begin, move, ghosts and lists anew, commit. */
 static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 {
+  PetscReal impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
   Cloud     cloud = s->cloud;
   PetscReal width = STEP_WIDTH * s->domain->spacing;
 
@@ -305,7 +306,7 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
       cloud->field[FIELD_POSITION][DIM * a + d] += width * (0.7 * drift + 0.3 * noise);
     }
   PetscCall(
-    WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], NULL));
+    WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], impulse));
   PetscCall(CloudMoved(cloud));
   PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);

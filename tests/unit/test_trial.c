@@ -256,6 +256,7 @@ typedef struct {
 
 static PetscErrorCode TestGuard(void)
 {
+  PetscReal impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
   /* walls at x = 0 and 4, mirrors at y = 0 and 4, a solid disc of 0.5 m about (2, 2) */
   static const Guarded cases[] = {
     {{0.01, 1, -1, 3}, {0.025, 1, 0, 3}}, {{0.01, 1, 1, 3}, {0.025, 1, 1, 3}},
@@ -286,7 +287,7 @@ static PetscErrorCode TestGuard(void)
       x[DIM * a + d] = c->before[d];
       v[DIM * a + d] = c->before[2 + d];
     }
-  PetscCall(WallGuard(s.cloud, 0.025, x, v, NULL));
+  PetscCall(WallGuard(s.cloud, 0.025, x, v, impulse));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
     for (PetscInt d = 0; d < 2; d++) {
       const Guarded  *c = &cases[s.cloud->integer[INT_ID][a]];
