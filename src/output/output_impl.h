@@ -113,9 +113,8 @@ PetscErrorCode FolderDiscard(Output output, const char name[]);
 
 /* --- lock.c: the lock of the run folder --- */
 /* FolderLock - makes the lock; refuses (UserError) a folder in which another run is going on, and one that not all
-   ranks see. The lock of a dead process of this machine is taken over, with a line that says so. FolderUnlock - removes
-   it; the end of the program does so, too. FolderStands - refuses (UserError) to go on when the lock is gone, since
-   the folder was removed or moved then. Collective. */
+   ranks see. FolderUnlock - removes it; the end of the program does so, too. FolderStands - refuses (UserError) to go
+   on when the lock is gone, since the folder was removed or moved then. Collective. */
 PetscErrorCode FolderLock(Output output);
 PetscErrorCode FolderUnlock(Output output);
 PetscErrorCode FolderStands(Output output);
