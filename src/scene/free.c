@@ -7,9 +7,7 @@
    turns with them; what torques change is the angular momentum. */
 #include "scene_impl.h"
 
-#define SAMPLES         64   /* of a shape a direction, for its volume, centre and moment of inertia */
-#define ROUND_SAMPLES   7    /* of its distance a direction, for whether it is one of revolution */
-#define ROUND_TOLERANCE 1e-6 /* of its extent */
+#define SAMPLES 64 /* of a shape a direction, for its volume, centre and moment of inertia */
 /* What a body's density may be over that of the densest liquid, and its moment of inertia over its mass times the
    square of its extent. Lighter ones are thrown out of the liquid within steps, heavier ones are as good as held; far
    beyond, the pressure cannot be solved for. */
@@ -33,7 +31,6 @@ struct _p_Free {
   PetscReal inertia[DIM][DIM];       /* at the start */
   PetscReal inverse[DIM][DIM];       /* its inverse at the time set last; 0 if the body does not turn */
   PetscBool here[DIM];               /* directions in which it may move */
-  PetscBool round[DIM];              /* the shape is a body of revolution about this axis of the start */
   PetscReal start[DIM], center[DIM]; /* centre of mass at the start, at the time set last, m */
   PetscReal volume;                  /* of the shape, m3; m2 in two dimensions */
   PetscBool held;                    /* it does not move for now */
@@ -145,34 +142,6 @@ static PetscErrorCode SetInertia(Body body, const PetscReal center[DIM])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the shape is one of revolution about the axis along d through its centre. */
-static PetscBool IsRound(Body body, PetscInt d, const PetscReal center[DIM])
-{
-  const PetscInt dim     = body->domain->dim;
-  PetscReal      by[DIM] = {0, 0, 0}, extent = 0, turn[DIM][DIM], lower[DIM], upper[DIM];
-
-  if (dim == 2 && d < 2) return PETSC_FALSE;
-  by[d] = 1;
-  RotationMatrix(by, 1, turn);
-  body->shape->bounds(body, lower, upper);
-  for (PetscInt e = 0; e < dim; e++) extent = PetscMax(extent, upper[e] - lower[e]);
-  for (PetscInt k = 0; k < PetscPowInt(ROUND_SAMPLES, dim); k++) {
-    const PetscInt place[DIM] = {k % ROUND_SAMPLES, k / ROUND_SAMPLES % ROUND_SAMPLES,
-                                 k / (ROUND_SAMPLES * ROUND_SAMPLES)};
-    PetscReal      arm[DIM]   = {0, 0, 0}, x[DIM], y[DIM];
-
-    for (PetscInt e = 0; e < dim; e++) {
-      x[e]   = lower[e] + (upper[e] - lower[e]) * ((PetscReal)place[e] + 0.5) / ROUND_SAMPLES;
-      arm[e] = x[e] - center[e];
-    }
-    for (PetscInt e = 0; e < DIM; e++) y[e] = e < dim ? center[e] + Dot(turn[e], arm) : 0;
-    if (dim == 2) x[2] = y[2] = center[2];
-    if (PetscAbsReal(body->shape->distance(body, x) - body->shape->distance(body, y)) > ROUND_TOLERANCE * extent)
-      return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
-}
-
 PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], const PetscReal velocity[DIM],
                          const PetscReal rate[DIM])
 {
@@ -203,7 +172,6 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
     f->now.rate[d]     = rate[d];
     f->now.turn[d][d]  = 1;
     f->start[d]        = center[d];
-    f->round[d]        = IsRound(body, d, center);
     for (PetscInt e = 0; e < DIM; e++) f->now.spin[d] += f->inertia[d][e] * rate[e];
   }
   PetscCheckUser(f->turns || Norm(rate) == 0, domain->comm, "-%srotation_rate has no place with -%sturns 0",
@@ -352,27 +320,21 @@ void FreeForces(Body solid, PetscReal **force, PetscReal **excess)
   *excess = f->now.excess;
 }
 
-void FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], PetscReal sum[FREE_MOTIONS])
+void FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
+             PetscReal sum[FREE_MOTIONS])
 {
-  PetscReal arm[DIM], torque[DIM];
+  PetscReal arm[DIM], acting[DIM], torque[DIM];
 
-  for (PetscInt d = 0; d < DIM; d++) arm[d] = x[d] - solid->free->center[d];
+  for (PetscInt d = 0; d < DIM; d++) {
+    arm[d]    = x[d] - solid->free->center[d];
+    acting[d] = normal ? Dot(force, normal) * normal[d] : force[d];
+  }
   DomainNearest(solid->domain, arm);
-  Cross(arm, force, torque);
+  Cross(arm, acting, torque);
   for (PetscInt d = 0; d < DIM; d++) {
     sum[d] += force[d];
     sum[DIM + d] += torque[d];
   }
-}
-
-void FreeRoundTorque(Body solid, PetscReal torque[DIM])
-{
-  const struct _p_Free *f        = solid->free;
-  PetscReal             own[DIM] = {0, 0, 0};
-
-  for (PetscInt d = 0; d < DIM; d++)
-    for (PetscInt e = 0; e < DIM && !f->round[d]; e++) own[d] += f->now.turn[e][d] * torque[e];
-  for (PetscInt e = 0; e < DIM; e++) torque[e] = Dot(f->now.turn[e], own);
 }
 
 PetscReal BodyMass(Body solid)

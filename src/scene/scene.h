@@ -118,14 +118,14 @@ PetscReal SceneSolidSpeed(Scene scene);
    as the body lies at that time. FreePush - gives it that impulse at the time, which must be that one: from then on it
    moves on with its new velocity. FreeForces - room for the force (N) and torque (N m) of the liquid's pressure in the
    step before, and by how much they exceeded those of the projection: the stepper's, kept with the body.
-   FreeAdd - adds a force (N) at x (m) and its torque about the centre to a sum. FreeRoundTorque
-   - takes out of a torque of pressure, which acts along the normals, what would turn a shape of revolution about its
-   axis: there is none. FreeTurned - axis times angle (rad) by which it has turned at its last push. FreeKinetic - its
-   kinetic energy (J). FreeNumbers - all that changes of it, as numbers, for a checkpoint. FreeStart - at the start: its
-   centre (m) and moments of inertia about x, y and z (kg m2, 0 if it does not turn), and whether it may turn.
-   SceneSolidsAtStart - puts all solids where they were at the start. SceneReleaseFree - the time (s) of the start, at
-   which free bodies begin to move. SceneHoldFree - whether they are held where they are for now; let go, they begin
-   without forces of a step before. SceneDriven - whether a solid moves that is not free. SceneKeepFree, SceneReturnFree
+   FreeAdd - adds a force (N) at x (m) and its torque about the centre to a sum; normal: of the
+   surface there, along which a pressure acts, so that it turns no circle (NULL: of all of the force). FreeTurned - axis
+   times angle (rad) by which it has turned at its last push. FreeKinetic - its kinetic energy (J). FreeNumbers - all
+   that changes of it, as numbers, for a checkpoint. FreeStart - at the start: its centre (m) and moments of inertia
+   about x, y and z (kg m2, 0 if it does not turn), and whether it may turn. SceneSolidsAtStart - puts all solids where
+   they were at the start. SceneReleaseFree - the time (s) of the start, at which free bodies begin to move.
+   SceneHoldFree - whether they are held where they are for now; let go, they begin without forces of a step before.
+   SceneDriven - whether a solid moves that is not free. SceneKeepFree, SceneReturnFree
    - keeps their state, and returns to it. */
 PetscBool  SceneHasFree(Scene scene);
 PetscReal  BodyMass(Body solid);
@@ -133,8 +133,8 @@ void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_M
 void       FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal change[FREE_MOTIONS]);
 void       FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS]);
 void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
-void       FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], PetscReal sum[FREE_MOTIONS]);
-void       FreeRoundTorque(Body solid, PetscReal torque[DIM]);
+void       FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
+                   PetscReal sum[FREE_MOTIONS]);
 void       FreeTurned(Body solid, PetscReal angle[DIM]);
 PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);

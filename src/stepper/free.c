@@ -23,11 +23,8 @@ static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(stepper->pressure), each));
-  PetscCall(FreeSum(cloud, each, force));
+  PetscCall(FreeSum(cloud, each, cloud->solid_normal, force));
   PetscCall(CloudRestoreWork(cloud, &each));
-  for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
-    if (BodyMass(SceneSolid(cloud->scene, b)) > 0)
-      FreeRoundTorque(SceneSolid(cloud->scene, b), force + FREE_MOTIONS * b + DIM);
   for (PetscInt d = 0; d < cloud->domain->dim; d++)
     alone = (PetscBool)(alone && cloud->domain->face[d][0] == FACE_PERIODIC);
   if (!alone) PetscFunctionReturn(PETSC_SUCCESS);

@@ -22,7 +22,7 @@ void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_
   }
 }
 
-PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], PetscReal sum[])
+PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[])
 {
   const PetscInt solids = SceneSolidCount(cloud->scene);
 
@@ -33,7 +33,7 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], PetscReal sum[])
 
     if (!cloud->integer[INT_LAYER][b] || solid < 0 || BodyMass(SceneSolid(cloud->scene, solid)) == 0) continue;
     FreeAdd(SceneSolid(cloud->scene, solid), cloud->field[FIELD_POSITION] + DIM * b, each + DIM * b,
-            sum + FREE_MOTIONS * solid);
+            normal ? normal + DIM * b : NULL, sum + FREE_MOTIONS * solid);
   }
   PetscCallMPI(
     MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(FREE_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
@@ -50,7 +50,7 @@ PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal d
   if (!SceneHasViscosity(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &each));
   PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, each));
-  PetscCall(FreeSum(cloud, each, drag));
+  PetscCall(FreeSum(cloud, each, NULL, drag));
   PetscCall(CloudRestoreWork(cloud, &each));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

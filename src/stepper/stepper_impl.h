@@ -209,8 +209,8 @@ void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial);
    and pressure. */
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
 /* FreeSum - sum[solids][FREE_MOTIONS] of the forces on their dummy particles, each ([n_total][3], N), of all ranks; 0
-   of solids that are not free. Collective. */
-PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], PetscReal sum[]);
+   of solids that are not free. normal ([n_total][3]): see FreeAdd, or NULL. Collective. */
+PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[]);
 PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[]);
 PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
