@@ -30,6 +30,8 @@ import threading
 import time
 from typing import NamedTuple
 
+import mpi
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TABLE = os.path.join(ROOT, "tests", "table.txt")
 OUTPUT = os.path.join(ROOT, "output", "tests")
@@ -38,11 +40,6 @@ FOLDERS = ("docs", "input", "parallel", "restart", "faults", "extremes", "solver
 SETS = ("check", "test", "long")
 TIMEOUT = float(os.environ.get("TEST_TIMEOUT", 600))  # s a job may take; of the set `long` 7200
 QUICK = 10.0  # s: --changed takes no longer jobs but those of files that changed
-ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1",
-                   OMPI_MCA_rmaps_base_oversubscribe="1")
-
-YIELD = {"OMPI_MCA_mpi_yield_when_idle": "1"}
-ALONE = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self", "OMPI_MCA_ess_singleton_isolated": "1"}  # as in tests/runs.py
 
 
 class Row(NamedTuple):
@@ -105,7 +102,7 @@ def parts(script):
     with open(os.path.join(ROOT, script), encoding="utf-8") as file:
         if not re.search(r"runs\.parts\(|^ *--parts\)", file.read(), re.M):
             return [None]
-    done = subprocess.run(command_of(script) + ["--parts"], cwd=ROOT, env=ENVIRONMENT, check=True,
+    done = subprocess.run(command_of(script) + ["--parts"], cwd=ROOT, env=dict(os.environ, **mpi.ANY), check=True,
                           stdout=subprocess.PIPE, text=True)
     return done.stdout.split()
 
@@ -191,10 +188,10 @@ def execute(job):
     """Runs a job to its end; its processor time is that of all its processes."""
     log, began = log_of(job), time.monotonic()
     limit = TIMEOUT if job.row.set != "long" else max(TIMEOUT, 7200)
-    environment, folder = ENVIRONMENT, tempfile.mkdtemp(prefix="isph-test-")
+    folder = tempfile.mkdtemp(prefix="isph-test-")
+    environment = dict(os.environ, **mpi.ANY)
     if job.name.startswith("unit/"):
-        alone = dict(ALONE, OMPI_MCA_orte_tmpdir_base=folder)
-        environment = dict(environment, **(YIELD if job.command[0] == "mpiexec" else alone))
+        environment = mpi.environment(int(job.name.partition("@")[2]), folder)
     with open(log, "w", encoding="utf-8") as out:
         try:
             process = subprocess.Popen(job.command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=out,

@@ -11,7 +11,8 @@ import h5py
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-sys.path.insert(0, os.path.join(ROOT, "src", "pictures"))
+sys.path[:0] = [os.path.join(ROOT, "src", "pictures"), os.path.join(ROOT, "tests")]
+import mpi  # noqa: E402
 import tables  # noqa: E402
 
 PROGRAM = os.environ.get("ISPH", os.path.join(ROOT, "isph"))
@@ -52,14 +53,8 @@ def done():
 
 
 def environment(ranks=1):
-    """That of the program's processes. One alone must not yield: on a busy machine each call of MPI then costs it a
-    slice of time, and a small run four times as long. Nor need it look for networks and servers, which takes Open MPI
-    0.3 s of waiting a start; all such runs have one job number, so each needs a folder of its own."""
-    alone = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self", "OMPI_MCA_ess_singleton_isolated": "1",
-             "OMPI_MCA_orte_tmpdir_base": tempfile.mkdtemp(dir=_scratch.name)} if ranks == 1 else {}
-    return dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1" if ranks > 1 else "0",
-                OMP_NUM_THREADS="1", **alone)
+    """That of the program's processes: see tests/mpi.py."""
+    return mpi.environment(ranks, tempfile.mkdtemp(dir=_scratch.name))
 
 
 def parts(*names):

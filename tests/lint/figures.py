@@ -7,6 +7,8 @@ import os
 import re
 import sys
 
+import verdict
+
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 VERIFY, TRADEOFF, BENCH = "cases/README.md", "tests/tradeoff/README.md", "tests/bench/README.md"
 SECTIONS = ("## How good it is", "## How fast it is")
@@ -144,8 +146,4 @@ for document in ["README.md"] + [f"options/{preset}.opts" for preset in PRESETS]
         text = text[:match.start()] + re.sub(r"\d", "_", match[0]) + text[match.end():]
     bad += [f"{document}: tests/lint/figures.py does not know where {number} comes from"
             for number in left_over(document, text)]
-for line in bad:
-    print("FAIL figures:", line)
-if not bad:
-    print(f"ok figures ({count} compared)")
-sys.exit(1 if bad else 0)
+verdict.end("figures", bad, f"{count} compared")

@@ -5,11 +5,8 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "mutants"))
 import edits  # noqa: E402
+import verdict  # noqa: E402
 
 mutants = edits.read()
 wrong = edits.mistakes(mutants)
-for line in wrong:
-    print("FAIL mutants:", line)
-if not wrong:
-    print(f"ok mutants ({len(mutants)} edits apply)")
-sys.exit(1 if wrong else 0)
+verdict.end("mutants", wrong, f"{len(mutants)} edits apply")

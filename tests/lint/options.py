@@ -7,6 +7,8 @@ import os
 import re
 import sys
 
+import verdict
+
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 PETSC = r"([a-z0-9]+_)*(ksp|pc|mg|mat|log|options|malloc|info|tao)_"
 
@@ -40,8 +42,4 @@ for path in files:
         body = next((body for body in named if name.startswith(body + "_") and name[len(body):] in tails), None)
         if not (name in known or body or re.match(PETSC, name)):
             bad.append(f"{os.path.relpath(path, ROOT)}: the program knows no option -{name}")
-for line in bad:
-    print("FAIL options:", line)
-if not bad:
-    print(f"ok options ({len(files)} files)")
-sys.exit(1 if bad else 0)
+verdict.end("options", bad, f"{len(files)} files")

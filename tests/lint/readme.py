@@ -6,6 +6,8 @@ import os
 import re
 import sys
 
+import verdict
+
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 LINES, COLUMNS, EQUATIONS = 200, 120, 11
 bad = []
@@ -50,8 +52,4 @@ for k, (above, line) in enumerate(zip(lines, lines[1:]), 2):
 missing = sorted(set(range(1, EQUATIONS + 1)) - equations)
 if missing:
     bad.append(f"README.md names no function for the equations {missing}")
-for line in bad:
-    print("FAIL readme:", line)
-if not bad:
-    print(f"ok readme ({len(lines)} lines, {named} functions)")
-sys.exit(1 if bad else 0)
+verdict.end("readme", bad, f"{len(lines)} lines, {named} functions")

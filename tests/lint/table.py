@@ -6,6 +6,7 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import run  # noqa: E402
+import verdict  # noqa: E402
 
 bad = []
 rows = run.read_table()
@@ -25,8 +26,4 @@ for folder in sorted(os.listdir(os.path.join(run.ROOT, "src"))):
     if os.path.isdir(os.path.join(run.ROOT, path)) and not any(
             path in job.row.watches and job.row.seconds <= run.QUICK for job in jobs if job.row):
         bad.append(f"tests/table.txt: no quick test watches {path}")
-for line in bad:
-    print("FAIL table:", line)
-if not bad:
-    print(f"ok table ({len(jobs)} jobs of {len(set(stems))} tests, {len(rows)} rows)")
-sys.exit(1 if bad else 0)
+verdict.end("table", bad, f"{len(jobs)} jobs of {len(set(stems))} tests, {len(rows)} rows")
