@@ -88,7 +88,9 @@ RULES = $(wildcard cases/*/rules.mk options/rules.mk src/pictures/rules.mk tests
 include $(RULES)
 
 # Processes that run at a time; the tests choose their number themselves, unless it is given.
-JOBS   := $(shell nproc)
+JOBS   := $(shell env -u OMP_NUM_THREADS nproc)
+BASE   := HEAD
+ONLY   :=
 NUMBER := $(if $(filter command,$(origin JOBS)),--jobs "$$JOBS")
 
 # What users give reaches the shell in the environment and is never read by it: recipes say "$$RUN". Lists of words are
@@ -137,9 +139,7 @@ install: isph
 
 # The tests. All are built with as many processes as run at a time. ONLY=NAME: those with NAME in their name; after a
 # change of the sources CHANGED=1 (and BASE=COMMIT) takes those that watch what changed since the commit, tests/table.txt.
-ONLY      =
 CHANGED   =
-BASE      = HEAD
 SANITIZED = output/sanitized
 PROGRAMS  = $(PROGRAM) $(UNIT) $(COMPARE) $(TYPES)
 TESTS     = @PYTHON=$(PYTHON) $(PYTHON) tests/run.py --only "$$ONLY" $(NUMBER)

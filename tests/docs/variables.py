@@ -95,4 +95,11 @@ for folder, _, files in os.walk(runs.ROOT):
                 asked = re.sub(rf"\$\((?:if|findstring \S+,|filter \S+,)\s*\$\(({names})\)", "", line)
                 bare += [line.strip()] if line[0] == "\t" and re.search(rf"\$\(({names})\)", asked) else []
 runs.check(not bare, "no variable in the text of a recipe", str(bare))
+# what is not given has its default, whatever makes the rest opaque to the shell
+text = subprocess.run(["make", "-pn", "help"], cwd=runs.ROOT, check=True, stdout=subprocess.PIPE, text=True,
+                      env={k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS")}).stdout
+for name, value in (("BASE", "HEAD"), ("COMMIT", "HEAD"), ("SIZE", "quick"), ("BUDGET", "600"), ("TARGET", "5"),
+                    ("RANKS", "1"), ("RUN", "output/drop_impact")):
+    found = re.search(rf"^{name} :?= *(.*)$", text, re.M)
+    runs.check(found and found[1] == value, f"default_of_{name}", found and found[0])
 runs.done()
