@@ -162,10 +162,11 @@ void InterruptWatch(void);
 /* ProgramSeconds - since ProgramStart (s, wall clock). Not collective. */
 double ProgramSeconds(void);
 /* InterruptLimit - the program shall end after so many seconds; 0: no such limit. InterruptCheck - *reason: why it
-   should end now, or NULL; the same on every rank. Where it is called rarely, a signal is confirmed on standard error
-   when it comes. Collective. */
+   should end now, or NULL; the same on every rank. *wanted: whether this rank wants something, becomes whether any rank
+   does (NULL: nobody asks). Where it is called rarely, a signal is confirmed on standard error when it comes.
+   Collective. */
 void           InterruptLimit(double seconds);
-PetscErrorCode InterruptCheck(MPI_Comm comm, const char **reason);
+PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **reason);
 
 /* FormatDuration - "2 h 05 min", "3 min 20 s" or "12 s". Not collective. */
 PetscErrorCode FormatDuration(double seconds, char text[], size_t length);

@@ -106,10 +106,10 @@ void InterruptLimit(double seconds)
   Limit = seconds;
 }
 
-PetscErrorCode InterruptCheck(MPI_Comm comm, const char **reason)
+PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **reason)
 {
   const double now     = ProgramSeconds();
-  PetscInt     what[2] = {Signalled, Limit > 0 && now > Limit};
+  PetscInt     what[3] = {Signalled, Limit > 0 && now > Limit, wanted && *wanted};
   PetscMPIInt  rank;
 
   PetscFunctionBegin;
@@ -117,7 +117,8 @@ PetscErrorCode InterruptCheck(MPI_Comm comm, const char **reason)
   Pause = now - Asked;
   Asked = now;
   First = (PetscBool)!rank;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 2, MPIU_INT, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 3, MPIU_INT, MPI_MAX, comm));
+  if (wanted) *wanted = (PetscBool)(what[2] > 0);
   *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

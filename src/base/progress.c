@@ -89,7 +89,7 @@ PetscErrorCode ProgressWork(MPI_Comm comm, PetscReal share, const char format[],
   va_list     arguments;
 
   PetscFunctionBegin;
-  PetscCall(InterruptCheck(comm, &reason));
+  PetscCall(InterruptCheck(comm, NULL, &reason));
   PetscCheckUser(!reason, comm, "ended by %s during %s: %s", reason, Work.what, Work.left);
   PetscCall(ProgressDue(comm, PETSC_FALSE, &due));
   if (!due) PetscFunctionReturn(PETSC_SUCCESS);

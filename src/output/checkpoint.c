@@ -258,14 +258,16 @@ PetscErrorCode OutputCheckpoint(Output output, const StepState *state)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool OutputClockDue(Output output)
+{
+  return (PetscBool)(output->clock_interval > 0 &&
+                     MPI_Wtime() - (double)output->clock_at >= (double)output->clock_interval);
+}
+
 PetscErrorCode OutputByClock(Output output, const StepState *state)
 {
-  PetscMPIInt due = MPI_Wtime() - (double)output->clock_at >= (double)output->clock_interval;
-
   PetscFunctionBegin;
-  if (output->clock_interval == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Bcast(&due, 1, MPI_INT, 0, output->comm)); /* clocks differ between ranks */
-  if (due) PetscCall(Write(output, state, CHECKPOINT_BY_CLOCK));
+  PetscCall(Write(output, state, CHECKPOINT_BY_CLOCK));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -39,9 +39,11 @@ PetscBool OutputCheckpointDue(Output output, const StepState *state);
    temporary name, fsync, then renamed; keeps this one and the newest one before it. The swarm's order is kept in the
    file. Collective. */
 PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
-/* OutputByClock - writes <dir>/checkpoint_clock.h5 if -checkpoint_wall_clock has passed since the last checkpoint; it
-   replaces the former of this name, and the next OutputCheckpoint removes it. The run goes on as without, so nothing
-   must have been brought into the state of a restart; one from it agrees to round-off. Collective. */
+/* OutputClockDue - whether -checkpoint_wall_clock has passed since the last checkpoint, by this rank's clock. Not
+   collective. OutputByClock - writes <dir>/checkpoint_clock.h5; it replaces the former of this name, and the next
+   OutputCheckpoint removes it. The run goes on as without, so nothing must have been brought into the state of a
+   restart; one from it agrees to round-off. Collective. */
+PetscBool      OutputClockDue(Output output);
 PetscErrorCode OutputByClock(Output output, const StepState *state);
 /* OutputCheckpointName - the name of the file that OutputCheckpoint makes at a step. Not collective. */
 #define OUTPUT_NAME_LENGTH 64

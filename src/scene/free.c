@@ -200,7 +200,7 @@ PetscErrorCode FreeCheck(Body body, PetscReal density)
     PetscCheckUser(!f->here[d] || (f->start[d] >= lower[d] && f->start[d] <= upper[d]), domain->comm,
                    "-%srotation_center: the solid %s has a mass and reaches from %g to %g m along %c; its centre of "
                    "mass cannot be at %g m",
-                   body->prefix, body->name, (double)lower[d], (double)upper[d], "xyz"[d], (double)f -> start[d]);
+                   body->prefix, body->name, (double)lower[d], (double)upper[d], "xyz"[d], (double)(f->start[d]));
   }
   for (PetscInt d = 0; d < f->numbers; d++)
     PetscCheckUser(f->given[d] >= LEAST_SHARE * scale && f->given[d] <= MOST_SHARE * scale, domain->comm,

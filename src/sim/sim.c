@@ -302,7 +302,7 @@ PetscErrorCode SimRun(Sim sim)
   if (!sim->restart[0]) PetscCall(WriteOutput(sim, PETSC_FALSE));
   PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
   while (!last) {
-    PetscBool failed;
+    PetscBool failed, clock;
     char      why[FAREWELL_LENGTH];
 
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, DivergenceWanted(sim, steps), &sim->state, &failed, why,
@@ -314,12 +314,13 @@ PetscErrorCode SimRun(Sim sim)
                      (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
     }
     PetscCall(SimEmit(sim));
-    PetscCall(InterruptCheck(sim->comm, &interrupted));
+    clock = OutputClockDue(sim->output);
+    PetscCall(InterruptCheck(sim->comm, &clock, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state))
       PetscCall(Checkpoint(sim));
-    else
+    else if (clock)
       PetscCall(OutputByClock(sim->output, &sim->state));
     PetscCall(ProgressStep(sim, &progress, last));
     PetscCall(MonitorStep(sim));

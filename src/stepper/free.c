@@ -78,14 +78,15 @@ static PetscReal Soon(Stepper stepper, PetscReal dt)
 
 void FreeTake(Stepper stepper, PetscReal dt, const PetscReal impulse[])
 {
-  Scene scene = stepper->cloud->scene;
+  const Scene     scene = stepper->cloud->scene;
+  const PetscReal share = Soon(stepper, dt) / dt;
 
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
     PetscReal *force, *excess;
 
     if (BodyMass(SceneSolid(scene, b)) == 0) continue;
     FreeForces(SceneSolid(scene, b), &force, &excess);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++) excess[k] += Soon(stepper, dt) / dt * impulse[FREE_MOTIONS * b + k];
+    for (PetscInt k = 0; k < FREE_MOTIONS; k++) excess[k] += share * impulse[FREE_MOTIONS * b + k];
   }
 }
 

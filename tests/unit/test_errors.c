@@ -66,15 +66,15 @@ static PetscErrorCode TestInterrupts(void)
   PetscBool      same;
 
   PetscFunctionBegin;
-  PetscCall(InterruptCheck(PETSC_COMM_WORLD, &reason));
+  PetscCall(InterruptCheck(PETSC_COMM_WORLD, NULL, &reason));
   CHECK(!reason, "nothing asks for the end");
   InterruptLimit(1e-9);
-  PetscCall(InterruptCheck(PETSC_COMM_WORLD, &reason));
+  PetscCall(InterruptCheck(PETSC_COMM_WORLD, NULL, &reason));
   PetscCall(PetscStrcmp(reason, "-wall_clock_limit", &same));
   CHECK(same, "the clock asks for the end");
   InterruptLimit(0);
   (void)raise(SIGHUP);
-  PetscCall(InterruptCheck(PETSC_COMM_WORLD, &reason));
+  PetscCall(InterruptCheck(PETSC_COMM_WORLD, NULL, &reason));
   PetscCall(PetscStrcmp(reason, "SIGHUP", &same));
   CHECK(same, "a signal asks for the end");
   ProgressBegin("this test", "all of it is left");
