@@ -224,11 +224,10 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, RowEntries 
   PetscCall(PetscMalloc1(n, &end));
   PetscCall(PetscArraycpy(end, s->i, n));
   for (PetscInt r = 0; r < n; r++) {
-    const PetscReal diagonal = pressure->pair_diagonal[r] + pressure->closure_diagonal[r];
-    PetscInt        off      = s->oi[r];
+    PetscInt off = s->oi[r];
 
     s->j[end[r]]   = r;
-    s->a[end[r]++] = diagonal > 0 ? diagonal : 1;
+    s->a[end[r]++] = pressure->pair_diagonal[r] + pressure->closure_diagonal[r];
     GatherRow(pressure, r, e);
     for (PetscInt k = 0; k < e->count; k++) {
       const PetscInt c = e->column[k];

@@ -132,7 +132,7 @@ static PetscErrorCode FindFreeSurface(Pressure pressure)
 static PetscErrorCode SetDiagonal(Pressure pressure)
 {
   Cloud    cloud    = pressure->cloud;
-  PetscInt count[2] = {0, 0}; /* rows that are closed, rows that have nothing */
+  PetscInt count[2] = {0, 0}; /* rows that are closed, rows that have no pairs */
 
   PetscFunctionBegin;
   if (cloud->n_rows > pressure->rows_capacity) {
@@ -155,6 +155,9 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
     pressure->closure_diagonal[r] = pressure->closure(pressure, r, filled);
     count[0] += pressure->closure_diagonal[r] > 0;
     count[1] += pressure->pair_diagonal[r] == 0;
+    /* A row that has nothing gets the diagonal of a full one: the preconditioner is kept while pairs come to it. */
+    if (pressure->pair_diagonal[r] + pressure->closure_diagonal[r] == 0)
+      pressure->closure_diagonal[r] = pressure->lattice_diagonal * cloud->volume[r] * pressure->row_scale;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, cloud->comm));
   /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
@@ -162,12 +165,6 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
   pressure->constant_null = (PetscBool)(count[0] == 0);
   pressure->empty_rows    = count[1];
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What row r has beside its pairs: the closure, or 1 if there is nothing at all. */
-static inline PetscReal Surplus(Pressure pressure, PetscInt r)
-{
-  return pressure->pair_diagonal[r] + pressure->closure_diagonal[r] > 0 ? pressure->closure_diagonal[r] : 1;
 }
 
 /* sum_b weight (p_a - p_b) over n pairs. Their weights are in 'coded', the cloud's factors, or if that is NULL in
@@ -243,7 +240,7 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) full[a] = p[ParentRow(pressure, a)];
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, full));
   for (PetscInt r = 0; r < cloud->n_rows; r++)
-    y[r] = scale * RowSum(pressure, r, full) + Surplus(pressure, r) * full[r];
+    y[r] = scale * RowSum(pressure, r, full) + pressure->closure_diagonal[r] * full[r];
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
     y[ParentRow(pressure, a)] += scale * RowSum(pressure, a, full);
   PetscCall(CloudRestoreWork(cloud, &full));
@@ -282,7 +279,8 @@ static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &pressure));
   PetscCall(VecGetArrayWrite(d, &value));
-  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = pressure->pair_diagonal[r] + Surplus(pressure, r);
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++)
+    value[r] = pressure->pair_diagonal[r] + pressure->closure_diagonal[r];
   PetscCall(VecRestoreArrayWrite(d, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -74,7 +74,8 @@ struct _p_Pressure {
   PetscBool
          own_weights; /* densities or volumes differ: the pairs' weights are pair_weight, not the cloud's laplacian */
   float *pair_weight;
-  PetscReal *pair_diagonal, *closure_diagonal; /* [n_rows] sum of K_ab; what the closure adds */
+  PetscReal *pair_diagonal;    /* [n_rows] sum of K_ab */
+  PetscReal *closure_diagonal; /* [n_rows] what the closure adds; to a row that has nothing the diagonal of a full one */
   PetscInt   rows_capacity;
   PetscInt64 weight_capacity;
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
