@@ -93,10 +93,14 @@ typedef struct {
    collective. */
 PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST]);
 
+/* DistanceInside - whether a place with this signed distance (m) from a solid is inside it; on its surface it is not.
+   Not collective. */
+PetscBool DistanceInside(Gauges gauges, PetscReal distance);
 /* PointsSample - pressure (Pa) and velocity (dim components, m/s) at count points at ([count][dim], m) into values
    [count][1 + dim], from the swarm: the Shepard mean sum V W f / sum V W over the fluid within the kernel's support,
-   also through periodic faces and mirrors. So a point on a wall reads the fluid in front of it. With no fluid there the
-   pressure is 0, that of the air, and the velocity NAN. Collective. */
+   also through periodic faces and mirrors, but not through solids. So a point on a wall or a solid reads the fluid in
+   front of it. With no fluid there the pressure is 0, that of the air, and the velocity NAN; inside a solid both are
+   NAN. Collective. */
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
 /* --- connect.c: what hangs together --- */

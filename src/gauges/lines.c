@@ -11,10 +11,12 @@ static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptio
   PetscFunctionBegin;
   lines->numbers      = (LINES_MOST + 1) * 2 * DIM; /* one more than allowed, to notice it */
   gauges->line_points = LINE_POINTS;
-  PetscCall(PetscOptionsRealArray("-gauge_lines",
-                                  "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four) along which "
-                                  "lines.csv holds pressure and velocity at each snapshot, m; default: none",
-                                  "PointsSample", lines->at, &lines->numbers, NULL));
+  PetscCall(
+    PetscOptionsRealArray("-gauge_lines",
+                          "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four) along which "
+                          "lines.csv holds pressure and velocity at each snapshot, m: nan inside solids; default: "
+                          "none",
+                          "PointsSample", lines->at, &lines->numbers, NULL));
   PetscCall(OptionInt("-gauge_line_points", "Points of a line, ends included", "[2, 10000]", &gauges->line_points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

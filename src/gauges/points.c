@@ -7,17 +7,33 @@ static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOpti
 
   PetscFunctionBegin;
   points->numbers = (PLACES_MOST + 1) * DIM; /* one more than allowed, to notice it */
-  PetscCall(PetscOptionsRealArray("-gauge_points",
-                                  "Points whose pressure and velocity the series holds, x,y,z,x,y,z,... (in two "
-                                  "dimensions x,y,x,y,...), m; default: none",
-                                  "PointsSample", points->at, &points->numbers, NULL));
+  PetscCall(
+    PetscOptionsRealArray("-gauge_points",
+                          "Points whose pressure and velocity the series holds, x,y,z,x,y,z,... (in two "
+                          "dimensions x,y,x,y,...), m: in air the pressure is 0, inside a solid that moves nan; "
+                          "default: none",
+                          "PointsSample", points->at, &points->numbers, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Check_Points(Gauges gauges)
 {
+  const Scene    scene = gauges->cloud->scene;
+  const PetscInt dim   = gauges->cloud->domain->dim;
+
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", gauges->cloud->domain->dim, PLACES_MOST, &gauges->points));
+  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", dim, PLACES_MOST, &gauges->points));
+  for (PetscInt k = 0; k < gauges->points.count * SceneSolidCount(scene); k++) {
+    const PetscInt point  = k / SceneSolidCount(scene);
+    const Body     solid  = SceneSolid(scene, k % SceneSolidCount(scene));
+    PetscReal      x[DIM] = {0, 0, 0};
+
+    PetscCall(PetscArraycpy(x, gauges->points.at + dim * point, dim));
+    PetscCheckUser(BodyMoves(solid) || !DistanceInside(gauges, BodyDistance(solid, x)), gauges->comm,
+                   "-gauge_points: point %d is inside the solid %s, which does not move; on its surface it would be in "
+                   "front of the liquid.",
+                   (int)point + 1, BodyName(solid));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

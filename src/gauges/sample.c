@@ -1,6 +1,9 @@
 /* Values of the fluid at places, interpolated from the particles. */
 #include "gauges_impl.h"
 
+#define SKIN       0.1 /* spacings that a place on a solid's surface may be in it: files of triangles are so exact */
+#define LEAST_STEP 0.05 /* spacings, along a way that begins on a solid's surface */
+
 PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt width, PetscInt most,
                            Places *places)
 {
@@ -54,12 +57,36 @@ PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, Point
   return count;
 }
 
-/* Adds to sum: V W, V W p, V W v of the fluid of this rank around an image. */
+PetscBool DistanceInside(Gauges gauges, PetscReal distance)
+{
+  return (PetscBool)(distance < -SKIN * gauges->cloud->domain->spacing);
+}
+
+/* Whether a solid is between the place x, this far from the nearest one, and the place x + r: no step along the way is
+   longer than the distance to the nearest solid, or LEAST_STEP where that is less. */
+static PetscBool Hidden(Gauges gauges, const PetscReal x[DIM], PetscReal distance, const PetscReal r[DIM])
+{
+  const PetscReal least = LEAST_STEP * gauges->cloud->domain->spacing, length = PetscSqrtReal(Dot(r, r));
+
+  for (PetscReal way = 0; way + distance < length;) {
+    PetscReal place[DIM];
+
+    if (DistanceInside(gauges, distance)) return PETSC_TRUE;
+    way += PetscMax(distance, least);
+    if (way >= length) break;
+    for (PetscInt d = 0; d < DIM; d++) place[d] = x[d] + way / length * r[d];
+    distance = SceneSolidDistance(gauges->cloud->scene, place, NULL);
+  }
+  return PETSC_FALSE;
+}
+
+/* Adds to sum: V W, V W p, V W v of the fluid of this rank around an image, but not of fluid behind a solid. */
 static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
 {
-  Kernel           kernel = gauges->cloud->kernel;
-  const Domain     domain = gauges->cloud->domain;
-  const PetscReal  reach2 = PetscSqr(KernelSupport(kernel));
+  Kernel          kernel   = gauges->cloud->kernel;
+  const Domain    domain   = gauges->cloud->domain;
+  const PetscReal reach2   = PetscSqr(KernelSupport(kernel)),
+                  distance = SceneSolidDistance(gauges->cloud->scene, image->x, NULL);
   const PetscReal *x = arrays->real[FIELD_POSITION], *v = arrays->real[FIELD_VELOCITY];
 
   for (PetscInt a = 0; a < arrays->n; a++) {
@@ -67,7 +94,7 @@ static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointIm
     const PetscReal size = ParticleSize(domain, arrays, a), r2 = Dot(r, r) / PetscSqr(size);
     PetscReal       W;
 
-    if (r2 >= reach2 || arrays->integer[INT_LAYER][a]) continue;
+    if (r2 >= reach2 || arrays->integer[INT_LAYER][a] || Hidden(gauges, image->x, distance, r)) continue;
     KernelEvaluate(kernel, 1, &r2, &W, NULL);
     W *= ParticleShare(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
     sum[0] += W;
@@ -81,26 +108,28 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
   const Domain   domain = gauges->cloud->domain;
   const PetscInt width  = 1 + domain->dim;
   PetscReal     *sum;
+  PetscBool     *inside;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(count * (2 + DIM), &sum));
+  PetscCall(PetscCalloc2(count * (2 + DIM), &sum, count, &inside));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   for (PetscInt p = 0; p < count; p++) {
     PointImage     image[IMAGES_MOST];
     const PetscInt images =
       PointImages(domain, at + domain->dim * p, gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel), image);
 
-    for (PetscInt k = 0; k < images; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);
+    inside[p] = DistanceInside(gauges, SceneSolidDistance(gauges->cloud->scene, image[0].x, NULL));
+    for (PetscInt k = 0; k < images && !inside[p]; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(count * (2 + DIM)), MPIU_REAL, MPIU_SUM, gauges->comm));
   for (PetscInt p = 0; p < count; p++) {
     const PetscReal *s = sum + (2 + DIM) * p;
 
-    values[width * p] = s[0] > 0 ? s[1] / s[0] : 0;
+    values[width * p] = s[0] > 0 ? s[1] / s[0] : inside[p] ? NAN : 0;
     for (PetscInt d = 0; d < domain->dim; d++) values[width * p + 1 + d] = s[0] > 0 ? s[2 + d] / s[0] : NAN;
   }
-  PetscCall(PetscFree(sum));
+  PetscCall(PetscFree2(sum, inside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

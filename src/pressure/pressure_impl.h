@@ -75,7 +75,7 @@ struct _p_Pressure {
          own_weights; /* densities or volumes differ: the pairs' weights are pair_weight, not the cloud's laplacian */
   float *pair_weight;
   PetscReal *pair_diagonal;    /* [n_rows] sum of K_ab */
-  PetscReal *closure_diagonal; /* [n_rows] what the closure adds; to a row that has nothing the diagonal of a full one */
+  PetscReal *closure_diagonal; /* [n_rows] what the closure adds; where there is nothing, the diagonal of a full row */
   PetscInt   rows_capacity;
   PetscInt64 weight_capacity;
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */

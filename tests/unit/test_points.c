@@ -70,6 +70,26 @@ static PetscErrorCode TestPlane(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define PLATE PLANE "-solids plate -plate_lower 0.95,0 -plate_upper 1.05,1.2 "
+
+/* A solid that moves: nothing inside it, and in front of it the fluid of that side alone. */
+static PetscErrorCode TestSolid(void)
+{
+  PetscReal p[4][3], thin[1][3];
+
+  PetscFunctionBegin;
+  PetscCall(Measure(PLATE "-plate_velocity 1e-9,0 -gauge_points 1,0.5,0.95,0.5,1.05,0.5,1.2,0.5", p[0]));
+  CHECK(PetscIsNanReal(p[0][0]) && PetscIsNanReal(p[0][1]), "nothing_inside_a_solid");
+  CHECK_CLOSE(p[1][0], 10 - GRADIENT * 0.5, 1e-12, "pressure_on_a_solid");
+  CHECK_CLOSE(p[2][0], 10 - GRADIENT * 0.5, 1e-12, "pressure_on_its_other_side");
+  CHECK_CLOSE(p[3][0], 10 - GRADIENT * 0.5, 1e-12, "pressure_beside_it");
+  PetscCall(Measure(PLANE "-a_upper 0.9,1 -solids plate -plate_lower 0.95,0 -plate_upper 1.05,1.2 "
+                          "-gauge_points 1.05,0.5",
+                    thin[0]));
+  CHECK(thin[0][0] == 0 && PetscIsNanReal(thin[0][1]), "no_fluid_from_behind_a_solid");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Refused(const char options[], const char word[], const char name[])
 {
   Setup          s;
@@ -94,8 +114,10 @@ int main(int argc, char **argv)
   PetscCall(UserErrorHandlerPush());
   PetscCall(TestBlock());
   PetscCall(TestPlane());
+  PetscCall(TestSolid());
   PetscCall(Refused(BLOCK "-gauge_points 1,0.5", "2 numbers; it needs 3 a point", "refuse_half_a_point"));
   PetscCall(Refused(PLANE "-gauge_points 1,0.5,1,1.6", "y = 1.6 m of point 2 is not in the box", "refuse_outside"));
+  PetscCall(Refused(PLATE "-gauge_points 0.95,0.5,1,0.5", "point 2 is inside the solid plate", "refuse_in_a_solid"));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
