@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
-#define CHECKPOINT_VERSION 3
+#define CHECKPOINT_VERSION 4
 #define FREE_BODIES        "free_bodies"
 #define HEAD_TEXT          65536 /* room for a text: the most that HDF5 keeps in an attribute */
 
@@ -31,7 +31,10 @@
   X(SHAKING_WORK, "shaking_work")                                                                                      \
   X(INFLOW_ENERGY, "inflow_energy")                                                                                    \
   X(OUTFLOW_ENERGY, "outflow_energy")                                                                                  \
-  X(KINETIC_MOST, "kinetic_most")                                                                                      \
+  X(FRICTION_WORK, "friction_work")                                                                                    \
+  X(KINETIC_ENERGY, "kinetic_energy")                                                                                  \
+  X(GIVEN, "given")                                                                                                    \
+  X(TAKEN, "taken")                                                                                                    \
   X(TENSION_SWING, "tension_swing")
 #define HEAD_INTS(X)                                                                                                   \
   X(DIMENSION, "dimension")                                                                                            \
@@ -78,7 +81,10 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
   head->real[HEAD_SHAKING_WORK]       = state->shaking_work;
   head->real[HEAD_INFLOW_ENERGY]      = state->inflow_energy;
   head->real[HEAD_OUTFLOW_ENERGY]     = state->outflow_energy;
-  head->real[HEAD_KINETIC_MOST]       = state->kinetic_most;
+  head->real[HEAD_FRICTION_WORK]      = state->friction_work;
+  head->real[HEAD_KINETIC_ENERGY]     = state->kinetic_energy;
+  head->real[HEAD_GIVEN]              = state->given;
+  head->real[HEAD_TAKEN]              = state->taken;
   head->real[HEAD_TENSION_SWING]      = state->tension_swing;
   head->real[HEAD_SPACING]            = domain->spacing;
   head->real[HEAD_LEVEL]              = GaugesLevel(output->gauges);
@@ -456,7 +462,10 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   state->shaking_work       = head->real[HEAD_SHAKING_WORK];
   state->inflow_energy      = head->real[HEAD_INFLOW_ENERGY];
   state->outflow_energy     = head->real[HEAD_OUTFLOW_ENERGY];
-  state->kinetic_most       = head->real[HEAD_KINETIC_MOST];
+  state->friction_work      = head->real[HEAD_FRICTION_WORK];
+  state->kinetic_energy     = head->real[HEAD_KINETIC_ENERGY];
+  state->given              = head->real[HEAD_GIVEN];
+  state->taken              = head->real[HEAD_TAKEN];
   state->tension_swing      = head->real[HEAD_TENSION_SWING];
   state->joined             = (PetscInt)head->integer[HEAD_JOINED];
   state->split              = (PetscInt)head->integer[HEAD_SPLIT];

@@ -38,8 +38,8 @@ def table(head, rows):
     return f"<table><tr>{cells('th', head)}</tr>" + "".join(f"<tr>{cells('td', row)}</tr>" for row in rows) + "</table>"
 
 
-def beginning(folder):
-    """The lines that the last start of the run wrote to log.txt."""
+def read_log(folder):
+    """The lines that the last start of the run wrote to log.txt: all, and those before its steps."""
     try:
         with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
             lines = file.read().split("\n")
@@ -49,7 +49,7 @@ def beginning(folder):
     if start is None:
         raise tables.RunError(f"{folder}/log.txt is not that of a run.")
     end = next((k for k in range(start, len(lines)) if lines[k].startswith("Output: ")), len(lines))
-    return lines[start:end]
+    return lines[start:], lines[start:end]
 
 
 def liquids(log):
@@ -82,27 +82,13 @@ def scaled(value, unit):
     return f"{value:.3g} {unit}"
 
 
-def energy(series, run):
-    """Where the energy went, in words."""
-    unit = "J" if run.dim == 3 else "J/m"
-
-    def change(name):
-        values = [v for v in series.get(name, []) if math.isfinite(v)]
-        return values[-1] - values[0] if values else 0.0
-    kinetic = series.get("kinetic_energy", [])
-    if len(kinetic) < 2:
-        return "<p>The series is too short to tell.</p>"
-    parts = [("gravity and other body forces gave", -change("potential_energy")),
-             ("surface tension gave", change("tension_work")), ("viscosity gave", change("viscous_work"))]
-    if change("outside_work"):
-        parts.append(("solids that move, shaking, emitters and open faces gave", change("outside_work")))
-    rest = change("kinetic_energy") - sum(value for _, value in parts)
-    largest = max(v for v in kinetic if math.isfinite(v))
-    words = "; ".join(f"{name} {scaled(value, unit)}" for name, value in parts)
-    share = f" ({100 * abs(rest) / largest:.2g} % of the largest kinetic energy)" if largest > 0 else ""
-    return (f"<p>The liquid's kinetic energy went from {scaled(kinetic[0], unit)} to {scaled(kinetic[-1], unit)}, at "
-            f"most {scaled(largest, unit)}. From the start to the end {words}. What is left, {scaled(rest, unit)}"
-            f"{share}, is the error of the scheme and what shocks took; the end of the log says what is normal.</p>")
+def energy(log):
+    """Where the energy went, in the program's own words at the end of the run."""
+    start = next((k for k, line in enumerate(log) if line.startswith("Error budget")), len(log))
+    end = next((k for k in range(start, len(log)) if log[k].startswith("  dominant")), None)
+    if end is None:
+        return "<p>The run has not come to its end: its log has no energy budget.</p>"
+    return f"<pre>{html.escape(chr(10).join(log[start:end + 1]))}</pre>"
 
 
 def cost(series, log):
@@ -227,14 +213,14 @@ def main():
     arguments = parser.parse_args()
     if not os.path.exists(os.path.join(THREE, LIBRARY[0])):
         raise tables.RunError("the view in three dimensions needs three.js: apt-get install libjs-three")
-    run, log = data.Run(arguments.folder), beginning(arguments.folder)
+    run, (whole, log) = data.Run(arguments.folder), read_log(arguments.folder)
     series = tables.read_series(arguments.folder)
     version = re.match(r"=== isph (\S+), (\S+)", log[0])
     scene = [line for line in log[1:]
              if not line.startswith((" " * 4, "Output")) or line.startswith("    moves")]
     body = ("<h2>Scene</h2>\n" + liquids(log) + f"<pre>{html.escape(chr(10).join(scene))}</pre>\n"
             + viewer(run, arguments) + pictures(arguments.folder, run.files)
-            + "<h2>Where the energy went</h2>\n" + energy(series, run) + "<h2>What it cost</h2>\n" + cost(series, log)
+            + "<h2>Where the energy went</h2>\n" + energy(whole) + "<h2>What it cost</h2>\n" + cost(series, log)
             + "<h2>Options</h2>\n" + options(arguments.folder)
             + f"<h2>How to cite</h2>\n<p>The program, isph {version[1]} (the isph authors), and Kuri, Yamaguchi, "
             "Kagawa, Nakajima, Fujimura: <i>Simulations of Droplet Impact onto a Liquid Surface Using Incompressible "

@@ -20,8 +20,9 @@ PetscErrorCode BudgetStart(Sim sim)
   PetscFunctionBegin;
   PetscCall(StepperMeasure(sim->stepper, &sim->state));
   PetscCall(GaugesTotals(sim->gauges, &totals));
-  sim->state.start_energy  = Energy(&totals);
-  sim->state.start_density = sim->state.density_mean;
+  sim->state.start_energy   = Energy(&totals);
+  sim->state.start_density  = sim->state.density_mean;
+  sim->state.kinetic_energy = totals.kinetic_energy / totals.multiplicity;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -45,8 +46,9 @@ static PetscReal Lift(Sim sim, const GaugeTotals *totals)
 /* The energy of a run in J: what is there, what came and went, and what is missing (negative) or too much of it. */
 typedef struct {
   GaugeTotals totals;
-  PetscReal   viscous, tension, gain, residual, exchanged;
-  PetscReal   doubt; /* of the residual */
+  PetscReal   viscous, friction, tension, gain, residual;
+  PetscReal   exchanged; /* what changed its form, or its owner: the measure of the residual */
+  PetscReal   doubt;     /* of the residual */
 } Balance;
 
 static PetscErrorCode BalanceTake(Sim sim, Balance *b)
@@ -57,13 +59,14 @@ static PetscErrorCode BalanceTake(Sim sim, Balance *b)
   PetscFunctionBegin;
   PetscCall(GaugesTotals(sim->gauges, &b->totals));
   much        = b->totals.multiplicity;
-  b->viscous  = much * state->viscous_work;
+  b->friction = much * state->friction_work;
+  b->viscous  = much * state->viscous_work - b->friction;
   b->tension  = much * state->tension_work;
   outside     = much * StepperOutsideWork(state);
   b->gain     = Energy(&b->totals) - state->start_energy;
-  b->residual = b->gain - b->viscous - b->tension - outside + much * state->resampling_loss;
+  b->residual = b->gain - b->viscous - b->friction - b->tension - outside + much * state->resampling_loss;
   b->exchanged =
-    much * state->kinetic_most + PetscAbsReal(b->viscous) + PetscAbsReal(b->tension) + PetscAbsReal(outside);
+    much * PetscMax(state->given + state->inflow_energy, state->taken + PetscAbsReal(state->outflow_energy));
   b->doubt = ENERGY_SHARE * b->exchanged + TENSION_SHARE * much * state->tension_swing +
              PetscAbsReal(state->start_density / state->density_mean - 1) * Lift(sim, &b->totals);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -89,7 +92,8 @@ static PetscErrorCode Outside(Sim sim, PetscReal multiplicity, char text[], size
   const struct {
     const char *name;
     PetscReal   value;
-  } given[] = {{"the pressure of solids that move", s->solid_work},
+  } given[] = {{"the friction of walls that move", s->friction_work},
+               {"the pressure of solids that move", s->solid_work},
                {"shaking", s->shaking_work},
                {"emitters", s->inflow_energy},
                {"what left through open faces", -s->outflow_energy}};
@@ -128,8 +132,8 @@ static PetscErrorCode Meaning(Sim sim, const Balance *b, char text[], size_t len
     PetscCall(PetscSNPrintf(text, length, "energy has appeared, which no flow does"));
   else
     PetscCall(PetscSNPrintf(
-      text, length, "%s with %.0f spacings across the least body: impacts lose up to %.0f %%, waves a few %% a period",
-      -share <= normal ? "normal after an impact" : "more than is normal", (double)least, (double)(100 * normal)));
+      text, length, "%s with %.0f spacings across the least body: each loses up to %.0f %%, a period of waves a few",
+      -share <= normal ? "as after one impact" : "more than one impact takes", (double)least, (double)(100 * normal)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

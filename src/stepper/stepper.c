@@ -319,7 +319,28 @@ static void Record(const StepTrial *trial, StepState *state)
   state->divergence     = PetscSqrtReal(sum[SUM_DIVERGENCE2] / inside);
   state->density_mean   = sum[SUM_INSIDE] > 0 ? sum[SUM_DENSITY] / inside : 1;
   state->surface_energy = sum[SUM_SURFACE_ENERGY];
-  state->kinetic_most   = PetscMax(state->kinetic_most, sum[SUM_KINETIC]);
+}
+
+/* Counts an energy (J) that has changed its form: it came out of one, or if it is negative went there. */
+static void Exchange(StepState *state, PetscReal energy)
+{
+  if (energy > 0)
+    state->given += energy;
+  else
+    state->taken -= energy;
+}
+
+/* What has been exchanged in a step by the liquid's motion with heat, surfaces, what moves and body forces. These are
+   not counted: what the others leave is theirs. */
+static void RecordExchange(const PetscReal sum[], PetscReal tension, StepState *state)
+{
+  Exchange(state, sum[SUM_VISCOUS_WORK] - sum[SUM_FRICTION_WORK]);
+  Exchange(state, sum[SUM_FRICTION_WORK]);
+  Exchange(state, tension);
+  Exchange(state, sum[SUM_SOLID_WORK]);
+  Exchange(state, sum[SUM_SHAKING_WORK]);
+  Exchange(state, state->kinetic_energy - sum[SUM_KINETIC]);
+  state->kinetic_energy = sum[SUM_KINETIC];
 }
 
 /* The state after an accepted step of size dt. */
@@ -339,10 +360,12 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   Record(trial, state);
   state->divergence = !trial->diagnose ? NAN : dt * state->divergence;
   state->viscous_work += sum[SUM_VISCOUS_WORK];
+  state->friction_work += sum[SUM_FRICTION_WORK];
   state->solid_work += sum[SUM_SOLID_WORK];
   state->shaking_work += sum[SUM_SHAKING_WORK];
   state->tension_work += tension;
   state->tension_swing += PetscAbsReal(tension);
+  RecordExchange(sum, tension, state);
 }
 
 /* Joins and splits particles after an accepted step, if it is time; not in a step that has lost some, after which the

@@ -21,12 +21,14 @@ typedef struct {
   PetscReal surface_energy;     /* sigma times the area of the free surface, J (J/m in two dimensions) */
   PetscReal viscous_work;       /* done by viscosity on the fluid so far, J: what it dissipates counts negative */
   PetscReal tension_work;       /* done by surface tension on the fluid so far, J */
-  PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J; friction: viscous */
+  PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J */
   PetscReal shaking_work;       /* done by the part of gravity that swings so far, J */
   PetscReal inflow_energy;      /* kinetic + potential of what emitters brought so far, J */
   PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
   PetscReal tension_swing;      /* the sizes of the works of surface tension, added up step by step, J */
-  PetscReal kinetic_most;       /* the largest kinetic energy so far, J */
+  PetscReal friction_work;      /* the part of viscous_work that walls and solids that move did, J */
+  PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
+  PetscReal given, taken;       /* what went into the fluid's motion and what came out of it so far, step by step, J */
   PetscReal resampling_loss;    /* kinetic energy lost by joining and splitting particles so far, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
   PetscReal start_density;      /* density_mean then */

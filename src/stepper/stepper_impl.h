@@ -16,6 +16,7 @@ typedef enum {
   SUM_DIVERGENCE2,    /* (div v)^2 inside, 1/s2; with 'diagnose' only */
   SUM_SURFACE_ENERGY, /* sigma times the area of the free surface, J */
   SUM_VISCOUS_WORK,   /* J */
+  SUM_FRICTION_WORK,  /* the part of it that walls and solids that move do, J */
   SUM_TENSION_WORK,   /* J */
   SUM_SOLID_WORK,     /* J */
   SUM_SHAKING_WORK,   /* J */
