@@ -67,6 +67,7 @@ class Tree:
         else:
             command = ([sys.executable] if name.endswith(".py") else []) + ["tests/" + name]
         environment = {k: v for k, v in runs.environment(int(ranks or 1)).items() if k not in ("ISPH", "LINT_ROOT")}
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"  # what is compiled of a program could outlive an edit of it
         process = subprocess.Popen(command, cwd=self.path, env=environment, stdin=subprocess.DEVNULL, text=True,
                                    errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    start_new_session=True)
@@ -85,7 +86,7 @@ class Tree:
 
     def restore(self, original):
         """Makes everything compiled, and the sources, those of another tree again."""
-        for top in ("src", os.path.join("output", "build"), "isph"):
+        for top in ("src", "tests", os.path.join("output", "build"), "isph"):
             for path in files(os.path.join(self.path, top)):
                 pristine = os.path.join(original.path, os.path.relpath(path, self.path))
                 if not os.path.exists(pristine):
