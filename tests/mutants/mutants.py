@@ -20,6 +20,7 @@ import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import edits  # noqa: E402
+import mpi  # noqa: E402
 import runs  # noqa: E402
 
 ROOT = edits.ROOT
@@ -66,7 +67,8 @@ class Tree:
             command = [sys.executable, "tests/verify/entries.py", "--part", name[len(edits.VERIFY):]]
         else:
             command = ([sys.executable] if name.endswith(".py") else []) + ["tests/" + name]
-        environment = {k: v for k, v in runs.environment(int(ranks or 1)).items() if k not in ("ISPH", "LINT_ROOT")}
+        own = runs.environment(int(ranks or 1)) if name.startswith("unit/") else dict(os.environ, **mpi.ANY)
+        environment = {k: v for k, v in own.items() if k not in ("ISPH", "LINT_ROOT")}
         environment["PYTHONDONTWRITEBYTECODE"] = "1"  # what is compiled of a program could outlive an edit of it
         process = subprocess.Popen(command, cwd=self.path, env=environment, stdin=subprocess.DEVNULL, text=True,
                                    errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

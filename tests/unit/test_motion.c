@@ -214,6 +214,7 @@ static PetscErrorCode TestFree(void)
   CHECK_CLOSE(change[4], 0.5 / 0.52, 1e-3, "inertia_of_a_box");
   SceneKeepFree(scene);
   kinetic = FreeKinetic(solid);
+  CHECK_CLOSE(kinetic / (0.5 * (12 * 0.01 + 0.52 * (0.09 + 16) + 0.72 * 0.04)), 1, 1e-3, "energy_of_a_box");
   numbers = FreeNumbers(solid, &count);
   for (PetscInt k = 0; k < 2000; k++) {
     time += dt;
@@ -263,10 +264,120 @@ static PetscErrorCode TestFree(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Moves a free body that no torque acts on to a time (s) in steps. */
+static void Spin(Scene scene, PetscReal end, PetscInt steps)
+{
+  const PetscReal none[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+
+  for (PetscInt k = 1; k <= steps; k++) {
+    SceneMoveSolids(scene, end * (PetscReal)k / (PetscReal)steps);
+    FreePush(SceneSolid(scene, 0), end * (PetscReal)k / (PetscReal)steps, none);
+  }
+  SceneMoveSolids(scene, end);
+}
+
+/* A vector x turned by an angle about an axis of any length, after Rodrigues. */
+static void Turned(const PetscReal x[DIM], const PetscReal axis[DIM], PetscReal angle, PetscReal out[DIM])
+{
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle), along = Dot(axis, x) / Dot(axis, axis);
+  PetscReal       across[DIM];
+
+  Cross(axis, x, across);
+  for (PetscInt d = 0; d < DIM; d++) out[d] = c * x[d] + s / Norm(axis) * across[d] + (1 - c) * along * axis[d];
+}
+
+/* A cylinder of 2 kg about the axis n, radius 0.3 m and height 1 m, at an angle to all axes: I = A across it,
+   2 (0.09/4 + 1/12), and C along it, 2 0.09/2 kg m2. What it keeps, L, turns n with L/A about it. */
+static PetscErrorCode TestTilted(void)
+{
+  const PetscReal n[DIM] = {1. / 3, 2. / 3, -2. / 3}, rate[DIM] = {3, -1, 2}, end = 0.4, A = 2 * (0.0225 + 1. / 12),
+                  C = 0.09, along = Dot(n, rate);
+  PetscReal center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], L[DIM], x[DIM], due[DIM], turn[DIM],
+    error = 0, angle, energy = 0;
+  Domain domain;
+  Scene  scene;
+  Body   solid;
+
+  PetscFunctionBegin;
+  PetscCall(Read(CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_shape cylinder -s_radius 0.3 -s_height 1 -s_center "
+                      "0.1,0,0.05 -s_axis 1,2,-2 -s_mass 2 -s_velocity 0,0.5,0 -s_rotation_rate 3,-1,2",
+                 &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  for (PetscInt e = 0; e < DIM; e++) {
+    PetscReal impulse[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+
+    impulse[DIM + e] = 1;
+    FreeResponse(solid, impulse, change);
+    for (PetscInt d = 0; d < DIM; d++) /* (1 - n n)/A + n n/C */
+      error = PetscMax(error, PetscAbsReal(change[DIM + d] - ((d == e) / A + n[d] * n[e] * (1 / C - 1 / A))));
+  }
+  CHECK_CLOSE(error * C, 0, 0.01, "inertia_of_a_tilted_cylinder");
+  energy = 0.5 * (2 * 0.25 + A * (Dot(rate, rate) - along * along) + C * along * along);
+  CHECK_CLOSE(FreeKinetic(solid) / energy, 1, 3e-3, "energy_of_a_tilted_cylinder");
+  for (PetscInt d = 0; d < DIM; d++) L[d] = A * rate[d] + (C - A) * along * n[d];
+  Spin(scene, end, 4000);
+  FreeMotion(solid, center, motion);
+  FreeTurned(solid, turn);
+  Turned(n, turn, Norm(turn), x);
+  angle = Norm(L) / A * end;
+  Turned(n, L, angle, due);
+  error = 0;
+  for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(x[d] - due[d]));
+  CHECK(angle > 1, "it_turns_far");
+  CHECK_CLOSE(error, 0, 0.01, "the_axis_of_a_top");
+  error = 0; /* the rate goes round with the axis: A rate + (C - A) (n rate) n is kept */
+  for (PetscInt d = 0; d < DIM; d++)
+    error = PetscMax(error, PetscAbsReal(A * motion[DIM + d] + (C - A) * Dot(due, motion + DIM) * due[d] - L[d]));
+  CHECK_CLOSE(error / Norm(L), 0, 0.01, "angular_momentum_of_a_top");
+  CHECK_CLOSE(FreeKinetic(solid) / energy, 1, 3e-3, "energy_of_a_top");
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moments that are given, one about each axis; the torque of a force on a body that has come a way, and how far and in
+   which sense it has turned. */
+static PetscErrorCode TestTorque(void)
+{
+  const PetscReal force[DIM] = {2, -1, 3}, arm[DIM] = {0.1, 0.2, -0.1}, due[FREE_MOTIONS] = {2, -1, 3, 0.5, -0.5, -0.5},
+                  normal[DIM] = {0, 0, 1}, push[FREE_MOTIONS] = {0, 0, 0, 6, 6, 6};
+  PetscReal center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], sum[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0}, x[DIM],
+                                                                     angle[DIM], error = 0;
+  Domain domain;
+  Scene  scene;
+  Body   solid;
+
+  PetscFunctionBegin;
+  PetscCall(
+    Read(FLOAT "-s_mass 12 -s_inertia 1,2,3 -s_velocity 0.5,0,-0.25 -s_rotation_rate 0,0.75,0", &domain, &scene));
+  solid = SceneSolid(scene, 0);
+  FreeResponse(solid, push, change);
+  for (PetscInt d = 0; d < DIM; d++) CHECK_CLOSE(change[DIM + d], 6. / (d + 1), 1e-12, "moments_that_are_given");
+  CHECK_CLOSE(FreeKinetic(solid), 6 * 0.3125 + 0.5 * 2 * 0.5625, 1e-12, "energy_with_moments_that_are_given");
+  Spin(scene, 0.4, 8);
+  FreeMotion(solid, center, motion);
+  CHECK(PetscAbsReal(center[0] - 0.2) < 1e-12 && PetscAbsReal(center[2]) < 1e-12, "it_has_come_a_way");
+  FreeTurned(solid, angle);
+  CHECK(PetscAbsReal(angle[1] - 0.3) < 1e-12 && PetscAbsReal(angle[0]) + PetscAbsReal(angle[2]) < 1e-12,
+        "turned_by_0.3");
+  for (PetscInt d = 0; d < DIM; d++) x[d] = center[d] + arm[d];
+  FreeAdd(solid, x, force, NULL, sum);
+  for (PetscInt k = 0; k < FREE_MOTIONS; k++) error = PetscMax(error, PetscAbsReal(sum[k] - due[k]));
+  CHECK_CLOSE(error, 0, 1e-12, "torque_about_the_centre");
+  for (PetscInt k = 0; k < FREE_MOTIONS; k++) sum[k] = 0;
+  FreeAdd(solid, x, force, normal, sum); /* the part along the normal turns, (0.2 3, -0.1 3, 0), all of it pushes */
+  CHECK(PetscAbsReal(sum[DIM] - 0.6) < 1e-12 && PetscAbsReal(sum[DIM + 1] + 0.3) < 1e-12 &&
+          PetscAbsReal(sum[DIM + 2]) < 1e-12 && sum[0] == 2,
+        "torque_along_a_normal");
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(UserErrorHandlerPush());
+  PetscCall(TestTilted());
+  PetscCall(TestTorque());
   PetscCall(TestMotion());
   PetscCall(TestFree());
   PetscCall(PetscOptionsClear(NULL));

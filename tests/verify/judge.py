@@ -8,6 +8,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import numpy as np  # noqa: E402
 import cases  # noqa: E402
 import misses  # noqa: E402
 import physics  # noqa: E402
@@ -25,6 +26,28 @@ for make in (physics.relative, physics.absolute):
     runs.check(make("a", math.nan, 1, 0.5).passed() is False, f"nan_is_not_{make.__name__}", "it passed")
 runs.check(physics.at_most("a", math.nan, 1).passed() is False, "nan_is_not_at_most", "it passed")
 runs.check(physics.at_least("a", math.nan, 1).passed() is False, "nan_is_not_at_least", "it passed")
+
+# what the checks of the cases share: series, quadrature, second moments, pieces
+j0, j1 = physics.bessel([0, 1, 5, 10])
+known = np.array([[1, 0.7651976866, -0.1775967713, -0.2459357645], [0, 0.4400505857, -0.3275791376, 0.0434727462]])
+runs.check(np.abs(np.array([j0, j1]) - known).max() < 1e-9, "bessel", f"{j0}, {j1}")
+turn = physics.integrate(lambda y: np.array([y[1], -y[0]]), [1, 0], 0, [0.5, 2], 50)
+runs.check(np.abs(turn - [[np.cos(t), -np.sin(t)] for t in (0.5, 2)]).max() < 1e-7, "quadrature", turn)
+axes = physics.ellipse(0.5, 0, [1.0])[0]  # without a force a b is kept, and s = a'/a
+runs.check(abs(axes.prod() - 1) < 1e-9 and axes[0] > 1.2, "ellipse", axes)
+square = np.stack(np.meshgrid(*[(np.arange(400) + 0.5) / 200 - 1] * 2), axis=-1).reshape(-1, 2)
+disc = square[(square**2).sum(axis=1) < 1] * [3, 0.5] + [7, -2]
+runs.check(np.abs(physics.semi_axes(disc) - [3, 0.5]).max() < 0.01, "semi_axes", physics.semi_axes(disc))
+time = np.linspace(0, 4, 400)
+found = physics.damped_cosine(time, 3 + np.exp(-0.3 * time) * np.cos(5 * time + 1), 5.3, 0.1)
+runs.check(abs(found[0] - 5) < 1e-3 and abs(found[1] - 0.3) < 1e-3, "damped_cosine", found)
+row = np.array([[x, 0, 0] for x in (9, 0, 1, 2, 3.2, 4.2)])
+runs.check(list(physics.components(row, 1.1)) == [2, 0, 0, 0, 1, 1], "pieces", physics.components(row, 1.1))
+grown = physics.components(row, 1.1, np.array([1, 1, 1, 1.2, 1.2, 1]))
+runs.check(list(grown) == [1, 0, 0, 0, 0, 0], "pieces_of_two_sizes", grown)
+line = [physics.relative("a", 5 + 2 * s, 5, 1) for s in (0.4, 0.2, 0.1)]
+runs.check(runner.extrapolated(line, (0.4, 0.2, 0.1)) == "5", "extrapolated",
+           runner.extrapolated(line, (0.4, 0.2, 0.1)))
 
 words = physics.relative("period", 4.56902, 4.5674, 0.005, "s").words()
 runs.check(words == ("4.5690 s", "4.5674 s", "0.5 %"), "words_of_a_result", words)

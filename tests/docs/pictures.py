@@ -1,0 +1,200 @@
+#!/usr/bin/python3
+"""What pictures show, by their data: a made-up run whose places, units, planes and signs are known. Nothing is
+rendered: figures are looked at as matplotlib holds them, views as the camera that they ask for."""
+import argparse
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+import pictures  # noqa: E402
+import report  # noqa: E402
+import run as data  # noqa: E402
+import tables  # noqa: E402
+import views  # noqa: E402
+
+D0 = 0.01  # m, the spacing
+LOWER, UPPER = (0.1, 0, 0), (0.4, 0.2, 0.3)
+# liquid: (place, velocity, pressure, volume over D0^3); the last two are not in the section y = 0.1
+LIQUID = [((0.15, 0.1, 0.05), (1, 2, 2), 900, 1), ((0.3, 0.105, 0.07), (0, 0, 0), -50, 8), ((0.2, 0.17, 0.2), (0, 3, 4),
+          20, 1), ((0.2, 0.02, 0.2), (0, 0, 0.5), 30, 1)]
+SHAPE = views.PANEL[1] / views.PANEL[0]
+FIGURES = {}
+
+
+def close(got, wanted, name, tolerance=1e-6):
+    got, wanted = np.asarray(got, float), np.asarray(wanted, float)
+    good = got.shape == wanted.shape and np.allclose(got, wanted, rtol=tolerance, atol=1e-9)
+    runs.check(good, name, f"{got.tolist()}, not {wanted.tolist()}")
+
+
+def write(folder, times, lower, upper, options, liquid, solid=(), moved=(), **more):
+    """A folder as a run leaves it. solid: (place, number of the solid) at the start, moved: the same in snapshots."""
+    os.makedirs(folder)
+    with open(os.path.join(folder, "options.opts"), "w", encoding="utf-8") as file:
+        file.write(options)
+    with h5py.File(os.path.join(folder, "solids.h5"), "w") as file:
+        file["position"] = np.array([place for place, _ in solid], float).reshape(-1, 3)
+        file["solid"] = np.array([number for _, number in solid], int)
+    for k, time in enumerate(times):
+        with h5py.File(os.path.join(folder, f"snapshot_{k:06d}.h5"), "w") as file:
+            rest = [place for place, _ in moved]
+            file["id"] = np.arange(len(liquid) + len(rest))
+            file["body"] = [0] * len(liquid) + [data.SOLID - number for _, number in moved]
+            file["position"] = np.array([row[0] for row in liquid] + rest, float)
+            file["velocity"] = np.array([row[1] for row in liquid] + [(0, 0, 0)] * len(rest), float)
+            file["pressure"] = np.array([row[2] for row in liquid] + [0] * len(rest), float)
+            file["volume"] = np.array([row[3] for row in liquid] + [0] * len(rest), float) * more.get("each", D0**3)
+            for name, value in (("time", time), ("dimension", more.get("dimension", 3)), ("spacing", D0),
+                                ("box_lower", lower), ("box_upper", upper), ("axisymmetric", more.get("rings", 0))):
+                file.attrs[name] = value
+    return data.Run(folder)
+
+
+def same(points, wanted):
+    """Whether these are the same places in any order."""
+    points, wanted = np.asarray(points, float), np.asarray(wanted, float)
+    return len(points) == len(wanted) and all(np.isclose(wanted, p, atol=1e-9).all(axis=1).any() for p in points)
+
+
+def discs(axes):
+    """Centres and widths of the discs of each colour."""
+    return [(np.asarray(c.get_offsets()), 2 * c._widths) for c in axes.collections]
+
+
+pictures.save = lambda figure, folder, name, formats: FIGURES.update({name: figure})
+
+# units and numbers
+for seconds, words in ((0.0123, "12.3 ms"), (1.5, "1.5 s"), (1.5e-5, "15 µs"), (0, "0 s")):
+    runs.check(data.duration(seconds) == words, f"time_{words}", data.duration(seconds))
+for length, wanted in ((2, (1, "m")), (0.05, (1e3, "mm")), (5e-4, (1e6, "µm"))):
+    runs.check(data.scale(length) == wanted, f"unit_of_{length}_m", data.scale(length))
+close(data.bar(0.3), 0.05, "scale_bar_is_round")
+KINDS = {"time": "s", "height": "m", "depth": "m", "diameter": "m", "energy": "J", "work": "J", "volume": "m3",
+         "highest": "m", "step": "s"}
+wrong = [name for name, unit in tables.UNITS.items() if KINDS[name.rpartition("_")[2]] != unit]
+runs.check(not wrong, "units_of_columns", wrong)
+for name, dim, wanted in (("kinetic_energy", 2, ("kinetic energy", "J/m")), ("volume", 2, ("volume", "m2")),
+                          ("kinetic_energy", 3, ("kinetic energy", "J")), ("highest", 3, ("highest liquid", "m")),
+                          ("force_xmin_x_N/m", 2, ("force xmin x", "N/m")), ("height_1_m", 2, ("height 1", "m"))):
+    runs.check(pictures.title(name, dim) == wanted, f"title_of_{name}_{dim}", pictures.title(name, dim))
+
+# a run in space behind a mirror at x = 0.1, with a solid that has moved and one that stays
+STILL, START, THERE = (0.35, 0.1, 0.02), (0.3, 0.1, 0.25), (0.3, 0.1, 0.15)
+BOX = "-box_xmin symmetry\n-box_xmax wall\n-box_y periodic\n-box_zmin wall\n-bodies water\n"
+run = write(runs.scratch("space"), (0, 0.0123, 0.05), LOWER, UPPER, BOX, LIQUID, [(START, 0), (STILL, 1)], [(THERE, 0)])
+close(run.lower, (-0.2, 0, 0), "box_with_its_image")
+runs.check(run.faces[0] == ["wall", "wall"] and run.faces[2] == ["wall", "open"], "faces", run.faces)
+moments = [t for t, _ in run.moments([0.011, 0.049])]
+close(moments, (0.0123, 0.05), "nearest_moments")
+state = run.read(run.files[1][1])
+places = np.array([row[0] for row in LIQUID])
+mirror = places * [-1, 1, 1] + [0.2, 0, 0]
+close(state.points, np.concatenate([places, mirror]), "places_with_their_images")
+v = np.array([row[1] for row in LIQUID], float)
+close(state.velocity, np.concatenate([v, v * [-1, 1, 1]]), "velocities_with_their_images")
+close(state.speed[:4], (3, 0, 5, 0.5), "speed")
+close(state.size[:4], (1, 2, 1, 1), "sizes")
+image = [(0.2 - x, y, z) for x, y, z in (STILL, THERE)]
+runs.check(same(state.solid, [STILL, THERE, *image]), "solid_that_moves_and_one_that_stays", state.solid.tolist())
+ends = views.limits([state], "pressure")
+runs.check(-50 <= ends[0] < 0 and 30 < ends[1] <= 900, "pressure_scale_has_both_signs", ends)
+ends = views.limits([state], "speed")
+runs.check(ends[0] == 0 and 3 < ends[1] <= 5, "speed_scale_starts_at_0", ends)
+
+# its section
+arguments = argparse.Namespace(color="speed", format=["png"], azimuth=25, elevation=25, curves=None)
+pictures.sections(run, [state], arguments, ends, "")
+axes = FIGURES["section"].axes[0]
+runs.check((axes.get_xlabel(), axes.get_ylabel(), axes.get_title()) == ("x (mm)", "z (mm)", "t = 12.3 ms"),
+           "labels_of_a_section", (axes.get_xlabel(), axes.get_ylabel(), axes.get_title()))
+(solids, _), (liquid, width) = discs(axes)
+shown = [(150, 50), (300, 70)]
+runs.check(same(liquid, shown + [(200 - x, z) for x, z in shown]), "liquid_of_a_section", liquid.tolist())
+runs.check(same(solids, [(1e3 * x, 1e3 * z) for x, _, z in [STILL, THERE, *image]]), "solids_of_a_section",
+           solids.tolist())
+close(width, np.where(np.isclose(liquid[:, 1], 70), 20, 10), "discs_are_as_wide_as_their_spacing")
+close(axes.collections[1].get_array(), np.where(np.isclose(liquid[:, 1], 70), 0, 3), "colours_of_a_section")
+close(axes.get_xlim() + axes.get_ylim(), (-150 - 30, 350 + 30, 0, 200 + 30), "window_of_a_section")
+thick = [line for line in axes.lines if line.get_linewidth() > 1]
+lines = {(tuple(np.rint(line.get_xdata())), tuple(np.rint(line.get_ydata()))) for line in thick}
+walls = {((-200, -200), (0, 300)), ((400, 400), (0, 300)), ((-200, 400), (0, 0))}
+runs.check(lines == walls, "walls_of_a_section", lines)
+
+# periodic and mirror images for the surface: a point at y = 0.02 again at 0.22, one at 0.17 at -0.03, walls mirror
+points, (number,) = views.images(run, places, [np.arange(4)], 0.04)
+extra = [(0.2, 0.22, 0.2), (0.2, -0.03, 0.2)]
+runs.check(same(points[4:], extra) and sorted(number[4:]) == [2, 3], "images_for_the_surface", points[4:].tolist())
+points, _ = views.images(run, np.array([(0.39, 0.1, 0.01)]), [np.arange(1)], 0.02)
+extra = [(0.41, 0.1, 0.01), (0.39, 0.1, -0.01), (0.41, 0.1, -0.01)]
+runs.check(same(points[1:], extra), "images_in_walls", points.tolist())
+
+# views: from the front, a little to the right and from above; all liquid is in the picture
+block = np.stack(np.meshgrid([-0.1, 0.3], [0.02, 0.18], [0.01, 0.2], indexing="ij"), axis=-1).reshape(-1, 3)
+cloud = data.State(0, np.repeat(block, 50, axis=0), None, None, None, None, None, np.zeros((0, 3)))
+for azimuth, elevation, place in ((0, 0, (0, -1, 0)), (90, 0, (1, 0, 0)), (0, 90, (0, 0, 1)), (25, 25, None)):
+    view, half = views.camera(run, [cloud], azimuth, elevation)
+    eye, focus = np.array(view["position"]), np.array(view["focus"])
+    back = (eye - focus) / np.linalg.norm(eye - focus)
+    if place:
+        close(back, place, f"eye_at_{azimuth}_{elevation}")
+    up = np.array(view["up"], float) if elevation < 90 else np.array([0., 1, 0])
+    right = np.cross(up, back) / np.linalg.norm(np.cross(up, back))
+    away = (eye - block) @ back
+    high = np.abs((block - focus) @ np.cross(back, right)) / away / np.tan(np.radians(views.ANGLE / 2))
+    wide = np.abs((block - focus) @ right) / away / np.tan(np.radians(views.ANGLE / 2)) * SHAPE
+    runs.check_within(max(high.max(), wide.max()), 0.8, 1, f"picture_is_filled_at_{azimuth}_{elevation}")
+view, half = views.above(run, [cloud])
+back = np.subtract(view["position"], view["focus"])
+close((*back / np.linalg.norm(back), *view["up"]), (0, 0, 1, 0, 1, 0), "from_above")
+runs.check(view["height"] >= 0.16 and view["height"] / SHAPE >= 0.4, "all_from_above", view)
+shown = []
+views.picture = lambda *a: (shown.append(a), np.zeros((views.PANEL[1], views.PANEL[0], 3), np.uint8))[1]
+pictures.surfaces(run, [state], arguments, ends, "")
+runs.check("angle" in shown[0][5] and "height" in shown[1][5], "perspective_and_from_above", [a[5] for a in shown])
+panel = FIGURES["top"].axes[0]
+bar, = panel.lines
+says, unit = panel.texts[0].get_text().split()
+close(np.ptp(bar.get_xdata()) * shown[1][5]["height"] / views.PANEL[1] * 1e3, float(says), "scale_bar_from_above")
+runs.check(unit == "mm", "unit_of_the_scale_bar", unit)
+
+# rings: the axis points up, and each ring has the area of its volume over its length
+ROWS = [((0.05, 0.02, 0), (1, 2, 0), 5, 2 * np.pi * 0.05), ((0.005, 0.03, 0), (0, 1, 0), 6, 4 * np.pi * 0.005)]
+rings = write(runs.scratch("rings"), (0,), (0, 0, 0), (0.1, 0.2, 0), "-box_ymin wall\n-bodies ball\n", ROWS,
+              dimension=2, rings=1, each=D0**2)
+state = rings.read(rings.files[0][1])
+close(state.points, [(0.05, 0, 0.02), (0.005, 0, 0.03), (-0.05, 0, 0.02), (-0.005, 0, 0.03)], "rings_stand_upright")
+close(state.velocity, [(1, 0, 2), (0, 0, 1), (-1, 0, 2), (0, 0, 1)], "velocities_of_rings")
+close(state.share, (1, 2, 1, 2), "areas_of_rings")
+on_axis = data.ring_share(np.zeros(1), np.array([2 * np.pi * 0.25 * D0**3]), np.ones(1), D0)
+close(on_axis, [1], "area_of_a_ring_on_the_axis")
+close((*rings.lower, *rings.upper), (-0.1, -0.1, 0, 0.1, 0.1, 0.2), "box_around_rings")
+runs.check(rings.faces == [["open"] * 2, ["open"] * 2, ["wall", "open"]], "faces_of_rings", rings.faces)
+pictures.sections(rings, [state], argparse.Namespace(color="body", format=["png"]), None, "")
+axes = FIGURES["section"].axes[0]
+runs.check((axes.get_xlabel(), axes.get_ylabel()) == ("r (mm)", "z (mm)"), "labels_of_rings", axes.get_xlabel())
+
+# curves: times in ms, lengths in mm
+with open(os.path.join(run.folder, "series.csv"), "w", encoding="utf-8") as file:
+    file.write("step,time_s,jet_height_m,kinetic_energy_J,iterations\n0,0,0.01,2,0\n1,0.01,0.02,3,7\n2,0.04,0.05,1,9\n")
+pictures.curves(run, "", arguments)
+panels = {axes.get_title(): axes.lines[0] for axes in FIGURES["curves"].axes if axes.lines}
+runs.check(set(panels) == {"jet height (mm)", "kinetic energy (J)"}, "curves_drawn", set(panels))
+if "jet height (mm)" in panels:
+    close(panels["jet height (mm)"].get_ydata(), (10, 20, 50), "curve_in_mm")
+    close(panels["jet height (mm)"].get_xdata(), (0, 10, 40), "curve_over_ms")
+label = FIGURES["curves"].axes[-1].get_xlabel()
+runs.check(label == "time (ms)", "time_of_curves", label)
+
+# the report's words: 2 J more, of which gravity gave 3, tension 0.5 and viscosity -1.2, leave -0.3 J
+series = {"kinetic_energy": [1, 2, 3], "potential_energy": [5, 3, 2], "tension_work": [0, 0.1, 0.5],
+          "viscous_work": [0, -1, -1.2], "step": [0, 1, 20], "wall_time": [0, 1, 8], "particles": [100, 100, 100]}
+text = report.energy(series, run)
+for words in ("from 1 J to 3 J, at most 3 J", "gravity and other body forces gave 3 J", "surface tension gave 500 mJ",
+              "viscosity gave -1.2 J", "What is left, -300 mJ (10 % of the largest"):
+    runs.check(words in text, f"the report says '{words}'", text)
+text = report.cost(series, ["Particles: 100 in a DMSwarm on 2 ranks"])
+runs.check("20 steps, 100 particles at the end, 2 processes, 8 s: 8e+03 µs" in text, "the report tells the cost", text)
+runs.done()
