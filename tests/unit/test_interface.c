@@ -97,6 +97,179 @@ static PetscErrorCode TestBalance(const char options[], const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Parts of a fifth and five fifths of the larger one: all particles that meet the other liquid have the jump of their
+   own, also those too deep for a normal, and what gas has no part in is the same at its surface, slopes too. */
+static PetscErrorCode TestUnequal(void)
+{
+  const PetscReal due[2]   = {0.5 / 8, -2.5 / 8};
+  PetscReal       worst[2] = {0, 0}, sum[2] = {0, 0}, count[2] = {0, 0}, slope = 0, differs = 0;
+  Setup           s;
+  Cloud           cloud;
+  char            label[64];
+
+  PetscFunctionBegin;
+  PetscCall(Open(FULL "-a_tension 1 -b_tension 3 ", &s));
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscInt l = cloud->liquid[a];
+
+    if (!cloud->meets[a]) continue;
+    count[l]++;
+    sum[l] += cloud->jump[a] / due[l];
+    worst[l] = PetscMax(worst[l], PetscAbsReal(cloud->jump[a] / due[l] - 1));
+  }
+  for (PetscInt l = 0; l < 2; l++) {
+    PetscCall(PetscSNPrintf(label, sizeof(label), "part_%" PetscInt_FMT "_of_unequal_liquids", l));
+    CHECK_CLOSE(SetupSum(sum[l]) / SetupSum(count[l]), 1, 0.03, label);
+    PetscCall(PetscSNPrintf(label, sizeof(label), "part_%" PetscInt_FMT "_of_each_particle", l));
+    CHECK_CLOSE(SetupMax(worst[l]), 0, 0.6, label); /* the steps of the lattice; 2 were the wrong sign */
+  }
+  PetscCall(SetupClose(&s));
+  PetscCall(Open(OPEN "-a_tension 1 -b_tension 2 ", &s)); /* 1 + 2 N/m: nothing is left for gas */
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    differs = PetscMax(differs, PetscAbsReal(cloud->field[FIELD_CAPILLARY][a] - cloud->jump[a]));
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal own = cloud->jump_slope[DIM * a + d];
+
+      slope   = PetscMax(slope, PetscAbsReal(own));
+      differs = PetscMax(differs, PetscAbsReal(cloud->field[FIELD_CAPILLARY_SLOPE][DIM * a + d] - own));
+    }
+  }
+  CHECK(SetupMax(slope) > 1e-3, "the_jump_has_slopes");
+  CHECK_CLOSE(SetupMax(differs), 0, 1e-12, "gas_without_a_part");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An ellipse, 12 by 8: its curvature, and its slope along the edge, in closed form. With t the angle of the point 12
+   cos t, 8 sin t and g^2 = 144 sin^2 t + 64 cos^2 t, the curvature is 96/g^3, so its slope is -3 96 (144 - 64) sin t
+   cos t/g^6 over the length along the tangent (-12 sin t, 8 cos t)/g. */
+static PetscErrorCode TestEllipse(void)
+{
+  PetscReal sum[4] = {0, 0, 0, 0};
+  Setup     s;
+  Cloud     cloud;
+
+  PetscFunctionBegin;
+  PetscCall(
+    Open("-dimension 2 -spacing 1 -packing_jitter 0 -bodies a,b -bodies_overlap -a_shape ellipsoid -a_center 0,0 "
+         "-a_radii 12,8 -b_shape box -interface_tension 3 -box_lower -18,-14 -box_upper 18,14 -box_x periodic "
+         "-box_y periodic ",
+         &s));
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *slope = cloud->jump_slope + DIM * a,
+                    t = atan2(x[1] / 8, x[0] / 12), c = PetscCosReal(t), i = PetscSinReal(t),
+                    g = PetscSqrtReal(144 * i * i + 64 * c * c), part = cloud->liquid[a] ? -1.5 : 1.5,
+                    due = -part * 3 * 96 * 80 * i * c / PetscPowReal(g, 6), curved = part * 96 / (g * g * g);
+
+    if (!cloud->meets[a] || cloud->jump[a] == 0) continue;
+    sum[0] += due * due;
+    sum[1] += due * (-12 * i * slope[0] + 8 * c * slope[1]) / g;
+    sum[2] += curved * curved;
+    sum[3] += curved * cloud->jump[a];
+  }
+  CHECK_CLOSE(SetupSum(sum[3]) / SetupSum(sum[2]), 1, 0.03, "jump_of_an_ellipse");
+  CHECK_CLOSE(SetupSum(sum[1]) / SetupSum(sum[0]), 1, 0.05, "slope_of_the_jump_of_an_ellipse");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Jumps that are linear in space, c + g x, other ones for both liquids, and the pressure that they balance in each: its
+   gradient is g at each particle, and in the equation a pair of both liquids sees the jump in its middle. The weights
+   of the pairs are those of the operator. */
+static PetscErrorCode TestSlopes(void)
+{
+  const PetscReal part[2] = {5, -3}, g[2][DIM] = {{0.3, -0.1, 0}, {-0.2, 0.5, 0}};
+  PetscReal      *p, *row[DIM + 1], *both, *none, *acceleration, worst[3] = {0, 0, 0}, scale = 0;
+  Setup           s;
+  Cloud           cloud;
+
+  PetscFunctionBegin;
+  PetscCall(Open(FULL, &s));
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    const PetscInt l = cloud->liquid[a];
+
+    cloud->jump[a] = part[l] + Dot(g[l], cloud->field[FIELD_POSITION] + DIM * a);
+    for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = g[l][d];
+  }
+  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
+  PetscCall(PressureSetUp(s.pressure, DT));
+  PetscCall(
+    PetscMalloc4(cloud->n_rows, &p, cloud->n_rows, &both, cloud->n_rows, &none, DIM * cloud->n_fluid, &acceleration));
+  PetscCall(PressureCapillary(s.pressure, both));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_PRESSURE][a] = cloud->jump[a];
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscCall(PressureAcceleration(s.pressure, acceleration));
+  PetscCall(PetscArrayzero(cloud->jump_slope, DIM * cloud->n_total));
+  PetscCall(PressureCapillary(s.pressure, none));
+  for (PetscInt k = 0; k <= DIM; k++) PetscCall(PetscMalloc1(cloud->n_rows, &row[k]));
+  for (PetscInt l = 0; l < 2; l++) {
+    for (PetscInt k = 0; k <= DIM; k++) { /* the sums of K_ab and of K_ab x_b over the other liquid, with a minus */
+      for (PetscInt b = 0; b < cloud->n_rows; b++)
+        p[b] = cloud->liquid[b] == l ? 0 : k == DIM ? 1 : cloud->field[FIELD_POSITION][DIM * b + k];
+      PetscCall(PressureMultiply(s.pressure, p, row[k]));
+    }
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+      const PetscReal *x   = cloud->field[FIELD_POSITION] + DIM * a;
+      PetscReal        due = 0, off[DIM];
+
+      if (cloud->liquid[a] != l || Norm(x) > 10) continue; /* beyond, the pressure jumps at the periodic faces */
+      for (PetscInt d = 0; d < DIM; d++) {
+        due -= 0.5 * (g[0][d] + g[1][d]) * (row[d][a] - x[d] * row[DIM][a]);
+        off[d] = acceleration[DIM * a + d] * cloud->rest_density[a] + g[l][d];
+      }
+      worst[0] = PetscMax(worst[0], PetscAbsReal(both[a] - none[a] - due));
+      scale    = PetscMax(scale, PetscAbsReal(due));
+      worst[1] = PetscMax(worst[1], Norm(off));
+    }
+  }
+  CHECK_CLOSE(SetupMax(worst[0]) / SetupMax(scale), 0, 1e-6, "slopes_in_the_equation");
+  CHECK_CLOSE(SetupMax(worst[1]), 0, 1e-6, "slopes_in_the_gradient");
+  for (PetscInt k = 0; k <= DIM; k++) PetscCall(PetscFree(row[k]));
+  PetscCall(PetscFree4(p, both, none, acceleration));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Wall particles are of the liquid in front of them, and have its jump and slope. */
+static PetscErrorCode TestWalls(void)
+{
+  const PetscReal part[2] = {5, -3}, g[2] = {0.3, -0.2};
+  PetscReal       wrong = 0, jumps = 0, known[2] = {0, 0};
+  Setup           s;
+  Cloud           cloud;
+
+  PetscFunctionBegin;
+  PetscCall(Open(WALLS, &s));
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    const PetscInt l = cloud->liquid[a];
+
+    cloud->jump[a]                 = l < 0 ? 0 : part[l];
+    cloud->jump_slope[DIM * a]     = l < 0 ? 0 : g[l];
+    cloud->jump_slope[DIM * a + 1] = cloud->jump_slope[DIM * a + 2] = 0;
+  }
+  PetscCall(PressureSetUp(s.pressure, DT));
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+    const PetscInt   l = PetscAbsReal(x[0]) < PetscSqrtReal(64 - 16) && x[1] < 0 ? 0 : 1;
+
+    if (x[1] < 0 && PetscAbsReal(PetscAbsReal(x[0]) - PetscSqrtReal(64 - 16)) < 2) continue; /* where both are near */
+    known[l]++;
+    wrong += cloud->liquid[a] != l;
+    jumps = PetscMax(jumps, PetscAbsReal(cloud->jump[a] - part[l]) + PetscAbsReal(cloud->jump_slope[DIM * a] - g[l]));
+  }
+  CHECK(SetupSum(known[0]) > 10 && SetupSum(known[1]) > 50, "walls_of_both_liquids");
+  CHECK_CLOSE(SetupSum(wrong), 0, 0, "the_liquid_of_a_wall");
+  CHECK_CLOSE(SetupMax(jumps), 0, 1e-12, "jump_and_slope_of_a_wall");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TestParts(void)
 {
   PetscReal part[3];
@@ -108,6 +281,7 @@ static PetscErrorCode TestParts(void)
   CHECK_CLOSE(part[0] + part[1], 3, 1e-14, "tension_of_the_interface");
   CHECK_CLOSE(part[0] + part[2], 2, 1e-14, "tension_of_the_first_liquid");
   CHECK_CLOSE(part[1] + part[2], 4, 1e-14, "tension_of_the_second_liquid");
+  CHECK_CLOSE(SceneInterfaceDensity(s.scene), 1000 + 700, 0, "both_densities_make_capillary_waves");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -120,6 +294,10 @@ int main(int argc, char **argv)
   PetscCall(TestBalance(FULL, "full"));
   PetscCall(TestBalance(WALLS, "walls"));
   PetscCall(TestBalance(OPEN, "open"));
+  PetscCall(TestUnequal());
+  PetscCall(TestEllipse());
+  PetscCall(TestSlopes());
+  PetscCall(TestWalls());
   PetscCall(TestParts());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
