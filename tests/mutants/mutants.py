@@ -2,7 +2,8 @@
 """Puts small bugs into a copy of the program, one at a time, and tells which of them the tests see.
 
     mutants.py [--jobs N] [NAME ...]   those whose name, folder or file contains a NAME; default: all of tests/mutants
-    mutants.py --readme                the table of tests/mutants/README.md, from the last run of each mutant
+    mutants.py --readme                the table of tests/mutants/README.md, from the last run of each mutant, which
+                                       fates.csv beside it keeps
 
 The edits are listed in tests/mutants/*.ini (see edits.py). The tree, without them, must pass the tests they name. Each
 edit is then applied to a copy of the tree in output/mutants, which is compiled and tested until a test fails: the
@@ -21,12 +22,13 @@ import time
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import edits  # noqa: E402
 import mpi  # noqa: E402
+import runner  # noqa: E402
 import runs  # noqa: E402
 
 ROOT = edits.ROOT
 OUTPUT = os.path.join(ROOT, "output", "mutants")
-TABLE = os.path.join(OUTPUT, "mutants.csv")
-COLUMNS = ("name", "folder", "bug", "fate", "by", "seconds", "survives")
+TABLE = os.path.join(edits.HERE, "fates.csv")
+COLUMNS = ("name", "fate", "version")  # of the tree that it was tried in
 WANTED = 0.9      # the least share of all mutants that are killed
 PATIENCE = 30, 5  # a test may take so many seconds, and so many times as long as without the edit
 KILLED, SURVIVED, ERROR = "killed", "survived", "error"
@@ -144,7 +146,7 @@ def examine(m, tree, original, seconds):
             break
     tree.restore(original)
     return dict(name=m.name, folder=m.folder, bug=m.bug, fate=fate, by=by, survives=m.survives,
-                seconds=f"{time.monotonic() - started:.1f}")
+                version=runner.version(), seconds=f"{time.monotonic() - started:.1f}")
 
 
 def run_all(mutants, jobs):
@@ -202,7 +204,7 @@ def write(rows, mutants):
     """The table with the new rows and those of mutants that did not run now."""
     known = {**read(), **{row["name"]: row for row in rows}}
     with open(TABLE, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()
         writer.writerows(known[m.name] for m in mutants if m.name in known)
 
@@ -212,7 +214,7 @@ def readme():
     missing = [m.name for m in mutants if m.name not in known]
     if missing:
         sys.exit(f"mutants.py: {len(missing)} mutants have not run, {missing[0]} for instance; run make mutants first")
-    rows = [dict(known[m.name], survives=m.survives) for m in mutants]
+    rows = [dict(known[m.name], folder=m.folder, bug=m.bug, survives=m.survives) for m in mutants]
     lines = ["| folder | tried | killed |", "| --- | --- | --- |"]
     for folder in sorted({row["folder"] for row in rows}):
         own = [row["fate"] == KILLED for row in rows if row["folder"] == folder]

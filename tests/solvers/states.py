@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """All solvers on the states that matter: a film at rest, crater and splash of the drop impact, a closed box without
 free surface, two fragments; the closed box also on two processes. All must give the same pressure, and the own
-preconditioner must need few iterations on every one."""
+preconditioner must need few iterations on every one, and as many for a tank of 6400 particles as for one of 400."""
 import os
 import re
 import sys
@@ -11,6 +11,9 @@ sys.path[:0] = [os.path.dirname(os.path.abspath(__file__)),
 import compare  # noqa: E402
 import runs  # noqa: E402
 
+TANK = """-dimension 2 -box_lower 0,0 -box_upper 2,1 -box_x wall -box_ymin wall -gravity 0,-9.81 -bodies water
+ -water_upper 1,1 -steps_max 3 -ksp_rtol 1e-8 -checkpoint_interval 0 -snapshot_interval 0 """
+GROWTH = 1.2  # of the iterations from one size to another; those of Jacobi double and double again
 MOST = 14  # iterations to 1e-3 of the own preconditioner; 4 to 9 are seen
 FRAGMENTS = """-dimension 3
 -spacing 0.1
@@ -50,6 +53,10 @@ def judge(name, process, candidates=13):
     runs.check("recommended: -ksp_type" in process.stdout, f"{name}, recommends", process.stdout[-200:])
 
 
+needed = {pc: [runs.series(runs.run(f"{TANK} -spacing {1 / n} -pc_type {pc}", f"{pc}_{n}"))["iterations"][1:].mean()
+               for n in sizes] for pc, sizes in (("twolevel", (20, 40, 80)), ("jacobi", (20, 40)))}
+runs.check_below(max(needed["twolevel"]) / min(needed["twolevel"]), GROWTH, "iterations at three sizes of a tank")
+runs.check(needed["jacobi"][1] / needed["jacobi"][0] > 1.7, "which without a coarse grid grow with the size", needed)
 judge("film at rest", compare.compare(text_of("film_at_rest/case.opts", "-spacing 0.6667e-3\n")))
 judge("closed box", compare.compare(text_of("taylor_green/case.opts", "-packing_jitter 0.25\n")))
 judge("closed box, 2 processes", compare.compare(text_of("taylor_green/case.opts", "-packing_jitter 0.25\n"), ranks=2))

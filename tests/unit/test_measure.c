@@ -148,17 +148,17 @@ static void Pressed(PetscInt layer, const PetscReal x[], PetscReal v[], PetscRea
 }
 
 /* Liquid of 100 Pa beside walls of 300 Pa: 200 Pa push side walls of 1 m outwards, the floor of 2 m, but for the solid
-   on it, downwards; the solid from both sides alike, and downwards. Corners cost a few percent. */
+   on it, downwards; the solid from both sides alike, and downwards. The kernel's sums cost a percent. */
 static PetscErrorCode TestForces(void)
 {
   PetscReal force[COLUMNS_MOST]; /* xmin, xmax, ymin, block */
 
   PetscFunctionBegin;
   PetscCall(Columns(TANK "-gauge_forces", Pressed, force));
-  CHECK_CLOSE(force[0] / -200, 1, 0.1, "force_on_the_left_wall");
-  CHECK_CLOSE(force[2] / 200, 1, 0.1, "force_on_the_right_wall");
-  CHECK_CLOSE(force[5] / (-200 * 1.6), 1, 0.1, "force_on_the_floor");
-  CHECK_CLOSE(force[7] / (-200 * 0.4), 1, 0.25, "force_on_the_solid");
+  CHECK_CLOSE(force[0] / -200, 1, 0.02, "force_on_the_left_wall");
+  CHECK_CLOSE(force[2] / 200, 1, 0.02, "force_on_the_right_wall");
+  CHECK_CLOSE(force[5] / (-200 * 1.6), 1, 0.02, "force_on_the_floor");
+  CHECK_CLOSE(force[7] / (-200 * 0.4), 1, 0.02, "force_on_the_solid");
   CHECK_CLOSE(force[4] / 200, 0, 0.01, "no_force_along_the_floor");
   CHECK_CLOSE(force[6] / 200, 0, 0.01, "no_force_on_the_solid_to_the_side");
   PetscFunctionReturn(PETSC_SUCCESS);

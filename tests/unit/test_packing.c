@@ -1,6 +1,6 @@
 /* Packing: the lattice and its walls against what one can count, the Poisson packing against its goals, the cache
    against the original. Everything made on all ranks is compared by id with the same made on one. */
-#include "../../src/packing/packing.h"
+#include "../../src/packing/packing_impl.h"
 #include "check.h"
 
 #define CACHE_FOLDER "output/build/tests/packing_cache"
@@ -15,10 +15,9 @@ typedef struct {
   PetscInt      global;
 } Setup;
 
-static PetscErrorCode SetupCreate(MPI_Comm comm, const char options[], Setup *s)
+/* What a packing fills. */
+static PetscErrorCode SetupScene(MPI_Comm comm, const char options[], Setup *s)
 {
-  Packing packing;
-
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
@@ -32,6 +31,15 @@ static PetscErrorCode SetupCreate(MPI_Comm comm, const char options[], Setup *s)
   PetscCall(ParticlesCreate(s->domain, PETSC_FALSE, &s->particles));
   PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles, KernelSupport(s->kernel), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetupCreate(MPI_Comm comm, const char options[], Setup *s)
+{
+  Packing packing;
+
+  PetscFunctionBeginUser;
+  PetscCall(SetupScene(comm, options, s));
   PetscCall(PackingCreate(s->cloud, &packing));
   PetscCall(PackingSetFromOptions(packing));
   PetscCall(PackingRun(packing, &s->report));
@@ -313,6 +321,122 @@ static PetscErrorCode TestPoisson(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The key of the cache for what these options pack. */
+static PetscErrorCode FindKey(const char options[], const char change[], unsigned long long *key)
+{
+  char    all[1024];
+  Setup   s;
+  Packing packing;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(all, sizeof(all), "%s%s", options, change));
+  PetscCall(SetupScene(PETSC_COMM_WORLD, all, &s));
+  PetscCall(PackingCreate(s.cloud, &packing));
+  PetscCall(PackingSetFromOptions(packing));
+  if (s.domain->graded) PetscCall(GradedSetUp(packing));
+  PetscCall(PackingHash(packing, 0, NULL, key));
+  PetscCall(PackingDestroy(&packing));
+  PetscCall(SetupDestroy(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whatever a packing depends on gives it another key in the cache, one thing changed at a time, and no two the same. */
+static PetscErrorCode TestKeys(void)
+{
+  static const char *const kinds[] = {"", "-packing_type poisson ", "-spacing_coarse 0.09 -fine c -c_lower 0.3,0.2 "},
+                           *bodies = "-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_ymin "
+                                     "wall -bodies a,b -a_lower 0,0 -a_upper 1,0.5 -b_shape sphere -b_radius 0.15 "
+                                     "-b_center 0.5,0.7 ",
+                           *changes[] = {"",
+                                         "-spacing 0.04",
+                                         "-box_upper 1,1.1",
+                                         "-box_upper 1.1,1",
+                                         "-box_lower 0,-0.1",
+                                         "-box_lower -0.1,0",
+                                         "-box_ymax wall",
+                                         "-box_ymin symmetry",
+                                         "-box_xmin symmetry",
+                                         "-box_x periodic",
+                                         "-a_upper 1,0.45",
+                                         "-a_lower 0,0.05",
+                                         "-a_lower 0.1,0",
+                                         "-b_radius 0.16",
+                                         "-b_center 0.5,0.71",
+                                         "-b_center 0.51,0.7",
+                                         "-b_shape box -b_lower 0.35,0.55 -b_upper 0.65,0.85",
+                                         "-bodies b,a",
+                                         "-kernel_type wendland_c2",
+                                         "-kernel_ratio 1.25",
+                                         "-packing_seed 2",
+                                         "-packing_tao_gatol 1e-3",
+                                         "-packing_tao_gatol 2e-3",
+                                         "-packing_tao_max_it 9"},
+                           *solids[]  = {"", "-s_upper 0.9,0.81", "-s_lower 0.79,0.6",
+                                         "-s_shape sphere -s_center 0.8,0.7 "
+                                          "-s_radius 0.1",
+                                         "-solids s,t -t_lower 0,0.9 -t_upper 0.2,1"},
+                           *grading[] = {"",
+                                         "-spacing_coarse 0.07",
+                                         "-spacing_growth 0.2",
+                                         "-c_lower 0.4,0.2",
+                                         "-c_lower 0.3,0.3",
+                                         "-fine c,d -d_lower 0,0 -d_upper 0.1,0.1"};
+  unsigned long long key[64], again;
+  char               options[1024], name[128];
+
+  PetscFunctionBeginUser;
+  for (size_t kind = 0; kind < PETSC_STATIC_ARRAY_LENGTH(kinds) + 2; kind++) {
+    const PetscBool          solid  = (PetscBool)(kind == 3);
+    const char *const *const change = solid ? solids : kind == 4 ? grading : changes;
+    const size_t             count  = solid       ? PETSC_STATIC_ARRAY_LENGTH(solids)
+                                      : kind == 4 ? PETSC_STATIC_ARRAY_LENGTH(grading)
+                                                  : PETSC_STATIC_ARRAY_LENGTH(changes);
+
+    PetscCall(PetscSNPrintf(options, sizeof(options), "%s%s%s", bodies,
+                            kinds[solid       ? 0
+                                  : kind == 4 ? 2
+                                              : kind],
+                            solid ? "-solids s -s_lower 0.8,0.6 -s_upper 0.9,0.8 " : ""));
+    for (size_t k = 0; k < count; k++) {
+      size_t same = k;
+
+      PetscCall(FindKey(options, change[k], &key[k]));
+      for (size_t other = 0; other < k; other++)
+        if (key[other] == key[k]) same = other;
+      PetscCall(PetscSNPrintf(name, sizeof(name), "key %d: %s beside %s", (int)kind, change[k], change[same]));
+      CHECK(same == k, name);
+    }
+    PetscCall(FindKey(options, "-packing_cache elsewhere -halo_slack 0.3", &again));
+    CHECK(again == key[0], "key: the same wherever it is kept");
+    if (kind > 0 && kind < 3) CHECK(again != key[63], "key: another for each kind");
+    key[63] = again;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The numbers of a Poisson packing are in its key, too: the cache is not read. */
+static PetscErrorCode TestKeysOfPoisson(void)
+{
+  static const char *const changes[] = {
+    "", "", "-packing_distance 0.55", "-packing_tolerance 6e-3", "-packing_skin 0.4", "-packing_repulsion 2"};
+  char options[512];
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(changes); k++) {
+    Setup s;
+
+    PetscCall(
+      PetscSNPrintf(options, sizeof(options),
+                    "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall "
+                    "-bodies a -a_upper 1,0.5 -packing_type poisson -packing_tolerance 5e-3 -packing_cache %s %s",
+                    CACHE_FOLDER, changes[k]));
+    PetscCall(SetupCreate(PETSC_COMM_WORLD, options, &s));
+    CHECK(s.report.cached == (k == 1), k == 1 ? "cache: read again" : k ? changes[k] : "cache: new");
+    PetscCall(SetupDestroy(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -324,6 +448,8 @@ int main(int argc, char **argv)
                                     "-film_lower -1,-1,-1 -film_upper 1,1,-0.5 -drop_shape sphere -drop_radius 0.5 "
                                     "-drop_center 0,0,0.2"));
   PetscCall(TestPoisson());
+  PetscCall(TestKeysOfPoisson());
+  PetscCall(TestKeys());
   PetscCall(PetscFinalize());
   return CHECK_DONE();
 }
