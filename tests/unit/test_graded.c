@@ -1,6 +1,7 @@
 /* Particles of different sizes (-spacing_coarse): the pairs against all pairs, the sums against fields with known
    answers, the symmetry of the pressure operator, the volumes of the packing, and what is refused. Lengths in fine
    spacings. Runs on any number of ranks. */
+#include "../../src/neighbors/pairs.h"
 #include "../../src/resampling/resampling.h"
 #include "setup.h"
 #include "refuse.h"
@@ -261,6 +262,7 @@ static PetscErrorCode TestPair(void)
   Setup           s;
   ParticleArrays  arrays;
   PetscReal       W, F, scale_w, scale_f, inverse_h2, ratio;
+  PairRow         row;
 
   PetscFunctionBegin;
   PetscCall(SetupOpen(options, &s));
@@ -285,6 +287,11 @@ static PetscErrorCode TestPair(void)
     CHECK_CLOSE(s.cloud->slope[a] * scale_f, other * F, 5e-7, "F of the pair times V_b");
     CHECK_CLOSE(s.cloud->field[FIELD_DENSITY][a], 1000 * (KernelSelf(s.kernel) + other * W), 1e-3,
                 "density: V_a W(0) is the same for all sizes");
+    PairRowLoadGeometry(s.cloud, s.cloud->field[FIELD_POSITION], a, &row);
+    PairRowEvaluate(s.cloud, a, &row);
+    PairRowGradient(s.cloud, a, &row);
+    CHECK_CLOSE(row.W[0] / W, 1, 1e-9, "W of the pair from its distance");
+    CHECK_CLOSE(row.F[0] / F, 1, 1e-6, "F of the pair from its distance");
     ratio = s.cloud->laplacian[a] * s.cloud->laplacian_unit * scale_f / (8 * -F * 2.25 / (2.25 + eta * eta));
     CHECK_CLOSE(PetscAbsReal(ratio), 1, 1e-3, "the pair's part in a Laplacian times V_a V_b");
   }
@@ -577,6 +584,51 @@ static PetscErrorCode TestJoin(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Jitter moves lattice points by up to so many of their own spacings; the columns of wall particles share the floor,
+   each in the middle of its part, the first half of its width behind the face. */
+static PetscErrorCode TestPlaces(void)
+{
+  const PetscReal jitter = 0.2;
+  Setup           s, moved;
+  ParticleArrays  at, there;
+  PetscReal       coarse = 0, fine = 0, sum[2] = {0, 0}, depth = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(FLAT "-packing_jitter 0 ", &s));
+  PetscCall(SetupPack(FLAT "-packing_jitter 0.2 ", &moved));
+  PetscCall(ParticlesOpen(s.particles, &at));
+  PetscCall(ParticlesOpen(moved.particles, &there));
+  for (PetscInt a = 0; a < at.n; a++) {
+    const PetscReal *x = at.real[FIELD_POSITION] + DIM * a, width = PetscSqrtReal(at.real[FIELD_VOLUME][a]);
+
+    if (at.integer[INT_LAYER][a] == 1 && x[1] < 0) {
+      sum[0] += width;
+      sum[1] += width * x[0];
+      depth = PetscMax(depth, PetscAbsReal(x[1] / width + 0.5));
+    }
+    for (PetscInt b = 0; b < there.n && at.integer[INT_LAYER][a] == 0; b++)
+      if (there.integer[INT_ID][b] == at.integer[INT_ID][a] && there.integer[INT_LAYER][b] == 0)
+        for (PetscInt d = 0; d < 2; d++) {
+          const PetscReal way = PetscAbsReal(there.real[FIELD_POSITION][DIM * b + d] - x[d]) / width;
+
+          if (width > 1.9)
+            coarse = PetscMax(coarse, way);
+          else if (width < 1.01)
+            fine = PetscMax(fine, way);
+        }
+  }
+  PetscCall(ParticlesClose(s.particles, &at));
+  PetscCall(ParticlesClose(moved.particles, &there));
+  CHECK(fine > 0.9 * jitter && fine <= jitter * 1.001, "jitter of fine particles");
+  CHECK(coarse > 0.9 * jitter && coarse <= jitter * 1.001, "jitter of coarse particles");
+  CHECK_CLOSE(SetupSum(sum[0]), 48, 1e-9, "wall particles share the floor");
+  CHECK_CLOSE(SetupSum(sum[1]), 0, 1e-6, "each in the middle of its part");
+  CHECK_CLOSE(SetupMax(depth), 0, 1e-9, "half a width behind the face");
+  PetscCall(SetupClose(&moved));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What an emitter within the fine region brings are particles of the fine size. */
 static PetscErrorCode TestEmitter(void)
 {
@@ -635,6 +687,7 @@ int main(int argc, char **argv)
   PetscCall(TestSheet());
   PetscCall(TestEmitter());
   PetscCall(TestBalance());
+  if (size == 1) PetscCall(TestPlaces());
   if (size == 1) PetscCall(TestPair());
   if (size == 1) PetscCall(TestJoin());
   if (size == 1) PetscCall(TestClosure());

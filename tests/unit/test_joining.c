@@ -93,11 +93,47 @@ static PetscErrorCode TestAlone(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A particle of one spacing with a coarse one beside it and nothing else: its volume, 1, over that of its support, a
+   sphere of 2.6, is the share below which it counts as alone. */
+static PetscErrorCode TestShare(PetscReal over, PetscInt joined, const char name[])
+{
+  const PetscReal  x[2 * DIM] = {10, 10, 10, 12, 10, 10};
+  char             options[512];
+  Setup            s;
+  ParticleArrays   arrays;
+  Resampling       resampling;
+  ResamplingReport report;
+  PetscMPIInt      rank;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options), "%s -resampling_alone %.9g", POOL,
+                          (double)(over / (4. / 3 * PETSC_PI * 2.6 * 2.6 * 2.6))));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(SetupOpen(options, &s));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : 2));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    arrays.real[FIELD_VOLUME][a] = a ? 64 : 1;
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
+  PetscCall(Resample(s.cloud, &resampling, &report));
+  CHECK_CLOSE(report.joined, joined, 0, name);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestAlone());
+  PetscCall(TestShare(0.95, 0, "a share above the least is company"));
+  PetscCall(TestShare(1.05, 1, "a share below the least is alone"));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

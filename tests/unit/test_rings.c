@@ -419,9 +419,9 @@ static PetscErrorCode TestTension(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums over the liquid: volume, of it times height, radial and axial velocity, and half its square. */
+/* Sums over the liquid: volume, of it times height, radial and axial velocity, half its square, and pressure. */
 typedef struct {
-  PetscReal V, z, v[2], energy;
+  PetscReal V, z, v[2], energy, p;
   PetscReal least, most; /* ring areas over V_0; largest inside */
   PetscInt  count, highest;
 } Sums;
@@ -439,6 +439,7 @@ static Sums SumUp(Setup *s)
     sums.z += V * x[1];
     for (PetscInt d = 0; d < 2; d++) sums.v[d] += V * v[d];
     sums.energy += 0.5 * cloud->rest_density[a] * V * Dot(v, v);
+    sums.p += V * cloud->field[FIELD_PRESSURE][a];
     sums.least = PetscMin(sums.least, area);
     if (Inside(cloud, a)) sums.most = PetscMax(sums.most, area); /* there is no room for two in a corner of the box */
     sums.count++;
@@ -449,6 +450,7 @@ static Sums SumUp(Setup *s)
   sums.v[0]   = SetupSum(sums.v[0]);
   sums.v[1]   = SetupSum(sums.v[1]);
   sums.energy = SetupSum(sums.energy);
+  sums.p      = SetupSum(sums.p);
   sums.least  = -SetupMax(-sums.least);
   sums.most   = SetupMax(sums.most);
   sums.count  = (PetscInt)SetupSum((PetscReal)sums.count);
@@ -499,6 +501,7 @@ static PetscErrorCode TestResampling(void)
     const PetscInt id = arrays.integer[INT_ID][a];
 
     arrays.real[FIELD_VOLUME][a] *= id % 7 == 0 ? 1.7 : id % 3 == 0 ? 0.3 : 0.9;
+    arrays.real[FIELD_PRESSURE][a] = 1 + id % 5;
     Vortex(arrays.real[FIELD_POSITION] + DIM * a, arrays.real[FIELD_VELOCITY] + DIM * a);
   }
   PetscCall(ParticlesClose(s.particles, &arrays));
@@ -519,6 +522,7 @@ static PetscErrorCode TestResampling(void)
   CHECK_CLOSE((after.z - before.z) / before.V, 0, 1e-13, "resampling_keeps_the_height");
   CHECK_CLOSE((after.v[0] - before.v[0]) / before.V, 0, 1e-13, "resampling_keeps_the_flow_outwards");
   CHECK_CLOSE((after.v[1] - before.v[1]) / before.V, 0, 1e-13, "resampling_keeps_momentum");
+  CHECK_CLOSE(after.p / before.p, 1, 1e-13, "resampling_keeps_the_mean_pressure");
   CHECK_CLOSE((before.energy - after.energy - report.energy) / before.energy, 0, 1e-13,
               "resampling_reports_the_energy");
   CHECK(before.most > 1.6 && after.most < 1.6, "resampling_leaves_none_fat");
@@ -529,6 +533,88 @@ static PetscErrorCode TestResampling(void)
   }
   after = SumUp(&s);
   CHECK(before.least < 0.35 && after.least > 0.55 && after.count < 0.9 * before.count, "resampling_joins_the_thin");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A sheet one ring thick, part of a cone: 20 rings from 10 spacings off the axis on, one after the other with this
+   slope. Its energy is that of two surfaces, 2 sigma A. Stretched by 1 + e, A grows by 2 e A, one half along the cone,
+   the other around it, so sum V rho a x, over the places x from the cone's tip, is -4 sigma A; and there is no force
+   along the axis. */
+static PetscErrorCode TestSheet(PetscReal slope)
+{
+  const PetscReal c    = 1 / PetscSqrtReal(1 + slope * slope);
+  PetscReal       work = 0, along = 0, most = 0, area = 0;
+  char            name[64];
+  Setup           s;
+  ParticleArrays  arrays;
+  PetscMPIInt     rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(SetupOpen("-dimension axisymmetric -spacing 1 -box_lower 0,-40 -box_upper 50,40 -bodies a -a_density 1 "
+                      "-a_tension 1 -tension_slender 0 ",
+                      &s));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : 20));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    x[0] = 10 + (a + 0.5) * c;
+    x[1] = slope * x[0];
+
+    arrays.real[FIELD_VOLUME][a] = 2 * PETSC_PI * x[0];
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a, *pull = s.cloud->field[FIELD_ACCELERATION] + DIM * a;
+
+    work += s.cloud->volume[a] * Dot(pull, x);
+    along += s.cloud->volume[a] * pull[1];
+    most += s.cloud->volume[a] * Norm(pull);
+    area += s.cloud->volume[a];
+  }
+  PetscCall(PetscSNPrintf(name, sizeof(name), "pull_of_a_sheet_of_rings_of_slope_%g", (double)slope));
+  CHECK_CLOSE(SetupSum(work) / (-4 * SetupSum(area)), 1, 0.1, name);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "no_force_along_the_axis_of_slope_%g", (double)slope));
+  CHECK_CLOSE(SetupSum(along) / SetupSum(most), 0, 1e-4, name);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Two small rings near each other join if they are of one body. */
+static PetscErrorCode TestBodies(PetscBool same)
+{
+  const PetscReal  x[2 * DIM] = {8, 0, 0, 8.7, 0, 0};
+  Setup            s;
+  ParticleArrays   arrays;
+  Resampling       resampling;
+  ResamplingReport report;
+  PetscMPIInt      rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(SetupOpen(TANK "-bodies a,b -a_upper 16,9 -b_density 900 -b_viscosity 90 -b_lower 0,9 ", &s));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : 2));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    arrays.real[FIELD_VOLUME][a] = 0.4 * 2 * PETSC_PI * arrays.real[FIELD_POSITION][DIM * a];
+    arrays.integer[INT_BODY][a]  = same ? 1 : a;
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+  }
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  PetscCall(SetupDivergence(&s));
+  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
+  PetscCall(Resample(s.cloud, &resampling, &report));
+  CHECK(report.joined == (same ? 1 : 0), same ? "small_rings_of_one_body_join" : "small_rings_of_two_bodies_do_not");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -545,6 +631,10 @@ int main(int argc, char **argv)
   PetscCall(TestTension());
   PetscCall(TestNarrow());
   PetscCall(TestResampling());
+  PetscCall(TestSheet(0));
+  PetscCall(TestSheet(0.75));
+  PetscCall(TestBodies(PETSC_TRUE));
+  PetscCall(TestBodies(PETSC_FALSE));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

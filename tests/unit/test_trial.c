@@ -451,6 +451,44 @@ static PetscErrorCode TestShaken(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In a step from 0 to 0.1 s the dummy particles of a solid are where it is at 0.05 s, with the velocity of 0.1 s: one
+   that goes to and fro by 0.2 sin(2 pi 2 t), and turns with 3 rad/s about the middle of the box. */
+static PetscErrorCode TestSolids(void)
+{
+  const PetscReal half = 0.2 * PetscSinReal(4 * PETSC_PI * 0.05), end = 0.2 * PetscSinReal(4 * PETSC_PI * 0.1),
+                  speed = 0.2 * 4 * PETSC_PI * PetscCosReal(4 * PETSC_PI * 0.1);
+  PetscReal error[2] = {0, 0}, count = 0, *before;
+  Setup     s;
+  Cloud     cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(QUIET "-solids s -s_lower 2.2,1.8 -s_upper 2.6,2.2 -s_oscillation_amplitude 0.2,0 "
+                            "-s_oscillation_frequency 2 -s_rotation_rate 3 -s_rotation_center 2,2",
+                      &s));
+  cloud = s.cloud;
+  PetscCall(PetscMalloc1(DIM * cloud->n_owned, &before));
+  PetscCall(PetscArraycpy(before, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  PetscCall(SolidsMove(cloud, 0, 0.05, 0.1));
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const PetscReal x = before[DIM * a] - 2, y = before[DIM * a + 1] - 2, c = PetscCosReal(0.15),
+                    i = PetscSinReal(0.15), due[2] = {2 + half + c * x - i * y, 2 + i * x + c * y},
+                    later[2] = {PetscCosReal(0.3), PetscSinReal(0.3)},
+                    v[2]     = {speed - 3 * (later[1] * x + later[0] * y), 3 * (later[0] * x - later[1] * y)};
+
+    for (PetscInt d = 0; d < 2; d++) {
+      error[0] = PetscMax(error[0], PetscAbsReal(cloud->field[FIELD_POSITION][DIM * a + d] - due[d]));
+      error[1] = PetscMax(error[1], PetscAbsReal(cloud->field[FIELD_VELOCITY][DIM * a + d] - v[d]));
+    }
+    count++;
+  }
+  CHECK(SetupSum(count) > 10 && end > half, "a solid that moves");
+  CHECK_CLOSE(SetupMax(error[0]), 0, 1e-12, "solids: where the liquid is, half way");
+  CHECK_CLOSE(SetupMax(error[1]), 0, 1e-12, "solids: the velocity of the end");
+  PetscCall(PetscFree(before));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A particle so fast that no step of its bound advances the time. */
 static PetscErrorCode TestStalled(void)
 {
@@ -550,6 +588,7 @@ int main(int argc, char **argv)
   PetscCall(TestImplicit(PETSC_TRUE));
   PetscCall(TestCapillaryWork());
   PetscCall(TestShaken());
+  PetscCall(TestSolids());
   PetscCall(TestStalled());
   PetscCall(TestSubsteps());
   PetscCall(PetscOptionsClear(NULL));
