@@ -1,10 +1,14 @@
-/* The packings by numbers: jitter, seed and level of a lattice, solids, the report, the least distance of random ones.
-   Lengths in spacings. Runs on any number of ranks. */
+/* The packings by numbers: jitter, seed and level of a lattice, grading, solids, the report, the least distance of
+   random ones. Lengths in spacings. Runs on any number of ranks. */
 #include "setup.h"
 #include "check.h"
 
 #define H      1.3
 #define SQUARE "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 20,20 -box_x periodic -box_y periodic -bodies a "
+
+#define GRADED                                                                                                         \
+  "-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower -24,0 -box_upper 24,20 -box_x symmetry -box_ymin wall "        \
+  "-bodies film -film_lower -24,0 -film_upper 24,16 -fine core -core_lower -4,10 -core_upper 4,20 -tension_type none "
 
 static PetscErrorCode Pack(const char options[], Setup *s, PackingReport *report)
 {
@@ -148,6 +152,51 @@ static PetscErrorCode TestDistance(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Jitter moves lattice points by up to so many of their own spacings; the columns of wall particles share the floor,
+   each in the middle of its part, the first half of its width behind the face. */
+static PetscErrorCode TestPlaces(void)
+{
+  const PetscReal jitter = 0.2;
+  Setup           s, moved;
+  ParticleArrays  at, there;
+  PetscReal       coarse = 0, fine = 0, sum[2] = {0, 0}, depth = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(GRADED "-packing_jitter 0 ", &s));
+  PetscCall(SetupPack(GRADED "-packing_jitter 0.2 ", &moved));
+  PetscCall(ParticlesOpen(s.particles, &at));
+  PetscCall(ParticlesOpen(moved.particles, &there));
+  for (PetscInt a = 0; a < at.n; a++) {
+    const PetscReal *x = at.real[FIELD_POSITION] + DIM * a, width = PetscSqrtReal(at.real[FIELD_VOLUME][a]);
+
+    if (at.integer[INT_LAYER][a] == 1 && x[1] < 0) {
+      sum[0] += width;
+      sum[1] += width * x[0];
+      depth = PetscMax(depth, PetscAbsReal(x[1] / width + 0.5));
+    }
+    for (PetscInt b = 0; b < there.n && at.integer[INT_LAYER][a] == 0; b++)
+      if (there.integer[INT_ID][b] == at.integer[INT_ID][a] && there.integer[INT_LAYER][b] == 0)
+        for (PetscInt d = 0; d < 2; d++) {
+          const PetscReal way = PetscAbsReal(there.real[FIELD_POSITION][DIM * b + d] - x[d]) / width;
+
+          if (width > 1.9)
+            coarse = PetscMax(coarse, way);
+          else if (width < 1.01)
+            fine = PetscMax(fine, way);
+        }
+  }
+  PetscCall(ParticlesClose(s.particles, &at));
+  PetscCall(ParticlesClose(moved.particles, &there));
+  CHECK(fine > 0.9 * jitter && fine <= jitter * 1.001, "jitter of fine particles");
+  CHECK(coarse > 0.9 * jitter && coarse <= jitter * 1.001, "jitter of coarse particles");
+  CHECK_CLOSE(SetupSum(sum[0]), 48, 1e-9, "wall particles share the floor");
+  CHECK_CLOSE(SetupSum(sum[1]), 0, 1e-6, "each in the middle of its part");
+  CHECK_CLOSE(SetupMax(depth), 0, 1e-9, "half a width behind the face");
+  PetscCall(SetupClose(&moved));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -157,6 +206,7 @@ int main(int argc, char **argv)
   PetscCall(TestSolid());
   PetscCall(TestReport());
   PetscCall(TestDistance());
+  PetscCall(TestPlaces());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

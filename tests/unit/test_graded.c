@@ -584,51 +584,6 @@ static PetscErrorCode TestJoin(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Jitter moves lattice points by up to so many of their own spacings; the columns of wall particles share the floor,
-   each in the middle of its part, the first half of its width behind the face. */
-static PetscErrorCode TestPlaces(void)
-{
-  const PetscReal jitter = 0.2;
-  Setup           s, moved;
-  ParticleArrays  at, there;
-  PetscReal       coarse = 0, fine = 0, sum[2] = {0, 0}, depth = 0;
-
-  PetscFunctionBegin;
-  PetscCall(SetupPack(FLAT "-packing_jitter 0 ", &s));
-  PetscCall(SetupPack(FLAT "-packing_jitter 0.2 ", &moved));
-  PetscCall(ParticlesOpen(s.particles, &at));
-  PetscCall(ParticlesOpen(moved.particles, &there));
-  for (PetscInt a = 0; a < at.n; a++) {
-    const PetscReal *x = at.real[FIELD_POSITION] + DIM * a, width = PetscSqrtReal(at.real[FIELD_VOLUME][a]);
-
-    if (at.integer[INT_LAYER][a] == 1 && x[1] < 0) {
-      sum[0] += width;
-      sum[1] += width * x[0];
-      depth = PetscMax(depth, PetscAbsReal(x[1] / width + 0.5));
-    }
-    for (PetscInt b = 0; b < there.n && at.integer[INT_LAYER][a] == 0; b++)
-      if (there.integer[INT_ID][b] == at.integer[INT_ID][a] && there.integer[INT_LAYER][b] == 0)
-        for (PetscInt d = 0; d < 2; d++) {
-          const PetscReal way = PetscAbsReal(there.real[FIELD_POSITION][DIM * b + d] - x[d]) / width;
-
-          if (width > 1.9)
-            coarse = PetscMax(coarse, way);
-          else if (width < 1.01)
-            fine = PetscMax(fine, way);
-        }
-  }
-  PetscCall(ParticlesClose(s.particles, &at));
-  PetscCall(ParticlesClose(moved.particles, &there));
-  CHECK(fine > 0.9 * jitter && fine <= jitter * 1.001, "jitter of fine particles");
-  CHECK(coarse > 0.9 * jitter && coarse <= jitter * 1.001, "jitter of coarse particles");
-  CHECK_CLOSE(SetupSum(sum[0]), 48, 1e-9, "wall particles share the floor");
-  CHECK_CLOSE(SetupSum(sum[1]), 0, 1e-6, "each in the middle of its part");
-  CHECK_CLOSE(SetupMax(depth), 0, 1e-9, "half a width behind the face");
-  PetscCall(SetupClose(&moved));
-  PetscCall(SetupClose(&s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* What an emitter within the fine region brings are particles of the fine size. */
 static PetscErrorCode TestEmitter(void)
 {
@@ -687,7 +642,6 @@ int main(int argc, char **argv)
   PetscCall(TestSheet());
   PetscCall(TestEmitter());
   PetscCall(TestBalance());
-  if (size == 1) PetscCall(TestPlaces());
   if (size == 1) PetscCall(TestPair());
   if (size == 1) PetscCall(TestJoin());
   if (size == 1) PetscCall(TestClosure());
