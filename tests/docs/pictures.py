@@ -188,13 +188,13 @@ if "jet height (mm)" in panels:
 label = FIGURES["curves"].axes[-1].get_xlabel()
 runs.check(label == "time (ms)", "time_of_curves", label)
 
-# the report's words: 2 J more, of which gravity gave 3, tension 0.5 and viscosity -1.2, leave -0.3 J
-series = {"kinetic_energy": [1, 2, 3], "potential_energy": [5, 3, 2], "tension_work": [0, 0.1, 0.5],
-          "viscous_work": [0, -1, -1.2], "step": [0, 1, 20], "wall_time": [0, 1, 8], "particles": [100, 100, 100]}
-text = report.energy(series, run)
-for words in ("from 1 J to 3 J, at most 3 J", "gravity and other body forces gave 3 J", "surface tension gave 500 mJ",
-              "viscosity gave -1.2 J", "What is left, -300 mJ (10 % of the largest"):
-    runs.check(words in text, f"the report says '{words}'", text)
+# the report: the log's budget as it stands, and the cost, 8 s of 2 processes for 20 steps of 100 particles
+BUDGET = ["Error budget of the run", "  energy: 3 < 4 J", "  dominant: the tolerance"]
+text = report.energy(["before", *BUDGET, "after"])
+runs.check(text == "<pre>" + "\n".join(BUDGET).replace("<", "&lt;") + "</pre>", "the report has the log's budget", text)
+text = report.energy(BUDGET[:2])
+runs.check("not come to its end" in text, "no budget of a run that stopped", text)
+series = {"step": [0, 1, 20], "wall_time": [0, 1, 8], "particles": [100, 100, 100]}
 text = report.cost(series, ["Particles: 100 in a DMSwarm on 2 ranks"])
 runs.check("20 steps, 100 particles at the end, 2 processes, 8 s: 8e+03 µs" in text, "the report tells the cost", text)
 runs.done()
