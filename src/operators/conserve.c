@@ -71,9 +71,10 @@ static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz, mx, my, mz, vx, vy, vz))
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b = row.index[k];
-      const PetscReal w = layer[b] ? 0 : row.W[k] * volume[b] * rest[b] * per_mass, dx = x[3 * b] - xa,
-                      dy = x[3 * b + 1] - ya, dz = x[3 * b + 2] - za;
+      const PetscReal w = row.W[k] * volume[b] * rest[b] * per_mass, dx = x[3 * b] - xa, dy = x[3 * b + 1] - ya,
+                      dz = x[3 * b + 2] - za;
 
+      if (layer[b]) continue; /* a wall has no x and u of its own here */
       mx += w * dx;
       my += w * dy;
       mz += w * dz;
@@ -128,6 +129,7 @@ PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const 
       const PetscReal w = row.W[k] * weight[b], *beta = spin + DIM * b, dx = xa - x[3 * b], dy = ya - x[3 * b + 1],
                       dz = za - x[3 * b + 2];
 
+      if (weight[b] == 0) continue; /* nor has it a push */
       vx += w * (push[3 * b] + beta[1] * dz - beta[2] * dy);
       vy += w * (push[3 * b + 1] + beta[2] * dx - beta[0] * dz);
       vz += w * (push[3 * b + 2] + beta[0] * dy - beta[1] * dx);

@@ -111,7 +111,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
                                   r_new[3 * a + 2] - from[3 * a + 2]};
 
     largest = PetscMax(largest, Norm(moved) / CloudSize(cloud, a));
-    if (!(Norm(moved) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
+    if (!(Norm(moved) + Norm(v_new + DIM * a) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
   }
   trial->largest[LARGEST_DISPLACEMENT] += largest;
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));

@@ -163,6 +163,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));
   PetscCall(tension->interface ? InterfaceApply(tension, cloud) : tension->apply(tension, cloud));
+  if (TensionOnSurface(tension)) MarangoniAdd(cloud);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

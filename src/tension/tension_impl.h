@@ -385,6 +385,11 @@ static inline PetscBool LooseHas(Tension tension, PetscInt a)
   return (PetscBool)(tension->loose && tension->loose[a]);
 }
 
+/* MarangoniAdd - adds to FIELD_ACCELERATION (m/s2) of the particles on the free surface its pull along itself where
+   bodies of different tension share it; nothing if all have the same. Needs normals and correction of the last
+   search. Not collective. */
+void MarangoniAdd(Cloud cloud);
+
 /* InterfaceApply - with two liquids in place of one pass of the model's apply, once for the surface of each liquid and
    once for that of both: sets what that sets, and the cloud's meets, jump and jump_slope. Collective. */
 PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);

@@ -1,0 +1,369 @@
+#!/usr/bin/python3
+"""Small scenes drawn at random from a table of features: each must run to its end, keep its mass to the last particle,
+and keep momentum, angular momentum and energy as far as it is closed. Scene N is always the same one. Combinations
+that the program refuses are not drawn, so that every refusal is a failure.
+
+    tests/verify/random_scenes.py [--part PART] [--show N]      --show prints the options of scene N"""
+import os
+import random
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import physics  # noqa: E402
+import runs  # noqa: E402
+
+SCENES, PARTS = 200, 10  # the first part is of `make test`
+D0, RHO = 0.04, 1000.0   # m, kg/m3; speeds are about 1 m/s, drops have a radius of 5 spacings
+MASS = 1e-12             # of a body that may change: rings and graded particles join and split
+EXACT = 1e-5             # of momentum, over that of all liquid at the speed that the energy at hand can give: where
+#                          every force is between pairs only the implicit viscosity's solver is left, 2e-6 at most
+MOMENTUM = (0.025, 0.04)  # the same else, without and with a body that moves freely: 1.9 and 3.0 % at most
+ANGULAR = 0.02           # of angular momentum, over that momentum times the radius of gyration: 1.2 % at most
+ENERGY = 0.04            # of all that was exchanged or stands in the surface: 2.9 % at most
+COMMON = f"-spacing {D0} -checkpoint_interval 0 -snapshot_double -packing_cache \"\" -time_step_max 0.02 -steps_max "
+
+
+class Scene:
+    """What has been drawn: options by name, and what the checks ask."""
+
+    def __init__(self, number):
+        self.draw = random.Random(number)
+        self.options = {}
+        self.bodies = []
+        self.kind = self.draw.choice(("2", "2", "3", "axisymmetric"))
+        self.rings, self.dim = self.kind == "axisymmetric", 3 if self.kind == "3" else 2
+        self.place = self.draw.choice(("free", "free", "free", "periodic", "tank", "tank", "mirror"))
+        self.steps = 40 if self.dim == 2 else 20
+        self.g = np.zeros(3)
+        self.set("dimension", self.kind)
+        self.box()
+        getattr(self, self.place)()
+        for feature in (self.forces, self.liquids, self.tension, self.methods, self.grading):
+            feature()
+        if self.bodies:
+            self.set("bodies", ",".join(self.bodies))
+
+    def set(self, name, *values):
+        self.options[f"-{name}"] = ",".join(str(v) for v in values)
+
+    def has(self, name):
+        return f"-{name}" in self.options
+
+    def odds(self, chance):
+        return self.draw.random() < chance
+
+    def vector(self, across, up):
+        """A vector of the scene's dimensions: one across, one up."""
+        return (round(across, 4), round(up, 4)) if self.dim == 2 else (round(across, 4), 0, round(up, 4))
+
+    def box(self):
+        """Its corners: about the origin where the liquid is free, else the floor of a tank."""
+        self.up, self.across = ("y", ("x",)) if self.dim == 2 else ("z", ("x", "y"))
+        half = {"free": (4, 4), "mirror": (3.2, 3.2), "tank": (0.8, 0.2), "periodic": (0.8, 0.28)}[self.place]
+        if self.dim == 3 and self.place in ("tank", "periodic"):
+            half = (0.4, half[1])
+        low = -4 if self.place == "free" else -0.8 if self.place == "periodic" and self.kind == "2" else 0
+        high = {"free": 4, "mirror": 3.2}.get(self.place, 0.8 if self.dim == 3 or low < 0 else 1.6)
+        least = [0.0 if self.rings or self.place == "mirror" else -x for x in half]
+        self.low = tuple(least[:self.dim - 1]) + (low,)
+        self.set("box_lower", *self.low)
+        self.set("box_upper", *half[:self.dim - 1], high)
+
+    def body(self, name, shape, **more):
+        self.bodies.append(name)
+        self.set(f"{name}_shape", shape)
+        for key, value in more.items():
+            self.set(f"{name}_{key}", *(value if isinstance(value, tuple) else (value,)))
+
+    def moves(self, name, center):
+        """A velocity field of a body, without divergence."""
+        rate = round(self.draw.uniform(1, 4), 3)
+        kind = self.draw.choice(("uniform", "strain", "uniform" if self.rings else "rotation", "shear"))
+        if kind == "shear" and self.rings:
+            kind = "strain"
+        self.set(f"{name}_velocity_type", kind)
+        if kind == "uniform":
+            self.uniform(name)
+        elif kind == "strain":
+            self.set(f"{name}_strain_rate", *((rate, -2 * rate) if self.rings else (rate, -rate) if self.dim == 2 else
+                                              (rate, 0, -rate)))
+            self.set(f"{name}_strain_center", *center)
+        elif kind == "rotation":
+            self.set(f"{name}_rotation_rate", *((rate,) if self.dim == 2 else (0.5, rate, 0.3)))
+            self.set(f"{name}_rotation_center", *center)
+        elif kind == "shear":
+            self.set(f"{name}_shear_rate", rate)
+            self.set(f"{name}_shear_normal", self.up)
+            self.set(f"{name}_shear_center", *center)
+
+    def free(self):
+        """Liquid that touches nothing."""
+        what = self.draw.choice(("drop", "drop", "pair", "pair", "sheet", "block", "thread"))
+        radius, side = (0.2, 0.3) if self.dim == 2 else (0.16, 0.24)
+        if what == "thread" and self.kind == "2":
+            what = "ellipsoid"
+        if what == "pair":
+            other = round(radius * self.draw.choice((1, 1, 0.6)), 4)
+            off = 0 if self.rings else round(self.draw.choice((0, 0.5, 1)) * other, 4)
+            up = radius + other + 1.2 * D0
+            self.body("a", "sphere", radius=radius, center=self.vector(0, 0))
+            self.body("b", "sphere", radius=other, center=self.vector(off, up))
+            self.set("b_velocity", *self.vector(0, -self.draw.choice((1, 3))))
+        elif what == "sheet":
+            thick = self.draw.choice((3, 4)) * D0  # two even rows shake: their kinetic energy grows 5 times in a step
+            self.body("a", "box", lower=self.vector(0 if self.rings else -0.4, 0), upper=self.vector(0.4, thick))
+            if self.dim == 3:
+                self.set("a_lower", -0.4, -0.4, 0)
+                self.set("a_upper", 0.4, 0.4, thick)
+            self.moves("a", self.vector(0, thick / 2))
+        elif what == "thread":
+            self.body("a", "cylinder", radius=0.14, height=0.6, axis=self.up, center=self.vector(0, 0))
+            self.moves("a", self.vector(0, 0))
+        elif what == "block":
+            low = 0 if self.rings else -side
+            self.body("a", "box", lower=(low, -side) if self.dim == 2 else (-side,) * 3,
+                      upper=(side, side) if self.dim == 2 else (side, side * 0.6, side))
+            self.moves("a", self.vector(0, 0))
+        elif what == "ellipsoid":
+            self.body("a", "ellipsoid", radii=(0.32, 0.16), center=(0, 0))
+            self.moves("a", (0, 0))
+        else:
+            self.body("a", "sphere", radius=1.2 * radius, center=self.vector(0, 0))
+            if self.kind != "2" and self.odds(0.5):
+                self.set("a_wave_amplitude", 0.02)
+            self.moves("a", self.vector(0, 0))
+        if self.kind == "2" and what in ("drop", "block") and self.odds(0.3):  # it meets a body that nothing holds
+            self.set("solids", "ball")
+            self.set("ball_shape", self.draw.choice(("sphere", "box")))
+            if self.options["-ball_shape"] == "sphere":
+                self.set("ball_radius", 0.12)
+                self.set("ball_center", 0.05, 0.52)
+            else:
+                self.set("ball_lower", -0.1, 0.4)
+                self.set("ball_upper", 0.15, 0.6)
+            self.set("ball_mass", self.draw.choice((15, 45, 400)))
+            self.set("ball_velocity", 0, -1)
+
+    def periodic(self):
+        """A box whose opposite faces are one; of rings those along the axis."""
+        for d in (self.across if not self.rings else ()) + (self.up,):
+            self.set(f"box_{d}", "periodic")
+        low = 0 if self.rings else -0.3
+        what = self.draw.choice(("full", "full", "drop", "layer"))
+        if self.rings and what == "full":
+            what = "layer"
+        if self.dim == 3 and what == "drop":
+            what = "full"
+        if what == "full":
+            self.body("a", "box")
+            self.draw.choice((self.vortices, self.uniform))("a")
+        elif what == "layer" and self.rings:
+            self.body("a", "box", upper=(0.3, 1.6))
+            self.set("a_velocity", 0, 1)
+        elif what == "layer":
+            self.body("a", "box", lower=(-0.8, -0.3) if self.dim == 2 else (-0.4, -0.28, 0.2),
+                      upper=(0.8, 0.3) if self.dim == 2 else (0.4, 0.28, 0.6))
+            self.set("a_velocity", *self.vector(1, 0))
+        else:
+            self.body("a", "box", lower=(low, 1.2 if self.rings else 0.6), upper=(0.3, 1.6 if self.rings else 0.8))
+            self.set("a_velocity", *self.vector(0, 2))
+
+    def vortices(self, name):
+        self.set(f"{name}_velocity_type", "taylor_green")
+        self.set(f"{name}_taylor_green_amplitude", 1)
+
+    def uniform(self, name):
+        self.set(f"{name}_velocity", *((0, 0.5) if self.rings else (1, 0.5) if self.dim == 2 else (1, 0.5, 0.2)))
+
+    def tank(self):
+        """Liquid between walls, with weight."""
+        for d in self.across if not self.rings else ("xmax",):
+            self.set(f"box_{d}", "wall")
+        self.set(f"box_{self.up}min", "wall")
+        right, back = (0.8, ()) if self.dim == 2 else (0.4, (0.2,))
+        what = self.draw.choice(("film", "film", "column", "rest"))
+        wide, high = (0.2, 0.6) if what == "column" else (right, 0.3)
+        self.body("a", "box", upper=(wide,) + back + (high,))
+        self.g[self.dim - 1] = -self.draw.choice((1, 9.81))
+        if what == "film":
+            low = 0.3 + 1.2 * D0
+            if self.odds(0.5):
+                self.body("b", "sphere", radius=0.14, center=self.vector(0, low + 0.14))
+            else:
+                self.body("b", "box", lower=((0 if self.rings else -0.15,) + ((-0.1,) if back else ()) + (low,)),
+                          upper=((0.15,) + ((0.1,) if back else ()) + (low + 0.2,)))
+            self.set("b_velocity", *self.vector(0, -2))
+        if what == "rest" and self.kind == "2" and self.odds(0.6):
+            self.set("solids", "ball")
+            self.set("ball_shape", "sphere")
+            self.set("ball_radius", 0.12)
+            self.set("ball_center", 0.1, 0.3)
+            self.set("ball_mass", self.draw.choice((20, 45, 80)))
+
+    def mirror(self):
+        """A part of a symmetric scene between mirrors, without weight."""
+        for d in (() if self.rings else self.across) + (self.up,):
+            self.set(f"box_{d}min", "symmetry")
+        self.body("a", "sphere", radius=0.32 if self.dim == 2 else 0.24, center=self.low)
+        rate = round(self.draw.uniform(0.5, 3), 3)
+        self.set("a_velocity_type", "strain")
+        self.set("a_strain_rate", *((rate, -2 * rate) if self.rings else (rate, -rate) if self.dim == 2 else
+                                    (rate, 0, -rate)))
+
+    def forces(self):
+        if self.place == "free" and self.odds(0.3):
+            self.g[self.dim - 1] = -9.81
+            if not self.rings and self.odds(0.5):
+                self.g[0] = 3
+        elif self.place == "free" and not self.has("solids") and self.odds(0.2):
+            self.set("central_force_rate", 2)
+        if self.g.any():
+            self.set("gravity", *self.g[:self.dim])
+
+    def liquids(self):
+        """Viscosity and density of each body."""
+        for name in self.bodies:
+            viscosity = self.draw.choice((0, 1, 1, 10, 300))
+            self.set(f"{name}_viscosity", viscosity)
+            if viscosity and self.odds(0.25):
+                model = self.draw.choice(("power_law", "carreau", "herschel_bulkley"))
+                self.set(f"{name}_viscosity_model", model)
+                self.set(f"{name}_viscosity_exponent", self.draw.choice((0.5, 0.8, 1.2)))
+                if model == "carreau":
+                    self.set(f"{name}_viscosity_time", 0.5)
+                elif model == "herschel_bulkley":
+                    self.set(f"{name}_yield_stress", 20)
+        if len(self.bodies) > 1 and not self.has("solids") and self.odds(0.4):
+            self.set("b_density", self.draw.choice((800, 1150, 1500)))
+        if self.odds(0.2):
+            self.set("viscosity_form", "morris")
+
+    def tension(self):
+        model = self.draw.choice(("curvature", "curvature", "none", "cahn_hilliard"))
+        if model == "none":
+            return
+        if model == "cahn_hilliard" and not self.rings:
+            self.set("tension_type", model)
+        for name in self.bodies:
+            self.set(f"{name}_tension", self.draw.choice((10, 40)))
+        if len(self.bodies) > 1 and not self.has("tension_type") and self.odds(0.4):
+            self.set("interface_tension", 15)
+        elif self.place == "tank" and not self.has("tension_type") and self.odds(0.5):
+            self.set("wall_contact_angle", self.draw.choice((60, 120)))
+
+    def methods(self):
+        """Schemes, forms, kernels, packings, solvers."""
+        if not self.has("interface_tension") and not self.rings and not self.has("solids"):
+            scheme = self.draw.choice(("consistent",) * 5 + ("density_invariant", "weakly_compressible"))
+            if scheme == "density_invariant" and (self.place != "free" or self.has("b_density")):
+                scheme = "weakly_compressible"  # as printed films, vortices and unlike liquids are known to blow up
+            if scheme != "consistent":
+                self.set("scheme", scheme)
+            elif self.odds(0.25):
+                self.set("pressure_gradient", "conserved")
+                self.set("shifting_conserved", 1)
+        if self.odds(0.3):
+            self.set("kernel_type", self.draw.choice(("wendland_c2", "quintic_spline")))
+        if self.options.get("-scheme") == "density_invariant" or not self.rings and not self.has("solids") and (
+                self.odds(0.15)):  # as printed it is unstable on a lattice
+            self.set("packing_type", "poisson")
+        else:
+            self.set("packing_jitter", self.draw.choice((0, 0.1, 0.3)))
+        self.set("packing_seed", self.draw.randrange(1000))
+        if self.odds(0.3):
+            self.set("pc_type", self.draw.choice(("jacobi", "gamg")))
+        self.set("viscosity_solver", self.draw.choice(("auto", "auto", "implicit")))
+
+    def grading(self):
+        """Particles of two sizes where the program knows them."""
+        if self.odds(0.4) and not any(name in option for option in self.options for name in (
+                "solids", "scheme", "interface", "viscosity_model", "packing_type", "conserved", "tension_type")):
+            if self.conserves():
+                return
+            self.set("spacing_coarse", 2 * D0)
+            self.set("fine", "near")
+            self.set("near_shape", "sphere")
+            self.set("near_radius", 0.15)
+            self.set("near_center", *self.options.get("-a_center", ",".join("0" * self.dim)).split(","))
+
+    def conserves(self):
+        """Whether all forces but the curvature's are between pairs of particles."""
+        return self.options.get("-pressure_gradient") == "conserved" or (
+            self.options.get("-scheme") == "density_invariant")
+
+    def text(self):
+        return " ".join(f"{name} {value}" for name, value in self.options.items())
+
+
+class Result:
+    """What a run says: shares of mass, momentum, angular momentum and energy that were not kept."""
+
+    def __init__(self, scene, folder):
+        states = list(physics.snapshots(folder))
+        (t0, head, first), (t1, _, last) = states[0], states[-1]
+        self.s = s = runs.series(folder)
+        self.finite = all(np.isfinite(s[n]).all() for n in s.dtype.names) and all(
+            np.isfinite(f[n]).all() for f in (first, last) for n in ("position", "velocity", "pressure", "density"))
+        density = np.array([float(scene.options.get(f"-{name}_density", RHO)) for name in scene.bodies])
+        (m0, x0, v0), (m1, x1, v1) = ((physics.volumes(head, f)[f["body"] >= 0] * density[f["body"][f["body"] >= 0]],
+                                       f["position"][f["body"] >= 0], f["velocity"][f["body"] >= 0])
+                                      for f in (first, last))
+        kinetic, potential, surface = (s[f"{kind}_energy"] for kind in ("kinetic", "potential", "surface"))
+        moved = kinetic.max() + max(abs(s["viscous_work"]) + abs(s["tension_work"]) + abs(s["outside_work"]))
+        # the measured work of tension knows thin sheets, the area of the surface does not; the work of implicit
+        # viscosity is that of one velocity, and long steps have two: energy has appeared if both sums say so
+        work = kinetic + potential - s["viscous_work"] - s["tension_work"] - s["outside_work"]
+        stored = kinetic + potential + surface - s["outside_work"]
+        gain = np.minimum(work - work[0], stored - stored[0])
+        settled = m0.sum() * np.linalg.norm(scene.g) * D0  # a packing may settle by a spacing
+        self.energy = gain.max() / (moved + surface.max() + settled)
+        self.mass = max([abs(m1[last["body"][last["body"] >= 0] == k].sum() /
+                             m0[first["body"][first["body"] >= 0] == k].sum() - 1) for k in range(len(density))])
+        self.count = len(m1) - len(m0)
+        speed = np.sqrt(2 * (moved + surface[0]) / m0.sum())  # what the energy at hand can give
+        w = float(scene.options.get("-central_force_rate", 0))  # under which the centre of mass swings as a whole
+        kept = m0 @ v0 * np.cos(w * (t1 - t0)) - w * (m0 @ x0) * np.sin(w * (t1 - t0))
+        gained = m1 @ v1 - kept - m0.sum() * scene.g * (t1 - t0)
+        if scene.has("solids"):
+            own = float(scene.options["-ball_mass"])
+            v = np.array([s[n] for n in s.dtype.names if n.startswith("ball_velocity_")])
+            gained[:2] += own * (v[:, -1] - v[:, 0] - scene.g[:2] * (t1 - t0))
+        self.momentum = np.abs(gained) / (m0.sum() * speed)
+        c0, c1, u0, u1 = m0 @ x0 / m0.sum(), m1 @ x1 / m1.sum(), m0 @ v0 / m0.sum(), m1 @ v1 / m1.sum()
+        turn = (m1[:, None] * np.cross(x1 - c1, v1 - u1)).sum(axis=0) - (m0[:, None] * np.cross(x0 - c0, v0 - u0)).sum(
+            axis=0)
+        radius = np.sqrt(m0 @ ((x0 - c0)**2).sum(axis=1) / m0.sum())
+        self.angular = np.linalg.norm(turn) / (m0.sum() * speed * radius)
+
+
+def judge(number):
+    """Runs scene 'number' and judges it."""
+    scene = Scene(number)
+    folder = runs.scratch(f"scene_{number}")
+    process = runs.start(f"{COMMON}{scene.steps} {scene.text()} -progress_interval 0 -output_dir {folder}")
+    if not runs.check(process.returncode == 0, f"scene {number} runs", f"{process.stderr.strip()[-300:]}"):
+        return
+    result = Result(scene, folder)
+    runs.check(result.finite, f"scene {number} has numbers only")
+    runs.check(result.mass <= MASS and (scene.rings or result.count == 0), f"scene {number} keeps its mass",
+               f"{result.mass:.2e} of it, {result.count} particles")
+    runs.check_below(result.energy, ENERGY, f"scene {number} gains no energy")
+    if scene.place in ("free", "periodic"):
+        pairwise = scene.conserves() and (not scene.has("a_tension") or scene.has("tension_type"))
+        limit = EXACT if pairwise else MOMENTUM[scene.has("solids")]
+        momentum = result.momentum[1] if scene.rings else result.momentum.max()
+        runs.check_below(momentum, limit, f"scene {number} keeps its momentum")
+    if scene.place == "free" and not (scene.rings or scene.has("solids") or scene.has("viscosity_form")):
+        runs.check_below(result.angular, ANGULAR, f"scene {number} keeps its angular momentum")
+
+
+if __name__ == "__main__":
+    if "--show" in sys.argv:
+        shown = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
+        print(f"{COMMON}{shown.steps} {shown.text()}")
+        sys.exit(0)
+    for part in runs.parts(*(str(k) for k in range(PARTS))):
+        for drawn in range(SCENES // PARTS * int(part), SCENES // PARTS * (int(part) + 1)):
+            judge(drawn)
+    runs.done()
