@@ -199,8 +199,8 @@ void           JournalText(const char text[]);
 
 /* CommandLineCheck - refuses (UserError) options files on the command line, in PETSC_OPTIONS or .petscrc that include
    themselves, or are not regular files, and an argument that is neither an option nor its value; makes -h and --help
-   PETSc's -help, and of names before the first option options files (argc and argv change). --version is answered, and
-   sets *stop. Collective; after MPI_Init and before PetscInitialize. */
+   PETSc's -help, and of names before the first option options files (argc and argv change). Answers -version
+   and --version, which sets *stop. Collective; after MPI_Init and before PetscInitialize. */
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop);
 
 /* HelpWanted - whether -help is given without -dump_options: then the options of all types are listed, also of those

@@ -145,7 +145,7 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
     char *word = (*argv)[k];
 
     if (!strcmp(word, "-h") || !strcmp(word, "--help")) (*argv)[k] = help;
-    if (!strcmp(word, "--version")) *stop = PETSC_TRUE;
+    if (!strcmp(word, "--version") || !strcmp(word, "-version")) *stop = PETSC_TRUE;
     if (word[0] != '-' && (*argv)[k - 1][0] != '-')
       return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", word, word);
   }

@@ -34,6 +34,27 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses to show the entries of a matrix that has none: PETSc would leave an empty file. */
+static PetscErrorCode CheckViews(Pressure pressure)
+{
+  const struct {
+    const char *option;
+    PetscBool   entries;
+  } views[] = {{"-ksp_view_mat", (PetscBool)(pressure->assembled && !SceneHasFree(pressure->cloud->scene))},
+               {"-ksp_view_pmat", pressure->assembled}};
+  PetscBool set;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(views); k++) {
+    PetscCall(PetscOptionsHasName(NULL, NULL, views[k].option, &set));
+    PetscCheckUser(!set || views[k].entries, pressure->cloud->comm,
+                   "%s has nothing to show: the matrix is a sum of pairs without entries; %s has them with -mat_type "
+                   "aij",
+                   views[k].option, SceneHasFree(pressure->cloud->scene) ? "-ksp_view_pmat" : "it");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the solver for the present rows: CG with the two-level preconditioner, which stops at a tolerance of the true
    residual, then as the user's options say. */
 static PetscErrorCode CreateSolver(Pressure pressure)
@@ -63,7 +84,8 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
   PetscCheckUser(cheap || !shell, cloud->comm,
                  "-mat_type shell has no entries for this -pc_type; " PCTWOLEVEL ", jacobi and none do without");
-  pressure->assembled  = (PetscBool) !(shell || (cheap && !pressure->mat_type[0]));
+  pressure->assembled = (PetscBool) !(shell || (cheap && !pressure->mat_type[0]));
+  PetscCall(CheckViews(pressure));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->ksp, &direct, KSPPREONLY, KSPNONE, ""));

@@ -23,7 +23,7 @@ static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st
 
 PetscErrorCode RefuseTraps(MPI_Comm comm)
 {
-  PetscBool trap = PETSC_FALSE;
+  PetscBool trap = PETSC_FALSE, view;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-fp_trap", &trap, NULL));
@@ -31,6 +31,10 @@ PetscErrorCode RefuseTraps(MPI_Comm comm)
   PetscCheckUser(!trap, comm,
                  "-fp_trap cannot be used: loops over pairs also compute what they then drop, among it divisions by "
                  "zero");
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-dm_view", &view));
+  PetscCheckUser(!view, comm,
+                 "-dm_view shows nothing of this program's particles, a DMSwarm without a grid: the log says how many "
+                 "there are and -snapshot_interval writes them");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

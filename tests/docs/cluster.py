@@ -97,6 +97,18 @@ for name in SCRIPTS:
     runs.check(code == 3 and "isph: error: other" in err and "is done" not in out, f"{name}_fails",
                f"code {code}, {out}, {err}")
 
+# a run that hangs is ended by the watchdog, one that goes on is not
+os.environ.update(ISPH_SILENCE="2", ISPH_WATCH="1")
+silent = "eval trap '' TERM; for ((k = 0; k < 200; k++)); do sleep 0.2; done"
+began = time.time()
+code, out, err, words = submit("isph", "output/hangs", silent)
+runs.check(code == 137 and "has had no line for 2 s" in err and time.time() - began < 30, "isph_that_hangs_is_ended",
+           f"code {code} after {time.time() - began:.0f} s, {err}")
+busy = "eval for ((k = 0; k < 25; k++)); do sleep 0.2; echo >>output/goes/log.txt; done"
+code, out, err, words = submit("isph", "output/goes", busy)
+runs.check(code == 0 and "no line" not in err, "isph_that_goes_on_is_not", f"code {code}, {err}")
+del os.environ["ISPH_SILENCE"], os.environ["ISPH_WATCH"]
+
 # the script of the impact hands the signal on and waits for the checkpoint
 process = begin("impact", "",
                 "eval trap 'echo checkpoint; exit 0' TERM; for ((k = 0; k < 300; k++)); do sleep 0.1; done")

@@ -11,6 +11,8 @@ SCENE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_x wall 
  -bodies film -film_upper 1,0.3 -film_tension 1 -solids post -post_lower 0.4,0 -post_upper 0.6,0.5 -time_end 1
  -wall_contact_angle 60 -box_xmax_contact_angle 100 -box_xmax_contact_hysteresis 30 -post_contact_angle 75 """
 
+CALM = "-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_ymin wall -gravity 0,-9 -bodies a -steps_max 3 "
+
 
 def log(folder):
     with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
@@ -37,6 +39,18 @@ dry = runs.start(SCENE + f"-spacing 0.006 -dry_run -progress_interval 1e-3 -outp
 lines = [line for line in dry.stdout.splitlines() if line.startswith("the dry run: ") and "%" in line]
 runs.check(dry.returncode == 0 and lines and lines[0].endswith("0 %") and not any(" h " in line for line in lines),
            "dry_run_without_nonsense", str(lines[:3]) + dry.stderr[-300:])
+
+# PETSc's habits: the products of the operator count their flops, the entries of an assembled matrix can be written.
+seen = runs.start(CALM + f"-log_view -mat_type aij -ksp_view_mat binary:{runs.scratch('A')} "
+                  f"-output_dir {runs.scratch('seen')}")
+size = os.path.getsize(runs.scratch("A")) if os.path.exists(runs.scratch("A")) else 0
+runs.check(seen.returncode == 0 and size > 1000, "entries_of_the_matrix", f"{size} bytes, {seen.stderr[-300:]}")
+products = re.findall(r"^MatMult +(\d+) \S+ \S+ \S+ (\S+)", runs.start(
+    CALM + f"-log_view -output_dir {runs.scratch('logged')}").stdout, re.M)
+runs.check(len(products) == 2 and all(float(flops) > 1000 * int(count) for count, flops in products),
+           "products_count_their_flops", str(products))
+version = runs.start("-version").stdout
+runs.check(version.startswith("isph ") and "PETSc" in version, "version", version[:300])
 
 # What walls that move put in and viscosity takes out: a little of it is missing, not a tenth of what remains.
 CAVITY = """-dimension 2 -spacing 0.0625 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall -box_ymax_velocity 1,0

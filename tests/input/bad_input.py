@@ -184,6 +184,8 @@ def scenes():
     refused("contact_angle_of_solid_with_cahn_hilliard", PLANE + "-part_contact_angle 60 -tension_type cahn_hilliard",
             ["cahn_hilliard", "curvature"])
     refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
+    refused("view_of_the_swarm", GOOD + "-dm_view", ["-dm_view", "DMSwarm", "-snapshot_interval"])
+    refused("entries_of_no_matrix", GOOD + "-ksp_view_mat binary:entries", ["-ksp_view_mat", "-mat_type aij"])
     refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
     refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])
     refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
