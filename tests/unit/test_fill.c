@@ -8,7 +8,7 @@
 
 #define GRADED                                                                                                         \
   "-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower -24,0 -box_upper 24,20 -box_x symmetry -box_ymin wall "        \
-  "-bodies film -film_lower -24,0 -film_upper 24,16 -fine core -core_lower -4,10 -core_upper 4,20 -tension_type none "
+  "-bodies film -film_lower -24,0 -film_upper 24,16 -fine core -core_lower -6,0 -core_upper 3,8 -tension_type none "
 
 static PetscErrorCode Pack(const char options[], Setup *s, PackingReport *report)
 {
