@@ -147,8 +147,7 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
     PairRowLoadFactors(cloud, a, &row);
     if (cloud->integer[INT_SURFACE][a]) {
       SymmetricRow(pressure, a, &row, scale, out);
-      if (cloud->size)
-        for (PetscInt d = 0; d < DIM; d++) out[d] /= SurfaceSlope(pressure, a);
+      for (PetscInt d = 0; d < DIM; d++) out[d] /= SurfaceSlope(pressure, a);
     } else {
       const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
       PetscReal        g[DIM], background, against;
@@ -183,8 +182,6 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal symmetric[DIM];
 
-    for (PetscInt d = 0; d < DIM; d++) change[DIM * a + d] = 0;
-    if (cloud->integer[INT_SURFACE][a]) continue;
     PairRowLoadFactors(cloud, a, &row);
     SymmetricRow(pressure, a, &row, scale, symmetric);
     for (PetscInt d = 0; d < DIM; d++) {

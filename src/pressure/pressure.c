@@ -44,6 +44,7 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->cloud           = cloud;
   p->kept            = KEPT_NONE;
   p->relaxation_time = DEFAULT_RELAXATION_TIME;
+  p->repair          = 1;
   /* Where these come from is said where they are used: source.c, closure.c, gradient.c */
   p->closure_factor   = 2;
   p->regularization   = 2;
@@ -85,6 +86,11 @@ PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time)
   PetscFunctionBegin;
   if (pressure->relaxation_option == 0) pressure->relaxation_time = time;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void PressureSetRepair(Pressure pressure, PetscReal share)
+{
+  pressure->repair = share;
 }
 
 PetscReal PressureRelaxationTime(Pressure pressure)
@@ -228,7 +234,7 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
   KernelHalfSpace(cloud->kernel, 0, &pressure->surface_plane, NULL);
   KernelSurfaceTable(cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
-  if (cloud->domain->graded) SurfaceLattice(pressure);
+  SurfaceLattice(pressure);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

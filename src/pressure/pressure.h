@@ -38,8 +38,10 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure);
  * density. Not collective. */
 PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[],
                                 PetscBool summed);
-/* PressureSetRelaxationTime - T (s) of the density term. Not collective. */
+/* PressureSetRelaxationTime - T (s) of the density term. PressureSetRepair - the share of it (1) that acts: 1, or less
+   in the first steps of a run, so that errors of the packing do not kick what is at rest. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
+void           PressureSetRepair(Pressure pressure, PetscReal share);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
    -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
    -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the advanced

@@ -45,14 +45,14 @@ struct _p_Pressure {
 
   /* of the source */
   PetscReal relaxation_time, relaxation_option;  /* s, in use and as the user gave it (0: not) */
+  PetscReal repair;                              /* the share of the density term that acts, 1 */
   PetscReal relaxation_steps;                    /* 1 */
   PetscReal lattice_sum;                         /* sum V W on a full lattice, 1 */
   PetscReal surface_plane;                       /* |sum V grad W| on the plane surface of a half space, 1/m */
   PetscReal surface_fraction[SURFACE_TABLE + 1]; /* sum V W over its value inside, by |sum V grad W|/surface_plane */
 
-  /* Of graded particles, what sums over the first two layers of a lattice below a flat surface are, from which the
-     gradient and the density of surface rows are corrected: see surface_lattice.c. All 0 where particles have one size
-   */
+  /* What sums over the first two layers of a lattice below a flat surface are, from which the
+     gradient and the density of surface rows are corrected: see surface_lattice.c */
   PetscReal layer_normal[2]; /* |sum V grad W| times the spacing, 1 */
   PetscReal layer_slope[2];  /* what Eq. (9) makes of a hydrostatic pressure of slope 1 */
   PetscReal layer_density;   /* filled fraction of the first layer less that of the table, 1 */
@@ -166,7 +166,7 @@ PetscErrorCode SetConvergence(Pressure pressure);
    did what it says, whose reason must be there. Collective. */
 PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result);
 
-/* SurfaceLattice - sets the layer_... of particles of different sizes. Not collective. */
+/* SurfaceLattice - sets the layer_... . Not collective. */
 void SurfaceLattice(Pressure pressure);
 /* SurfaceSlope, SurfaceDensity - by what Eq. (9) is too large in the row of particle a on or near the surface; what is
    to be added to its filled fraction. Not collective. */

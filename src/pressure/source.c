@@ -38,7 +38,7 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
     const PetscReal t     = PetscMin(place - k, 1.0);
 
     fraction = (1 - t) * pressure->surface_fraction[k] + t * pressure->surface_fraction[k + 1];
-    if (cloud->size) fraction += SurfaceDensity(pressure, a);
+    fraction += SurfaceDensity(pressure, a);
   }
   defect = fraction - cloud->field[FIELD_DENSITY][a] / (cloud->rest_density[a] * pressure->lattice_sum);
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
@@ -67,7 +67,8 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    rhs[a] = -div[a] / dt - DensityDefect(pressure, a) * (1 / (dt * PetscMax(CloudSize(cloud, a) * T, least)));
+    rhs[a] =
+      -div[a] / dt - DensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(CloudSize(cloud, a) * T, least)));
   for (PetscInt a = 0; a < cloud->n_fluid && SceneEmits(cloud->scene); a++)
     if (IsHeld(cloud, a)) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;

@@ -1,13 +1,13 @@
-/* What the sums of surface rows miss, of particles of different sizes.
+/* What the sums of surface rows miss.
 
    At rest the first layers of a lattice have a pressure that is too high by 0.15 to 0.2 rho g s. Where the spacing s
-   changes along the surface that is a slope of the pressure, which drives particles from coarse to fine. There are two
-   causes, and both follow from the lattice itself. Eq. (9) makes of a pressure of slope 1 below a flat surface 0.956
-   and 1.065 in the first two layers (2-d; 0.949 and 1.038 in 3-d). And the filled fraction of a continuous half-space
-   at the lattice's |sum V grad W| is 0.04 to 0.047 less than the lattice's, so that the first layer counts as
-   compressed. Corrected for both, the errors are .000 rho g s in the first layer and -.006 below on a lattice, .013 and
-   -.004 with a jitter of 0.1. (Particles of one size are not corrected: there the error is the same all along the
-   surface and moves nothing, and a coarse impact loses less energy with it.) */
+   changes along the surface that is a slope of the pressure, which drives particles from coarse to fine; and where the
+   surface is strained it changes in time, so that gravity waves are 1 % fast. There are two causes, and both follow
+   from the lattice itself. Eq. (9) makes of a pressure of slope 1 below a flat surface 0.956 and 1.065 in the first two
+   layers (2-d; 0.949 and 1.038 in 3-d). And the filled fraction of a continuous half-space at the lattice's |sum V grad
+   W| is 0.04 to 0.047 less than the lattice's, so that the first layer counts as compressed. Corrected for both, the
+   errors are .000 rho g s in the first layer and -.006 below on a lattice, .013 and
+   -.004 with a jitter of 0.1. */
 #include "pressure_impl.h"
 
 /* Sums at layer k (0: the first) of a lattice of spacing 1 below a flat surface: the filled fraction over that inside,

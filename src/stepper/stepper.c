@@ -415,6 +415,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     SceneMoveSolids(cloud->scene, state->time);
     DomainSetTime(cloud->domain, state->time + dt);
+    PressureSetRepair(stepper->pressure,
+                      PetscMin(1, (state->step + 1) * dt / PressureRelaxationTime(stepper->pressure)));
     PetscCall(stepper->ops.step(stepper, dt, &trial));
     PetscCall(TrialReduce(stepper, &trial));
     PetscCall(TrialCheck(stepper, dt, &trial, why, length));

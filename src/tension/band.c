@@ -1,7 +1,7 @@
 /* Where tension is evaluated: in cells within a distance of a surface particle. A rank has as many cells as its surface
    particles and their surroundings need, and asks no other rank unless its ghosts do not reach that far. The cells have
-   the same places on every rank, so that all ranks decide alike. A rank whose surface is so spread that it must take
-   larger cells evaluates more of its particles, with the same results. */
+   the same places on every rank, so that all ranks decide alike. What depends on the distance itself and not on the
+   cells asks BandWithin. */
 #include "tension_impl.h"
 
 #define MAX_CELLS   (1 << 25) /* more cells than this would take too much memory: they are made larger */
@@ -29,6 +29,8 @@ PetscErrorCode BandDestroy(Band *band)
   PetscFunctionBegin;
   PetscCall(PetscFree(band->surface));
   PetscCall(PetscFree(band->near));
+  PetscCall(PetscFree(band->begin));
+  PetscCall(PetscFree(band->place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,6 +99,8 @@ static PetscErrorCode SetWindow(Band *band, Cloud cloud, const unsigned char kee
     PetscCall(PetscFree(band->near));
     PetscCall(PetscMalloc1(band->capacity, &band->surface));
     PetscCall(PetscMalloc1(band->capacity, &band->near));
+    PetscCall(PetscFree(band->begin));
+    PetscCall(PetscMalloc1(band->capacity + 2, &band->begin));
   }
   PetscCall(PetscArrayzero(band->surface, *count));
   PetscCall(PetscArrayzero(band->near, *count));
@@ -115,6 +119,51 @@ static void MarkAround(Band *band, PetscInt first, PetscInt last, PetscInt y, Pe
 
       if (along > 0) (void)memset(band->near + line + begin, 1, (size_t)(end - begin + 1));
     }
+}
+
+/* Sorts the positions of the surface particles into the cells. */
+static PetscErrorCode Sort(Band *band, Cloud cloud, const unsigned char keep[], PetscInt bits, PetscInt count)
+{
+  const PetscReal *x     = cloud->field[FIELD_POSITION];
+  PetscInt        *begin = band->begin + 1; /* of a cell first its particles, then their first place, then their last */
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(band->begin, count + 2));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if (OnSurface(band, cloud, a) && (!keep || keep[a] & bits)) begin[BandCell(band, x + DIM * a) + 1]++;
+  for (PetscInt c = 0; c < count; c++) begin[c + 1] += begin[c];
+  if (begin[count] > band->place_capacity) {
+    band->place_capacity = begin[count] + begin[count] / 4;
+    PetscCall(PetscFree(band->place));
+    PetscCall(PetscMalloc1(DIM * band->place_capacity, &band->place));
+  }
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if (OnSurface(band, cloud, a) && (!keep || keep[a] & bits))
+      PetscCall(PetscArraycpy(band->place + DIM * begin[BandCell(band, x + DIM * a)]++, x + DIM * a, DIM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool BandWithin(const Band *band, const PetscReal x[DIM], PetscReal radius)
+{
+  const PetscInt cell = BandCell(band, x), *n = band->n;
+  PetscInt       at[DIM];
+
+  if (cell < 0 || !band->near[cell]) return PETSC_FALSE;
+  CellCoordinates(n, cell, at);
+  for (PetscInt dz = PetscMax(-band->reach, -at[2]); dz <= PetscMin(band->reach, n[2] - 1 - at[2]); dz++)
+    for (PetscInt dy = PetscMax(-band->reach, -at[1]); dy <= PetscMin(band->reach, n[1] - 1 - at[1]); dy++) {
+      const PetscInt along = band->along[PetscAbsInt(dy)][PetscAbsInt(dz)],
+                     line  = CellIndex(n, 0, at[1] + dy, at[2] + dz);
+
+      if (along <= 0) continue;
+      for (PetscInt k = band->begin[line + PetscMax(0, at[0] - along)];
+           k < band->begin[line + PetscMin(n[0] - 1, at[0] + along) + 1]; k++) {
+        const PetscReal *s = band->place + DIM * k, d[DIM] = {x[0] - s[0], x[1] - s[1], x[2] - s[2]};
+
+        if (Dot(d, d) <= radius * radius) return PETSC_TRUE;
+      }
+    }
+  return PETSC_FALSE;
 }
 
 PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known, const unsigned char keep[],
@@ -147,5 +196,6 @@ PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal kno
       mark = next;
     }
   }
+  if (!band->shared) PetscCall(Sort(band, cloud, keep, bits, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

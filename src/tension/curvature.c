@@ -434,8 +434,8 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
 
     if (!TensionOwns(cloud, liquid, a)) continue;
     LiquidPosition(liquid, p, x);
-    if (!BandNear(&tension->bands[level], x)) continue;
     tension->size = CloudSize(cloud, a);
+    if (!BandWithin(&tension->bands[level], x, tension->size * TensionSurfaceReach(tension))) continue;
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, a, x, tension->threshold / (V * H * tension->size), &phi, g);
     length = Norm(g);

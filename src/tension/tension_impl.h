@@ -111,7 +111,10 @@ typedef struct {
   PetscInt        reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
   PetscInt        first[DIM], n[DIM], capacity;                 /* the cells around the surface particles */
   unsigned char  *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
-  const PetscInt *also;           /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
+  PetscInt       *begin;          /* [n[2]][n[1]][n[0]] and one more: the first place of a cell; of bands not shared */
+  PetscReal      *place;          /* [begin[last]][DIM] positions of the surface particles, by cells, m */
+  PetscInt        place_capacity;
+  const PetscInt *also; /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
 } Band;
 
 /* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
@@ -148,6 +151,9 @@ static inline PetscBool BandNear(const Band *band, const PetscReal x[DIM])
 
   return (PetscBool)(cell >= 0 && band->near[cell]);
 }
+/* BandWithin - whether x (m) is within this radius (m), at most that of the band, of a surface particle: exactly, so
+   that it does not depend on where the cells are. For bands that are not shared. Not collective. */
+PetscBool BandWithin(const Band *band, const PetscReal x[DIM], PetscReal radius);
 
 /* --- vicinity.c: what is near some particles --- */
 
@@ -291,6 +297,14 @@ struct _p_Tension {
   PetscInt64     weight_capacity;
 };
 
+/* A particle has a normal only within SURFACE_REACH H of a surface particle. Below a flat surface |grad phi| H falls
+   below the default threshold 0.9 H deep. Where two surfaces meet, particles between them have a normal from further
+   away: of those that a wider search finds, one in a hundred at most and none beyond 1.35 H. */
+#define SURFACE_REACH 1.35
+static inline PetscReal TensionSurfaceReach(Tension tension)
+{
+  return SURFACE_REACH * KernelSmoothingLength(tension->kernel);
+}
 /* TensionSort - finds where the particles of each level are near the surface (BandMark), and sorts the liquid for these
    (LiquidSort), with its weights. Collective. */
 PetscErrorCode TensionSort(Tension tension, Cloud cloud);

@@ -103,8 +103,8 @@ static void MarkNear(Tension tension, Cloud cloud, PetscBool surface, const Vici
 /* BandMark and LiquidSort for each level of graded particles, of what is around its own. */
 static PetscErrorCode SortLevels(Tension tension, Cloud cloud)
 {
-  const PetscReal H = KernelSmoothingLength(tension->kernel), support = KernelSupport(tension->kernel);
-  const PetscInt  levels = tension->levels;
+  const PetscReal support = KernelSupport(tension->kernel);
+  const PetscInt  levels  = tension->levels;
   Vicinity        vicinity[SIZE_LEVELS];
   PetscInt       *own, first[SIZE_LEVELS + 1];
   unsigned char  *keep;
@@ -113,15 +113,19 @@ static PetscErrorCode SortLevels(Tension tension, Cloud cloud)
   PetscCall(PetscMalloc2(cloud->n_fluid, &own, cloud->n_total, &keep));
   SortByLevel(cloud, levels, own, first);
   for (PetscInt l = 0; l < levels; l++)
-    PetscCall(VicinityCreate(cloud, tension->largest[l] * H, first[l + 1] - first[l], own + first[l], &vicinity[l]));
+    PetscCall(VicinityCreate(cloud, tension->largest[l] * TensionSurfaceReach(tension), first[l + 1] - first[l],
+                             own + first[l], &vicinity[l]));
   MarkNear(tension, cloud, PETSC_TRUE, vicinity, keep);
   for (PetscInt l = 0; l < levels; l++) {
     PetscInt near = first[l];
 
     PetscCall(VicinityDestroy(&vicinity[l]));
-    PetscCall(BandMark(&tension->bands[l], cloud, tension->largest[l] * H, tension->size_most * support, keep, 1 << l));
+    PetscCall(BandMark(&tension->bands[l], cloud, tension->largest[l] * TensionSurfaceReach(tension),
+                       tension->size_most * support, keep, 1 << l));
     for (PetscInt k = first[l]; k < first[l + 1]; k++)
-      if (BandNear(&tension->bands[l], cloud->field[FIELD_POSITION] + DIM * own[k])) own[near++] = own[k];
+      if (BandWithin(&tension->bands[l], cloud->field[FIELD_POSITION] + DIM * own[k],
+                     TensionSurfaceReach(tension) * CloudSize(cloud, own[k])))
+        own[near++] = own[k];
     PetscCall(VicinityCreate(cloud, tension->largest[l] * support, near - first[l], own + first[l], &vicinity[l]));
   }
   MarkNear(tension, cloud, PETSC_FALSE, vicinity, keep);
@@ -138,14 +142,12 @@ PetscErrorCode TensionSort(Tension tension, Cloud cloud)
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
-  /* |grad phi| H is below the default threshold 0.9 H deep; surface particles are half a spacing deep */
   if (tension->graded)
     PetscCall(SortLevels(tension, cloud));
   else {
     const unsigned char *keep = tension->phase ? tension->phases : NULL;
 
-    PetscCall(
-      BandMark(&tension->bands[0], cloud, KernelSmoothingLength(tension->kernel), support, keep, tension->phase));
+    PetscCall(BandMark(&tension->bands[0], cloud, TensionSurfaceReach(tension), support, keep, tension->phase));
     PetscCall(LiquidSort(TensionLevel(tension, 0), cloud, support, 1, keep, tension->phase));
   }
   for (PetscInt l = 0; l < tension->levels; l++) {
