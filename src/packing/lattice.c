@@ -1,7 +1,7 @@
 /* Bodies filled from a lattice of the particle spacing, with a jitter. */
 #include "packing_impl.h"
 
-#define LEVEL_MAX 0.5 /* spacings that the level may be from a body's surface: a point more or less a direction */
+#define LEVEL_MAX 0.5 /* pitches that the level may be from a body's surface: a point more or less a direction */
 #define SHELL_SPLIT                                                                                                    \
   0.5                  /* a shell of equal distance with more than this share of the points near the surface is flat   \
                         */
@@ -177,7 +177,9 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   size_t          n;
 
   PetscFunctionBegin;
-  *shells = (Shells){.bound = LEVEL_MAX * domain->spacing * (1 + POINT_TOLERANCE)};
+  *shells = (Shells){.bound = PETSC_MAX_REAL};
+  for (PetscInt d = 0; d < domain->dim; d++) shells->bound = PetscMin(shells->bound, LEVEL_MAX * lattice->pitch[d]);
+  shells->bound *= 1 - POINT_TOLERANCE; /* less than the outermost points of a body that the lattice fits are deep */
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &near));
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
     PetscReal x[DIM], placed[DIM], s, solid, *kept, length, share;
@@ -236,7 +238,7 @@ static PetscReal ChooseLevel(const Shells *shells, PetscReal tolerance)
 
 /* The level of the signed distance (m) below which lattice points fill a body, so that their number is its volume over
    that of a lattice cell: with the level 0 a small sphere would be up to a fifth too light or heavy. At most LEVEL_MAX
-   spacings from 0. *length: the volume of the body as rings over the area of a lattice cell, m. */
+   pitches from 0. *length: the volume of the body as rings over the area of a lattice cell, m. */
 static PetscErrorCode FitLevel(Packing packing, PetscInt b, const Lattice *lattice, PetscReal *level, PetscReal *length)
 {
   Shells shells;

@@ -133,7 +133,7 @@ static PetscErrorCode TestFarList(void)
   (void)Swap(cloud, near, -BEHIND);
   for (PetscInt k = 0; k < SUMS; k++) {
     PetscCall(PetscSNPrintf(name, sizeof(name), "far_list_%s", names[k]));
-    CHECK(before[k] > 0 && before[k] == after[k], name);
+    CHECK(SetupMax(before[k]) > 0 && before[k] == after[k], name);
   }
   (void)munmap(pair, (size_t)(BEHIND + n) * sizeof(PetscReal));
   (void)munmap(far.list, (size_t)(BEHIND + n) * sizeof(PetscInt));
