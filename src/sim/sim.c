@@ -1,6 +1,8 @@
 #include "sim_impl.h"
 #include <stdlib.h>
 
+#define UNEVEN 0.01 /* standard deviation of a packing's density over the rest density: an optimised one has 1e-4 */
+
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
 #define JOURNAL_FILE    "log.txt"
@@ -220,6 +222,11 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
       viewer, "Packing: density deviates by %.3g kg/m3 (standard deviation), closest particles %.3g spacings apart%s\n",
       (double)sim->report.density_std, (double)sim->report.smallest_distance,
       sim->report.cached ? ", from the cache" : ""));
+  if (!sim->restart[0] && sim->relaxation_time == 0 && StepperRepairsAtOnce(sim->stepper) &&
+      sim->report.density_std > UNEVEN * BodyMaterial(SceneBody(sim->scene, 0))->density)
+    PetscCall(PetscViewerASCIIPrintf(
+      viewer, "warning: this scheme repairs that in the first step, which sets the liquid in motion; start from "
+              "-packing_type poisson or with -packing_relaxation_time\n"));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -80,7 +80,7 @@ static PetscErrorCode DensityInvariantStep(Stepper stepper, PetscReal dt, StepTr
 PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper)
 {
   PetscFunctionBegin;
-  stepper->ops              = (SchemeOps){.step = DensityInvariantStep, .advice = ADVICE};
+  stepper->ops              = (SchemeOps){.step = DensityInvariantStep, .advice = ADVICE, .at_once = PETSC_TRUE};
   stepper->scheme           = NULL;
   stepper->no_slip          = PETSC_FALSE;
   stepper->relaxation_ratio = 5; /* only with another source than its own */

@@ -269,6 +269,11 @@ PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool StepperRepairsAtOnce(Stepper stepper)
+{
+  return (PetscBool)(stepper->ops.at_once && !PressureTakesDivergence(stepper->pressure));
+}
+
 PetscErrorCode StepperReset(Stepper stepper)
 {
   PetscFunctionBegin;

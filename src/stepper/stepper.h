@@ -80,6 +80,9 @@ PetscErrorCode StepperRefresh(Stepper stepper);
 /* StepperMeasure - density, its mean and surface_energy of the state at the start of a run, of the swarm's particles as
    they are; gives them their viscosity where it varies. Collective. */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
+/* StepperRepairsAtOnce - whether each step repairs all density errors, so that those of the packing become speed in the
+   first one. Not collective. */
+PetscBool StepperRepairsAtOnce(Stepper stepper);
 /* StepperReset - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
 PetscErrorCode StepperReset(Stepper stepper);
 /* StepperSetRelaxation - whether steps are those of the relaxation to rest: no body force, velocities multiplied with

@@ -62,7 +62,8 @@ typedef struct {
                                                            largest of the fluid, m/s */
   PetscErrorCode (*step)(Stepper stepper, PetscReal dt, StepTrial *trial);
   PetscErrorCode (*destroy)(Stepper stepper);
-  const char *advice; /* what else to try when a step fails for good */
+  const char *advice;  /* what else to try when a step fails for good */
+  PetscBool   at_once; /* repairs the density in each step, unless the source is a divergence */
 } SchemeOps;
 
 #define VISCOUS_EQUATION "viscous" /* for SolverTry and SolverExplain */
