@@ -53,6 +53,7 @@ struct _p_Pressure {
 
   /* What sums over the first two layers of a lattice below a flat surface are, from which the
      gradient and the density of surface rows are corrected: see surface_lattice.c */
+  PetscReal layer_share;     /* the share of that which is corrected, 1 */
   PetscReal layer_normal[2]; /* |sum V grad W| times the spacing, 1 */
   PetscReal layer_slope[2];  /* what Eq. (9) makes of a hydrostatic pressure of slope 1 */
   PetscReal layer_density;   /* filled fraction of the first layer less that of the table, 1 */
