@@ -144,7 +144,7 @@ def main():
                    f"{scene} {options}, {ranks} rank{'s' * (ranks > 1)}".strip(), f"{verdict}: {text}")
     if not arguments.all and not arguments.readme:
         for options in ("-pc_type twolevel", "-pc_type gamg", "-ksp_type preonly -pc_type lu",
-                        "-ksp_type minres -pc_type jacobi", "-ksp_type cgs -pc_type jacobi"):
+                        "-ksp_type minres -pc_type jacobi", "-ksp_type tfqmr -pc_type jacobi"):
             verdict, _, text = outcome["", options, 1]
             runs.check(verdict == "right", f"{options} is right", f"{verdict}: {text}")
     counts = {}
