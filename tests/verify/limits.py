@@ -56,8 +56,8 @@ def solid():
 
 
 def halves():
-    """Half of a scene with a mirror is the whole, of a packing that is symmetric: a sphere's need not be. To 0.25 s: from
-    contact at 0.05 s on rounding grows thirtyfold every six steps."""
+    """Half of a scene with a mirror is the whole, of a packing that is symmetric: a sphere's need not be. To 0.25 s:
+    from contact at 0.05 s on rounding grows thirtyfold every six steps."""
     block = SPLASH.replace("-drop_shape sphere -drop_radius 0.25 -drop_center 0,0.8",
                            "-drop_lower {},0.6 -drop_upper 0.2,1").replace("-time_end 0.6", "-time_end 0.25")
     for name, more, most in (("without tension", "-film_tension 0 -drop_tension 0", 1e-6), ("with tension", "", 1e-5)):
