@@ -52,6 +52,13 @@ runs.check(len(products) == 2 and all(float(flops) > 1000 * int(count) for count
 version = runs.start("-version").stdout
 runs.check(version.startswith("isph ") and "PETSc" in version, "version", version[:300])
 
+# A scheme that repairs the density at once warns of a packing that it would set in motion, and of no other.
+WARNING = "warning: this scheme repairs that in the first step"
+for name, options, due in ("uneven", "", True), ("even", "-packing_type poisson ", False):
+    has_it = WARNING in log(runs.run(CALM + "-scheme density_invariant " + options, name))
+    runs.check(has_it == due, f"warning_of_the_packing_{name}", log(runs.scratch(name))[-800:])
+runs.check(WARNING not in log(runs.run(CALM, "repaired_gradually")), "warning_of_the_packing_of_the_default_scheme")
+
 # What walls that move put in and viscosity takes out: a little of it is missing, not a tenth of what remains.
 CAVITY = """-dimension 2 -spacing 0.0625 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall -box_ymax_velocity 1,0
  -bodies a -a_viscosity 10 -time_end 2"""
