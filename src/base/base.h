@@ -61,6 +61,8 @@ PetscErrorCode LogRegister(void);
 /* LogEvent, LogStage - the PETSc handles of an event or a stage. Not collective. */
 PetscLogEvent LogEvent(EventId event);
 PetscLogStage LogStage(StageId stage);
+/* LogPairFlops - counts 'each' operations for each of n pairs in -log_view. Not collective. */
+PetscErrorCode LogPairFlops(PetscInt64 n, PetscInt each);
 
 static inline PetscReal Dot(const PetscReal a[DIM], const PetscReal b[DIM])
 {

@@ -42,3 +42,10 @@ PetscLogStage LogStage(StageId stage)
 {
   return Stages[stage];
 }
+
+PetscErrorCode LogPairFlops(PetscInt64 n, PetscInt each)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogFlops((PetscLogDouble)each * (PetscLogDouble)n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

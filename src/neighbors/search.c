@@ -1,7 +1,9 @@
 /* The neighbour search: the list of the pairs within the kernel's support, and the factors of the pairs. */
 #include "search.h"
 
-#define AROUND 1 /* lines of cells around that of a particle, each way */
+#define PAIR_FLOPS    29 /* of a pair for -log_view: distance, kernel, factors */
+#define VISITED_FLOPS 77 /* with the visitor's sums: W, normal, crowding, six moments */
+#define AROUND        1  /* lines of cells around that of a particle, each way */
 
 /* Stores in list and s those candidates of a run whose squared distance s = r2/h2 is below 'limit', without point a
    itself; returns how many there are. order holds the local indices, x, y and z the integer positions of all points in
@@ -185,6 +187,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
   EightSet();
   if (cloud->size) {
     PetscCall(SearchGraded(cloud, visit, context));
+    PetscCall(LogPairFlops(cloud->first[cloud->n_owned], visit ? VISITED_FLOPS : PAIR_FLOPS));
     PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -208,6 +211,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
     used = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
   }
   PetscCall(PetscFree3(search.place, search.s, search.run));
+  PetscCall(LogPairFlops(cloud->first[cloud->n_owned], visit ? VISITED_FLOPS : PAIR_FLOPS));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_NEIGHBORS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -152,6 +152,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
       div[a] +=
         HoopDivergence(cloud->domain, CloudSize(cloud, a), x[DIM * a], velocity[DIM * a], scale, moved, B, time_offset);
   }
+  PetscCall(LogPairFlops(cloud->first[cloud->n_owned], 33));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -85,6 +85,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
     for (PetscInt k = 0; k < row.n; k++) sum += CloudWeigh(cloud, row.index[k], V) * row.W[k];
     cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * sum;
   }
+  PetscCall(LogPairFlops(cloud->first[cloud->n_owned], 26));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

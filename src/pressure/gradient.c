@@ -203,6 +203,7 @@ PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[])
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscCall(pressure->gradient(pressure, acceleration));
+  PetscCall(LogPairFlops(pressure->cloud->first[pressure->cloud->n_fluid], 11));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

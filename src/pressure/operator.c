@@ -8,7 +8,7 @@
    changes a row by 3e-6, a thousandth of the error of a sum over 80 neighbours against the Laplacian. */
 #include "pressure_impl.h"
 
-#define PAIR_FLOPS 3. /* of a product: a difference, times the weight, added */
+#define PAIR_FLOPS 3 /* of a product: a difference, times the weight, added */
 
 const PetscReal *PressureDensity(Pressure pressure)
 {
@@ -246,7 +246,7 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
     y[ParentRow(pressure, a)] += scale * RowSum(pressure, a, full);
   PetscCall(CloudRestoreWork(cloud, &full));
-  PetscCall(PetscLogFlops(PAIR_FLOPS * (PetscLogDouble)cloud->first[cloud->n_owned] + 3. * cloud->n_owned));
+  PetscCall(LogPairFlops(cloud->first[cloud->n_owned] + cloud->n_owned, PAIR_FLOPS));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

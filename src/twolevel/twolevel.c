@@ -221,20 +221,27 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets an option of the inner solver unless the user did; marks it as read, for not every grid has levels to read it.
- */
-static PetscErrorCode CoarseDefault(KSP ksp, const char name[], const char value[])
+/* Sets the options of the inner solver that the user did not, while it is set up: its levels read no others. */
+static PetscErrorCode SetUpCoarseSolver(KSP ksp)
 {
-  const char *prefix;
-  char        option[PETSC_MAX_PATH_LEN];
-  PetscBool   set;
+  const char *const defaults[][2] = {{"mg_levels_ksp_type", KSPRICHARDSON},
+                                     {"mg_levels_ksp_max_it", "1"},
+                                     {"mg_levels_pc_type", PCSOR}};
+  char              option[PETSC_STATIC_ARRAY_LENGTH(defaults)][PETSC_MAX_PATH_LEN];
+  PetscBool         set[PETSC_STATIC_ARRAY_LENGTH(defaults)];
+  const char       *prefix;
 
   PetscFunctionBegin;
   PetscCall(KSPGetOptionsPrefix(ksp, &prefix));
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name));
-  PetscCall(PetscOptionsHasName(NULL, NULL, option, &set));
-  if (!set) PetscCall(PetscOptionsSetValue(NULL, option, value));
-  PetscCall(PetscOptionsHasName(NULL, NULL, option, &set));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(defaults); k++) {
+    PetscCall(PetscSNPrintf(option[k], sizeof(option[k]), "-%s%s", prefix, defaults[k][0]));
+    PetscCall(PetscOptionsHasName(NULL, NULL, option[k], &set[k])); /* it is read: not every grid has levels */
+    if (!set[k]) PetscCall(PetscOptionsSetValue(NULL, option[k], defaults[k][1]));
+  }
+  PetscCall(KSPSetFromOptions(ksp));
+  PetscCall(KSPSetUp(ksp));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(defaults); k++)
+    if (!set[k]) PetscCall(PetscOptionsClearValue(NULL, option[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -263,11 +270,7 @@ static PetscErrorCode CreateCoarseSolver(PC pc, TwoLevel *two, PetscInt nodes)
   PetscCall(KSPSetOperators(two->ksp, two->A, two->A));
   PetscCall(KSPGetPC(two->ksp, &inner));
   PetscCall(PCSetType(inner, direct ? PCREDUNDANT : PCGAMG));
-  PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_type", KSPRICHARDSON));
-  PetscCall(CoarseDefault(two->ksp, "mg_levels_ksp_max_it", "1"));
-  PetscCall(CoarseDefault(two->ksp, "mg_levels_pc_type", PCSOR));
-  PetscCall(KSPSetFromOptions(two->ksp));
-  PetscCall(KSPSetUp(two->ksp));
+  PetscCall(SetUpCoarseSolver(two->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

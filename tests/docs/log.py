@@ -45,10 +45,15 @@ seen = runs.start(CALM + f"-log_view -mat_type aij -ksp_view_mat binary:{runs.sc
                   f"-output_dir {runs.scratch('seen')}")
 size = os.path.getsize(runs.scratch("A")) if os.path.exists(runs.scratch("A")) else 0
 runs.check(seen.returncode == 0 and size > 1000, "entries_of_the_matrix", f"{size} bytes, {seen.stderr[-300:]}")
-products = re.findall(r"^MatMult +(\d+) \S+ \S+ \S+ (\S+)", runs.start(
-    CALM + f"-log_view -output_dir {runs.scratch('logged')}").stdout, re.M)
+seen = runs.start(CALM + f"-log_view -options_left -output_dir {runs.scratch('logged')}").stdout
+products = re.findall(r"^MatMult +(\d+) \S+ \S+ \S+ (\S+)", seen, re.M)
 runs.check(len(products) == 2 and all(float(flops) > 1000 * int(count) for count, flops in products),
            "products_count_their_flops", str(products))
+for event in "SphNeighbors", "SphDivergence", "SphGradient":
+    flops = [float(number) for number in re.findall(event + r" +\d+ \S+ \S+ \S+ (\S+)", seen)]
+    runs.check(flops and max(flops) > 1000, f"{event}_counts_its_flops", str(flops))
+runs.check("There are no unused options" in seen and "twolevel_coarse" not in seen, "only_options_that_were_given",
+           seen[-500:])
 version = runs.start("-version").stdout
 runs.check(version.startswith("isph ") and "PETSc" in version, "version", version[:300])
 

@@ -46,7 +46,8 @@ static const Candidate candidates[] = {
 
 typedef struct {
   PetscInt  iterations, tight; /* to the run's tolerance, to AGREE_RTOL */
-  PetscReal setup, solve;      /* s */
+  PetscReal setup, solve;      /* s, the best of REPEATS */
+  PetscReal slowest;           /* solve, the worst of them */
   PetscReal memory;            /* byte, largest of all ranks */
   PetscReal difference;        /* of the tight solution from the first candidate's, relative 2-norm */
   PetscBool ran, converged;
@@ -224,9 +225,10 @@ static PetscErrorCode Try(Sim sim, PetscReal dt, PetscReal rtol, Vec reference, 
     PetscCall(Solve(ksp, b, x, rtol, &out->iterations, &out->converged));
     PetscCall(Spent(sim->comm, "PCSetUp", &after[0])); /* blocks are set up by the first solve */
     PetscCall(Spent(sim->comm, "KSPSolve", &after[1]));
-    out->setup  = PetscMin(out->setup, after[0] - before[0]);
-    out->solve  = PetscMin(out->solve, after[1] - before[1]);
-    out->memory = PetscMax(0, HeapInUse() - heap);
+    out->setup   = PetscMin(out->setup, after[0] - before[0]);
+    out->solve   = PetscMin(out->solve, after[1] - before[1]);
+    out->slowest = PetscMax(out->slowest, after[1] - before[1]);
+    out->memory  = PetscMax(0, HeapInUse() - heap);
     if (repeat < REPEATS - 1) PetscCall(VecDestroy(&x));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &out->memory, 1, MPIU_REAL, MPIU_MAX, sim->comm));
@@ -242,6 +244,12 @@ static PetscErrorCode Try(Sim sim, PetscReal dt, PetscReal rtol, Vec reference, 
 static PetscReal Cost(PetscInt k, const Outcome *out)
 {
   return out->solve + out->setup / candidates[k].keep;
+}
+
+/* The same by the slowest solution of REPEATS: what is cheaper than this may be as fast as k. */
+static PetscReal Slowest(PetscInt k, const Outcome *out)
+{
+  return out->slowest + out->setup / candidates[k].keep;
 }
 
 static PetscErrorCode Report(MPI_Comm comm, const Outcome out[], PetscReal rtol)
@@ -262,6 +270,9 @@ static PetscErrorCode Report(MPI_Comm comm, const Outcome out[], PetscReal rtol)
     if (out[k].converged && Cost(k, out + k) < Cost(best, out + best)) best = k;
   }
   PetscCall(PetscPrintf(comm, "recommended: %s   (%s)\n", candidates[best].options, candidates[best].name));
+  for (PetscInt k = 0; k < CANDIDATES; k++)
+    if (k != best && out[k].ran && out[k].converged && Cost(k, out + k) <= Slowest(best, out + best))
+      PetscCall(PetscPrintf(comm, "not slower within the scatter of %d timings: %s\n", REPEATS, candidates[k].name));
   for (PetscInt k = 0; k < CANDIDATES; k++) {
     if (!out[k].ran) continue;
     if (out[k].difference <= AGREEMENT)
