@@ -19,6 +19,11 @@ PROGRAM = os.environ.get("ISPH", os.path.join(ROOT, "isph"))
 for _signal in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):  # a test in the background is born with some ignored;
     if signal.getsignal(_signal) == signal.SIG_IGN:            # its runs are not
         signal.signal(_signal, signal.SIG_DFL)
+# the generated file of a case: its head, and the titles of its parts by their markers
+RESULTS = "# Results of {}\n\nGenerated tables, not to be edited; [README.md](README.md) says what they mean.\n"
+PARTS = {"verify": "Verification", "measured": "Against the spacing", "tradeoff": "What choices cost",
+         "seeds": "Several packings", "seeds_graded": "Several packings, graded",
+         "seeds_rings": "Several packings, rings", "seeds_rings_graded": "Several packings, graded rings"}
 _scratch = tempfile.TemporaryDirectory(prefix="isph-test-")
 _failures = 0
 
@@ -120,7 +125,7 @@ def series(folder):
 
 
 def replace(path, name, text):
-    """Puts a generated text between the lines <!-- name --> and <!-- /name --> of a README."""
+    """Puts a generated text between the lines <!-- name --> and <!-- /name --> of a document."""
     with open(path, encoding="utf-8") as file:
         old = file.read()
     new, n = re.subn(f"(<!-- {name} -->\n).*?(<!-- /{name} -->)", lambda m: m[1] + text + "\n" + m[2], old, flags=re.S)
@@ -128,3 +133,19 @@ def replace(path, name, text):
         sys.exit(f"{path} must have the lines <!-- {name} --> and <!-- /{name} --> once, not {n} times")
     with open(path, "w", encoding="utf-8") as file:
         file.write(new)
+
+
+def results(case, name, text=None):
+    """The path of the results.md of a case, which has a part of this name; a text is put into that part."""
+    path = os.path.join(ROOT, "cases", case, "results.md")
+    try:
+        with open(path, encoding="utf-8") as file:
+            old = file.read()
+    except FileNotFoundError:
+        old = RESULTS.format(case)
+    if f"<!-- {name} -->" not in old:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(old + f"\n## {PARTS[name]}\n\n<!-- {name} -->\n<!-- /{name} -->\n")
+    if text is not None:
+        replace(path, name, "\n" + text.strip("\n") + "\n")
+    return path

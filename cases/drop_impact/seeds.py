@@ -7,7 +7,7 @@ A quarter of the box; with --graded at 0.25 mm, with one spacing and with graded
 growing to four times as much). With --rings the impact as rings in pools of 22.5 and 40 mm radius, at 0.25 and 0.125
 mm; with --rings --graded these rings within 9 mm of the impact only. Runs that output/drop_impact_seeds/ holds to their
 end are not run again. Writes seeds.csv (mean and standard deviation of the curves) and curves_seeds.png beside this
-file, their names with _rings, _graded or both, and prints a table; --readme puts it into README.md.
+file, their names with _rings, _graded or both, and prints a table; --readme puts it into results.md.
 """
 import argparse
 import csv
@@ -212,7 +212,7 @@ def main():
     parser.add_argument("--spacing", nargs="+", metavar="MM", help="0.5 0.35; with --graded 0.25; of rings 0.25 0.125")
     parser.add_argument("--seeds", type=int, default=5, help="number of packings")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time")
-    parser.add_argument("--readme", action="store_true", help="put the table into README.md")
+    parser.add_argument("--readme", action="store_true", help="put the table into results.md")
     arguments = parser.parse_args()
     rings, graded = arguments.rings, arguments.graded
     spacings = arguments.spacing or (["0.25", "0.125"] if rings else ["0.25"] if graded else ["0.5", "0.35"])
@@ -229,7 +229,7 @@ def main():
     text = write_table(results)
     print(text)
     if arguments.readme:
-        runs.replace(os.path.join(HERE, "README.md"), f"seeds{kind}", text + "\n")
+        runs.results("drop_impact", f"seeds{kind}", text)
 
 
 if __name__ == "__main__":

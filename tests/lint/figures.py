@@ -3,6 +3,7 @@
 pattern whose groups are figures, and for each group where it comes from; a group must be the table's figure, rounded
 to the digits quoted. Figures that no quotation covers fail too: in the tables of README's sections SECTIONS, and in
 a preset's header any number before a unit or 'times'. LINT_ROOT: another tree, for a test of the test."""
+import glob
 import os
 import re
 import sys
@@ -10,7 +11,7 @@ import sys
 import verdict
 
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
-VERIFY, TRADEOFF, BENCH = "cases/README.md", "tests/tradeoff/README.md", "tests/bench/README.md"
+TRADEOFF, BENCH = "tests/tradeoff/README.md", "tests/bench/README.md"
 SECTIONS = ("## How good it is", "## How fast it is")
 PRESETS = ("fast", "balanced", "accurate", "paper", "printed", "quick", "quarter")
 
@@ -46,7 +47,7 @@ def look_up(path, keys, column, part=0):
 
 
 def verified(case, quantity, column="default scheme"):
-    return lambda: look_up(VERIFY, (case, quantity), column)
+    return lambda: look_up(f"cases/{case.partition(',')[0]}/results.md", (case, quantity), column)
 
 
 def choice(name, scene, part, inverse=False):
@@ -67,8 +68,9 @@ def preconditioner(name, part):
 
 def judged(part):
     """Figures of the default scheme within (0) their tolerance, and all (1) that are judged."""
-    counts = re.search(r"Default scheme: (\d+) within tolerance, (\d+) known misses, (\d+) failed", read(VERIFY))
-    good, known, failed = (int(n) for n in counts.groups())
+    pattern = r"^Default scheme: (\d+) within tolerance, (\d+) known misses, (\d+) failed"
+    counts = [re.search(pattern, read(path), re.M) for path in glob.glob("cases/*/results.md", root_dir=ROOT)]
+    good, known, failed = (sum(int(count[k]) for count in counts if count) for k in (1, 2, 3))
     return lambda: str((good, good + known + failed)[part])
 
 

@@ -5,7 +5,7 @@
 
 Any case of cases/ with a check.py. Writes output/tradeoff/<case>/: table.md, tradeoff.csv and chart.png (error
 against CPU time, Pareto front, presets named). Runs that stand in tradeoff.csv with the same options are not repeated
-unless --fresh says so. --readme puts the table of tradeoff.csv between the markers of the case's README and runs
+unless --fresh says so. --readme puts the table of tradeoff.csv into the case's results.md and runs
 nothing.
 
 CPU time is that of the process. On a machine that others use it varies by factors, so before and after each run a
@@ -203,7 +203,7 @@ def main():
         sys.exit(f"tradeoff.py: output/tradeoff/{case}/tradeoff.csv is missing; run make tradeoff CASE={case} first")
     table = text(case, scene, rows)
     if arguments.readme:
-        runs.replace(os.path.join(runs.ROOT, "cases", case, "README.md"), "tradeoff", "\n" + table + "\n")
+        runs.results(case, "tradeoff", table)
         return
     with open(os.path.join(OUTPUT, case, "table.md"), "w", encoding="utf-8") as file:
         file.write(table + "\n")

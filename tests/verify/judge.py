@@ -147,8 +147,7 @@ runs.replace(path, "verify", "new \\1")
 with open(path, encoding="utf-8") as file:
     text = file.read()
 runs.check(text == "a\n<!-- verify -->\nnew \\1\n<!-- /verify -->\nb\n", "markers", text)
-for name, place in (("verify", "cases"), ("tradeoff", "tests/tradeoff"), ("extremes", "tests/extremes"),
-                    ("bench", "tests/bench")):
+for name, place in (("tradeoff", "tests/tradeoff"), ("extremes", "tests/extremes"), ("bench", "tests/bench")):
     with open(os.path.join(runs.ROOT, place, "README.md"), encoding="utf-8") as file:
         text = file.read()
     placed = text.count(f"<!-- {name} -->\n") == text.count(f"<!-- /{name} -->\n") == 1

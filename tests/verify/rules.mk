@@ -1,7 +1,7 @@
 # The physics: cases/ against exact solutions. Included by the makefile above.
 # make verify, verify-long   the cases against exact solutions; CASE=couette, JOBS=1, FROM="ID=FOLDER ..."
-# make convergence           a case at several spacings; writes the tables of its README; CASE=couette
-# make verify-readme         the tables of cases/README.md and of the cases from the last runs
+# make convergence           a case at several spacings; writes its results.md; CASE=couette
+# make verify-readme         the tables of cases/*/results.md from the last runs, and what READMEs choose of them
 # make reference             the volume-of-fluid computations that some checks compare with, anew (gerris); CASE=thin_film
 .PHONY: verify verify-long convergence verify-readme reference
 

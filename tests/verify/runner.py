@@ -3,8 +3,8 @@
     runner.py [--size test|short|long] [--case CASE[:LABEL]] [--jobs N] [--from ID=FOLDER ...]
                                            make verify, make verify-long
     runner.py --convergence --case CASE    make convergence CASE=...
-    runner.py --readme                     make verify-readme: cases/README.md, cases with markers; rows of entries
-                                           that did not run stay
+    runner.py --readme                     make verify-readme: the tables of cases/*/results.md and what READMEs choose
+                                           of them; rows of entries that did not run stay
     runner.py --list                       the entries
 
 --size short runs the entries of sizes test and short, --size long all. Prints one table and writes
@@ -288,7 +288,7 @@ def convergence(entries, case, jobs, existing):
                                      "error, between the coarsest and the finest run. Extrapolated: to spacing zero, "
                                      "linearly from the two finest, where the last three go one way."])
         print(text)
-        runs.replace(os.path.join(runs.ROOT, "cases", name, "README.md"), "measured", "\n" + text + "\n")
+        runs.results(name, "measured", text)
     return 0
 
 
@@ -323,7 +323,7 @@ def lines_in(path):
         if cells[0]:
             lines[cells[0].partition(" `")[0]] = entry = []
         entry.append(cells)
-    return lines, re.findall(r"\w+\+? \([\d-]+\)", text.partition("from runs of")[2])
+    return lines, re.findall(r"\w+\+? \([\d-]+\)", text.partition("from runs among")[2])
 
 
 def keep_scheme(lines, old, ran):
@@ -354,22 +354,41 @@ def side_by_side(rows, path):
     return (table([dict(zip(heads, line)) for line in lines], heads) +
             f"\n\nDefault scheme: {counts([{'pass': line[5]} for line in lines])}.{beside} Rows with 'known' or (!) "
             "are beyond their tolerance; tests/verify/misses.csv has the bands that hold them. Written by `make "
-            f"verify-readme` from runs of {', '.join(versions)}.")
+            f"verify-readme` from runs among {', '.join(versions)}.")
+
+
+def fill(case):
+    """The figures of the table between <!-- chosen --> and <!-- /chosen --> of a case's README. Its rows name an entry
+    (case.opts: the one without a label; empty: that above) and a quantity of results.md."""
+    path = os.path.join(runs.ROOT, "cases", case, "README.md")
+    with open(path, encoding="utf-8") as file:
+        text = file.read().partition("<!-- chosen -->\n")[2].partition("<!-- /chosen -->")[0].strip()
+    if not text:
+        return
+    lines, _ = lines_in(runs.results(case, "verify"))
+    head, rule, *rows = [[cell.strip() for cell in line[1:-1].split("|")] for line in text.splitlines()]
+    columns, label = {"isph": 2, "expected": 3, "tolerance": 4, "within": 5, "as printed": 6}, ""
+    for row in rows:
+        label = row[0] or label
+        name = name_of({"case": case, "label": label.replace("case.opts", "")})
+        found = [line for line in lines.get(name, []) if line[1] == row[1]]
+        if len(found) != 1:
+            sys.exit(f"runner.py: {path} asks for '{row[1]}' of '{label}', which results.md has {len(found)} times")
+        row[2:] = [found[0][columns[title]] for title in head[2:]]
+    filled = ["| " + " | ".join(row) + " |" for row in [head, rule] + rows]
+    runs.replace(path, "chosen", "\n" + "\n".join(filled) + "\n")
 
 
 def readme():
-    """The tables between <!-- verify --> and <!-- /verify -->: all cases in cases/README.md, its own in a case's. What
-    did not run stays as it is."""
+    """The tables of cases/*/results.md, and what READMEs choose of them. What did not run stays as it is."""
     rows = read_rows()
     if not rows:
-        sys.exit("runner.py: output/verify/verify.csv is missing; run make verify first")
-    for case in [""] + list(dict.fromkeys(row["case"] for row in rows)):
-        path = os.path.join(runs.ROOT, "cases", case, "README.md")
-        with open(path, encoding="utf-8") as file:
-            marked = "<!-- verify -->" in file.read()
-        if marked:
-            own = [row for row in rows if case in ("", row["case"])]
-            runs.replace(path, "verify", "\n" + side_by_side(own, path) + "\n")
+        print("runner.py: there is no output/verify/verify.csv of make verify: only the READMEs are written anew")
+    for case in dict.fromkeys(entry.case for entry in cases.ENTRIES):
+        own = [row for row in rows if row["case"] == case]
+        if own:
+            runs.results(case, "verify", side_by_side(own, runs.results(case, "verify")))
+        fill(case)
     return 0
 
 
