@@ -20,7 +20,7 @@ static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *siz
   PetscFunctionBegin;
   PetscCall(VecGetArrayRead(r, &residual));
   PetscCall(VecGetArrayRead(x, &value));
-  PetscCall(VecGetArrayRead(pressure->b, &rhs));
+  PetscCall(VecGetArrayRead(pressure->solver.b, &rhs));
   for (PetscInt a = 0; a < cloud->n_rows; a++) {
     const PetscReal density  = dt2 / (cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale),
                     rounding = (pressure->pair_diagonal[a] + pressure->closure_diagonal[a]) * PetscAbsScalar(value[a]),
@@ -33,7 +33,7 @@ static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *siz
     sum[2] += PetscSqr(PetscRealPart(rhs[a]));
     sum[3] += PetscSqr(rounding);
   }
-  PetscCall(VecRestoreArrayRead(pressure->b, &rhs));
+  PetscCall(VecRestoreArrayRead(pressure->solver.b, &rhs));
   PetscCall(VecRestoreArrayRead(x, &value));
   PetscCall(VecRestoreArrayRead(r, &residual));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
@@ -44,14 +44,6 @@ static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *siz
                          .largest  = sum[1] == sum[1] ? most[0] : NAN, /* the largest of numbers passes nan over */
                          .rms      = PetscSqrtReal(sum[0] / PetscMax(1, pressure->rows_global)),
                          .largest_rounding = most[1]};
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ResidualVectors(Pressure pressure)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < 2; k++)
-    if (!pressure->scratch[k]) PetscCall(VecDuplicate(pressure->b, &pressure->scratch[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -66,34 +58,25 @@ static PetscErrorCode Asked(KSP ksp, PetscReal rhs, PetscReal *asked)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result)
+PetscErrorCode ResidualMeasure(void *context, Vec r, SolverReport *report, PetscReal *rounding)
 {
-  SolverReport *report = &result->solver;
-  ResidualSize  size;
-  Vec           r;
+  Pressure     pressure = (Pressure)context;
+  ResidualSize size;
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
-  PetscCall(ResidualVectors(pressure));
-  r = pressure->scratch[0];
-  PetscCall(MatMult(EquationOf(pressure), pressure->x, r)); /* whatever matrix the solver had, and did to it */
-  PetscCall(VecAYPX(r, -1, pressure->b));
-  PetscCall(Measure(pressure, r, pressure->x, &size));
+  PetscCall(Measure(pressure, r, pressure->solver.x, &size));
   if (pressure->density_tolerance > 0) {
     report->asked    = pressure->density_tolerance;
     report->claimed  = pressure->density_claimed;
     report->residual = size.largest;
-    SolverJudge(report, size.largest_rounding);
+    *rounding        = size.largest_rounding;
   } else {
-    PetscCall(Asked(pressure->ksp, size.rhs, &report->asked));
-    PetscCall(KSPGetResidualNorm(pressure->ksp, &report->claimed));
+    PetscCall(Asked(pressure->solver.ksp, size.rhs, &report->asked));
+    PetscCall(KSPGetResidualNorm(pressure->solver.ksp, &report->claimed));
     report->residual = size.norm;
-    SolverJudge(report, size.rounding);
+    *rounding        = size.rounding;
   }
-  PetscCall(PetscInfo(pressure->ksp, "residual %.17g, claimed %.17g, asked %g, rounding %g\n", (double)report->residual,
-                      (double)report->claimed, (double)report->asked, (double)(PETSC_MACHINE_EPSILON * size.rounding)));
-  result->density = size.rms;
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
+  pressure->density_left = size.rms;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,9 +124,8 @@ static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSP
     if (type == KSP_NORM_UNPRECONDITIONED && !DensityNear(pressure, norm)) PetscFunctionReturn(PETSC_SUCCESS);
   } else if (*reason == KSP_CONVERGED_ITERATING || type == KSP_NORM_UNPRECONDITIONED || type == KSP_NORM_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ResidualVectors(pressure));
-  PetscCall(KSPBuildResidual(ksp, pressure->scratch[0], pressure->scratch[1], &r));
-  PetscCall(Measure(pressure, r, pressure->x, &size));
+  PetscCall(KSPBuildResidual(ksp, pressure->solver.scratch[0], pressure->solver.scratch[1], &r));
+  PetscCall(Measure(pressure, r, pressure->solver.x, &size));
   if (pressure->density_tolerance > 0) {
     pressure->density_claimed = size.largest;
     if (size.largest <= pressure->density_tolerance) *reason = KSP_CONVERGED_ATOL;
@@ -171,7 +153,7 @@ PetscErrorCode SetConvergence(Pressure pressure)
   PetscFunctionBegin;
   PetscCall(PetscNew(&own));
   own->pressure = pressure;
-  PetscCall(KSPGetAndClearConvergenceTest(pressure->ksp, &own->test, &own->context, &own->destroy));
-  PetscCall(KSPSetConvergenceTest(pressure->ksp, Converged, own, OwnTestDestroy));
+  PetscCall(KSPGetAndClearConvergenceTest(pressure->solver.ksp, &own->test, &own->context, &own->destroy));
+  PetscCall(KSPSetConvergenceTest(pressure->solver.ksp, Converged, own, OwnTestDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -103,12 +103,11 @@ struct _p_Pressure {
   PetscInt    current, kept; /* store of this step's matrix; the preconditioner's, KEPT_NONE or KEPT_OPERATOR */
 
   /* the solver */
-  KSP       ksp;
-  Vec       b, x, scratch[2];
+  Solver    solver;
   PetscInt  solver_layout;                /* the cloud's layout that it was made for */
   PetscReal density_tolerance;            /* 1; 0: PETSc's own test */
   PetscReal density_claimed;              /* 1, that the solver stopped at */
-  PetscBool from_zero;                    /* it cannot be trusted with a start value */
+  PetscReal density_left;                 /* 1, rms that its residual leaves */
   PetscInt  rebuild_interval, kept_steps; /* the user's choice, 0: none; steps that the preconditioner is kept */
   PetscReal rebuild_growth;               /* of the iterations, 1 */
   PetscInt  age, first_iterations;        /* of the preconditioner: steps, and iterations in the first of them */
@@ -163,9 +162,9 @@ void           InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscRe
 /* SetConvergence - after the solver's options have been read: it stops at density_tolerance, or else at -ksp_rtol and
    -ksp_atol in the 2-norm of the residual. Collective. */
 PetscErrorCode SetConvergence(Pressure pressure);
-/* ResidualCheck - the true residual of the solution x, by a product of its own, into the result, and whether the solver
-   did what it says, whose reason must be there. Collective. */
-PetscErrorCode ResidualCheck(Pressure pressure, PressureResult *result);
+/* ResidualMeasure - of SolverSolve: the residual r in the 2-norm or as the largest density error; also density_left.
+   Collective. */
+PetscErrorCode ResidualMeasure(void *context, Vec r, SolverReport *report, PetscReal *rounding);
 
 /* SurfaceLattice - sets the layer_... . Not collective. */
 void SurfaceLattice(Pressure pressure);

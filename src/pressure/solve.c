@@ -3,7 +3,6 @@
 #include "pressure_impl.h"
 
 #define DEFAULT_RTOL      1e-3
-#define DEFAULT_MAXITS    2000
 #define DEFAULT_GAMG_DROP 0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
 #define REBUILD_SLACK     3    /* iterations that a kept preconditioner may cost beyond rebuild_growth */
 #define REBUILD_CHEAP     10   /* steps that a preconditioner is kept whose set-up costs a few iterations */
@@ -22,15 +21,11 @@ static PetscErrorCode DefaultOption(const char name[], const char value[])
 PetscErrorCode PressureReset(Pressure pressure)
 {
   PetscFunctionBegin;
-  PetscCall(KSPDestroy(&pressure->ksp));
-  PetscCall(VecDestroy(&pressure->b));
-  PetscCall(VecDestroy(&pressure->x));
-  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&pressure->scratch[k]));
+  PetscCall(SolverReset(&pressure->solver));
   PetscCall(MatDestroy(&pressure->operator));
   PetscCall(MatDestroy(&pressure->coupled));
-  pressure->kept      = KEPT_NONE;
-  pressure->rebuild   = PETSC_TRUE;
-  pressure->from_zero = PETSC_FALSE;
+  pressure->kept    = KEPT_NONE;
+  pressure->rebuild = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,6 +50,77 @@ static PetscErrorCode CheckViews(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Tells the two-level preconditioner where the particles of the rows are. Others would take coordinates for the rigid
+   modes of elasticity. */
+static PetscErrorCode LocateRows(Pressure pressure)
+{
+  Cloud      cloud  = pressure->cloud;
+  Domain     domain = cloud->domain;
+  PetscBool  periodic[DIM], twolevel;
+  PetscReal *x = cloud->field[FIELD_POSITION];
+  PC         pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(pressure->solver.ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCTWOLEVEL, &twolevel));
+  if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
+  PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
+  if (cloud->size) PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight));
+  if (domain->dim < DIM) {
+    PetscCall(PetscMalloc1(domain->dim * cloud->n_rows, &x));
+    for (PetscInt a = 0; a < cloud->n_rows; a++)
+      for (PetscInt d = 0; d < domain->dim; d++) x[domain->dim * a + d] = cloud->field[FIELD_POSITION][DIM * a + d];
+  }
+  PetscCall(PCSetCoordinates(pc, domain->dim, cloud->n_rows, x));
+  if (domain->dim < DIM) PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives the solver the operator of this step, and if 'renew' is true the preconditioner too. A preconditioner may go on
+   reading the entries that it was made of, so these stay in their store until it is renewed. */
+static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
+{
+  PetscFunctionBegin;
+  if (renew) {
+    pressure->kept    = pressure->assembled ? pressure->current : KEPT_OPERATOR;
+    pressure->age     = 0;
+    pressure->rebuild = PETSC_FALSE;
+    PetscCall(LocateRows(pressure));
+    if (!pressure->assembled) { /* the operator is one object in all steps: this says that it has changed */
+      PetscCall(MatAssemblyBegin(pressure->A, MAT_FINAL_ASSEMBLY));
+      PetscCall(MatAssemblyEnd(pressure->A, MAT_FINAL_ASSEMBLY));
+    }
+  }
+  PetscCall(KSPSetReusePreconditioner(pressure->solver.ksp, (PetscBool)!renew));
+  PetscCall(KSPSetOperators(pressure->solver.ksp, pressure->couplings ? pressure->coupled : pressure->A,
+                            pressure->assembled ? pressure->store[pressure->kept].A : pressure->A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Before an attempt: the kept or a new preconditioner, the pressure of the cloud as the start value. */
+static PetscErrorCode Start(void *context, PetscBool again)
+{
+  Pressure     pressure = (Pressure)context;
+  PetscScalar *x;
+
+  PetscFunctionBegin;
+  PetscCall(SetOperators(pressure, (PetscBool)(again || pressure->rebuild || pressure->kept == KEPT_NONE ||
+                                               pressure->age >= pressure->kept_steps)));
+  PetscCall(VecGetArrayWrite(pressure->solver.x, &x));
+  PetscCall(PetscArraycpy(x, pressure->cloud->field[FIELD_PRESSURE], pressure->cloud->n_rows));
+  PetscCall(VecRestoreArrayWrite(pressure->solver.x, &x));
+  if (pressure->constant_null) {
+    MatNullSpace constant;
+
+    PetscCall(MatGetNullSpace(pressure->A, &constant));
+    PetscCall(MatNullSpaceRemove(constant, pressure->solver.b));
+    PetscCall(MatNullSpaceRemove(constant, pressure->solver.x));
+  }
+  pressure->density_claimed = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the solver for the present rows: CG with the two-level preconditioner, which stops at a tolerance of the true
    residual, then as the user's options say. */
 static PetscErrorCode CreateSolver(Pressure pressure)
@@ -66,18 +132,16 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionBegin;
   PetscCall(PressureReset(pressure));
   pressure->solver_layout = cloud->layout;
-  PetscCall(VecCreate(cloud->comm, &pressure->b));
-  PetscCall(VecSetSizes(pressure->b, cloud->n_rows, pressure->rows_global));
-  PetscCall(VecSetFromOptions(pressure->b));
-  PetscCall(VecDuplicate(pressure->b, &pressure->x));
-  PetscCall(KSPCreate(cloud->comm, &pressure->ksp));
-  PetscCall(KSPSetType(pressure->ksp, KSPCG));
-  PetscCall(KSPSetNormType(pressure->ksp, KSP_NORM_UNPRECONDITIONED));
-  PetscCall(KSPSetTolerances(pressure->ksp, DEFAULT_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, DEFAULT_MAXITS));
-  PetscCall(KSPSetInitialGuessNonzero(pressure->ksp, PETSC_TRUE));
-  PetscCall(KSPGetPC(pressure->ksp, &pc));
-  PetscCall(PCSetType(pc, PCTWOLEVEL));
-  PetscCall(SolverSetFromOptions(pressure->ksp, PRESSURE_EQUATION));
+  PetscCall(VecCreate(cloud->comm, &pressure->solver.b));
+  PetscCall(VecSetSizes(pressure->solver.b, cloud->n_rows, pressure->rows_global));
+  PetscCall(VecSetFromOptions(pressure->solver.b));
+  PetscCall(VecDuplicate(pressure->solver.b, &pressure->solver.x));
+  pressure->solver.name    = PRESSURE_EQUATION;
+  pressure->solver.context = pressure;
+  pressure->solver.start   = Start;
+  pressure->solver.measure = ResidualMeasure;
+  PetscCall(SolverCreate(cloud->comm, "", KSP_NORM_UNPRECONDITIONED, DEFAULT_RTOL, PCTWOLEVEL, &pressure->solver));
+  PetscCall(KSPGetPC(pressure->solver.ksp, &pc));
   PetscCall(SetConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
@@ -88,7 +152,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(CheckViews(pressure));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->ksp, &direct, KSPPREONLY, KSPNONE, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->solver.ksp, &direct, KSPPREONLY, KSPNONE, ""));
   PetscCheckUser(
     !direct || !SceneHasFree(cloud->scene), cloud->comm,
     "-ksp_type preonly and none cannot be used with a solid with a mass: its part of the pressure equation "
@@ -110,7 +174,7 @@ static PetscErrorCode CreateConstant(Pressure pressure, Vec *constant)
   PetscScalar *value;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(pressure->b, constant));
+  PetscCall(VecDuplicate(pressure->solver.b, constant));
   PetscCall(VecGetArrayWrite(*constant, &value));
   for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = pressure->pair_diagonal[r] > 0 ? 1 : 0;
   PetscCall(VecRestoreArrayWrite(*constant, &value));
@@ -178,7 +242,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
-  PetscCall(VecGetArrayWrite(pressure->b, &rhs));
+  PetscCall(VecGetArrayWrite(pressure->solver.b, &rhs));
   PetscCall(pressure->source(pressure, dt, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
@@ -188,7 +252,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   PetscCall(AddKept(pressure, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++) /* isolated particles have no pressure */
     if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
-  PetscCall(VecRestoreArrayWrite(pressure->b, &rhs));
+  PetscCall(VecRestoreArrayWrite(pressure->solver.b, &rhs));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -199,7 +263,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
 {
   PetscFunctionBegin;
   PetscCall(RowsNumber(pressure));
-  if (!pressure->ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
+  if (!pressure->solver.ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
   pressure->dt = dt;
   PetscCall(InterfaceSetUp(pressure));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
@@ -223,34 +287,7 @@ PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b)
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_TRUE));
   *A = pressure->A;
-  *b = pressure->b;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Tells the two-level preconditioner where the particles of the rows are. Others would take coordinates for the rigid
-   modes of elasticity. */
-static PetscErrorCode LocateRows(Pressure pressure)
-{
-  Cloud      cloud  = pressure->cloud;
-  Domain     domain = cloud->domain;
-  PetscBool  periodic[DIM], twolevel;
-  PetscReal *x = cloud->field[FIELD_POSITION];
-  PC         pc;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetPC(pressure->ksp, &pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCTWOLEVEL, &twolevel));
-  if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
-  PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
-  if (cloud->size) PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight));
-  if (domain->dim < DIM) {
-    PetscCall(PetscMalloc1(domain->dim * cloud->n_rows, &x));
-    for (PetscInt a = 0; a < cloud->n_rows; a++)
-      for (PetscInt d = 0; d < domain->dim; d++) x[domain->dim * a + d] = cloud->field[FIELD_POSITION][DIM * a + d];
-  }
-  PetscCall(PCSetCoordinates(pc, domain->dim, cloud->n_rows, x));
-  if (domain->dim < DIM) PetscCall(PetscFree(x));
+  *b = pressure->solver.b;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,38 +296,17 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(LocateRows(pressure));
-  PetscCall(KSPSetOperators(pressure->ksp, pressure->couplings ? pressure->coupled : pressure->A, pressure->A));
-  SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUp(pressure->ksp));
-  SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUpOnBlocks(pressure->ksp));
+  PetscCall(KSPSetOperators(pressure->solver.ksp, pressure->couplings ? pressure->coupled : pressure->A, pressure->A));
+  SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUp(pressure->solver.ksp));
+  SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUpOnBlocks(pressure->solver.ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b)
 {
   PetscFunctionBegin;
-  *ksp = pressure->ksp;
-  *b   = pressure->b;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Gives the solver the operator of this step, and if 'renew' is true the preconditioner too. A preconditioner may go on
-   reading the entries that it was made of, so these stay in their store until it is renewed. */
-static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
-{
-  PetscFunctionBegin;
-  if (renew) {
-    pressure->kept    = pressure->assembled ? pressure->current : KEPT_OPERATOR;
-    pressure->age     = 0;
-    pressure->rebuild = PETSC_FALSE;
-    PetscCall(LocateRows(pressure));
-    if (!pressure->assembled) { /* the operator is one object in all steps: this says that it has changed */
-      PetscCall(MatAssemblyBegin(pressure->A, MAT_FINAL_ASSEMBLY));
-      PetscCall(MatAssemblyEnd(pressure->A, MAT_FINAL_ASSEMBLY));
-    }
-  }
-  PetscCall(KSPSetReusePreconditioner(pressure->ksp, (PetscBool)!renew));
-  PetscCall(KSPSetOperators(pressure->ksp, pressure->couplings ? pressure->coupled : pressure->A,
-                            pressure->assembled ? pressure->store[pressure->kept].A : pressure->A));
+  *ksp = pressure->solver.ksp;
+  *b   = pressure->solver.b;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -303,67 +319,6 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
   for (PetscInt r = 0; r < cloud->n_fluid; r++)
     values[r] = pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
   InterfaceAdd(pressure, values);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* One attempt with the kept or a new preconditioner, from the pressure of the cloud or from zero; its iterations are
-   added to those of the result. */
-static PetscErrorCode Attempt(Pressure pressure, PetscBool from_zero, PressureResult *result)
-{
-  const Cloud  cloud = pressure->cloud;
-  PetscScalar *x;
-  PetscInt     iterations;
-
-  PetscFunctionBegin;
-  PetscCall(SetOperators(pressure, (PetscBool)(pressure->rebuild || pressure->kept == KEPT_NONE ||
-                                               pressure->age >= pressure->kept_steps)));
-  result->rebuilt = (PetscBool)(pressure->age == 0);
-  PetscCall(VecGetArrayWrite(pressure->x, &x));
-  if (from_zero)
-    PetscCall(PetscArrayzero(x, cloud->n_rows));
-  else
-    PetscCall(PetscArraycpy(x, cloud->field[FIELD_PRESSURE], cloud->n_rows));
-  PetscCall(VecRestoreArrayWrite(pressure->x, &x));
-  if (pressure->constant_null) {
-    MatNullSpace constant;
-
-    PetscCall(MatGetNullSpace(pressure->A, &constant));
-    PetscCall(MatNullSpaceRemove(constant, pressure->b));
-    PetscCall(MatNullSpaceRemove(constant, pressure->x));
-  }
-  pressure->density_claimed = 0;
-  SolverTry(cloud->comm, PRESSURE_EQUATION, KSPSolve(pressure->ksp, pressure->b, pressure->x));
-  PetscCall(KSPGetConvergedReason(pressure->ksp, &result->solver.reason));
-  PetscCall(KSPGetIterationNumber(pressure->ksp, &iterations));
-  result->solver.iterations += iterations;
-  PetscCall(ResidualCheck(pressure, result));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Solves the system that is set up. A solver that fails may have been misled by a preconditioner made of an older
-   matrix, or by the start value: it tries again without either. One that was right only without a start value does
-   not get one any more: those of PETSc 3.18 that take the preconditioner on the right, but for the family of gmres and
-   bcgs, apply it to the start value too. */
-static PetscErrorCode SolveChecked(Pressure pressure, PressureResult *result)
-{
-  PetscBool lied;
-
-  PetscFunctionBegin;
-  result->solver.iterations = 0;
-  PetscCall(Attempt(pressure, pressure->from_zero, result));
-  lied = result->solver.lied;
-  if (SolverFailed(&result->solver)) {
-    PetscCall(PetscInfo(pressure->ksp, "solved again from zero: %s, residual %g, asked for %g\n",
-                        KSPConvergedReasons[result->solver.reason], (double)result->solver.residual,
-                        (double)result->solver.asked));
-    pressure->rebuild = PETSC_TRUE;
-    PetscCall(Attempt(pressure, PETSC_TRUE, result));
-    pressure->from_zero = (PetscBool)(pressure->from_zero || (lied && !SolverFailed(&result->solver)));
-  }
-  if (result->rebuilt) pressure->first_iterations = result->solver.iterations;
-  if (result->solver.iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
-    pressure->rebuild = PETSC_TRUE;
-  pressure->age++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -383,14 +338,22 @@ PetscErrorCode PressureToCloud(Pressure pressure, Vec x)
 
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result)
 {
+  SolverReport *report = &result->solver;
+
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
-  PetscCall(SolveChecked(pressure, result));
+  pressure->solver.A = EquationOf(pressure);
+  PetscCall(SolverSolve(&pressure->solver, report));
+  result->density = pressure->density_left;
+  result->rebuilt = (PetscBool)(pressure->age++ == 0);
+  if (result->rebuilt) pressure->first_iterations = report->iterations;
+  if (report->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
+    pressure->rebuild = PETSC_TRUE;
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
-  if (SolverFailed(&result->solver))
+  if (SolverFailed(report))
     pressure->rebuild = PETSC_TRUE;
   else
-    PetscCall(PressureToCloud(pressure, pressure->x));
+    PetscCall(PressureToCloud(pressure, pressure->solver.x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

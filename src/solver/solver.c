@@ -3,7 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define TEXT 512
+#define TEXT   512
+#define MAXITS 2000
 
 static MPI_Comm Meeting = MPI_COMM_NULL; /* of its own: stuck ranks are in the midst of other messages */
 
@@ -106,7 +107,8 @@ static PetscErrorCode SetDirect(KSP ksp, const char prefix[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SolverSetFromOptions(KSP ksp, const char equation[])
+/* KSPSetFromOptions for a KSP whose norm and start value are set. */
+static PetscErrorCode SetFromOptions(KSP ksp, const char equation[])
 {
   MPI_Comm    comm = PetscObjectComm((PetscObject)ksp);
   const char *prefix;
@@ -125,6 +127,120 @@ PetscErrorCode SolverSetFromOptions(KSP ksp, const char equation[])
   if (!chosen && !residual) PetscCall(KSPSetNormType(ksp, KSP_NORM_DEFAULT));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)ksp, &direct, KSPPREONLY, KSPNONE, ""));
   if (direct) PetscCall(SetDirect(ksp, prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolverCreate(MPI_Comm comm, const char prefix[], KSPNormType norm, PetscReal rtol, PCType preconditioner,
+                            Solver *solver)
+{
+  PC pc;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDuplicate(solver->b, &solver->scratch[k]));
+  PetscCall(KSPCreate(comm, &solver->ksp));
+  PetscCall(KSPSetOptionsPrefix(solver->ksp, prefix));
+  PetscCall(KSPSetType(solver->ksp, KSPCG));
+  PetscCall(KSPSetNormType(solver->ksp, norm));
+  PetscCall(KSPSetTolerances(solver->ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, MAXITS));
+  PetscCall(KSPSetInitialGuessNonzero(solver->ksp, PETSC_TRUE));
+  PetscCall(KSPGetPC(solver->ksp, &pc));
+  PetscCall(PCSetType(pc, preconditioner));
+  PetscCall(SetFromOptions(solver->ksp, solver->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolverReset(Solver *solver)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPDestroy(&solver->ksp));
+  PetscCall(VecDestroy(&solver->b));
+  PetscCall(VecDestroy(&solver->x));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&solver->scratch[k]));
+  solver->from_zero = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* |r| in the norm that the KSP goes by; z: room. */
+static PetscErrorCode NormOf(KSP ksp, Vec r, Vec z, PetscReal *norm)
+{
+  KSPNormType type;
+  PC          pc;
+  PetscScalar square;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetNormType(ksp, &type));
+  PetscCall(KSPGetPC(ksp, &pc));
+  if (type == KSP_NORM_PRECONDITIONED || type == KSP_NORM_NATURAL) PetscCall(PCApply(pc, r, z));
+  if (type == KSP_NORM_NATURAL) {
+    PetscCall(VecDot(r, z, &square));
+    *norm = PetscSqrtReal(PetscAbsScalar(square));
+  } else
+    PetscCall(VecNorm(type == KSP_NORM_PRECONDITIONED ? z : r, NORM_2, norm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Measure(const Solver *solver, Vec r, SolverReport *report, PetscReal *rhs)
+{
+  PetscReal rtol, atol;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetTolerances(solver->ksp, &rtol, &atol, NULL, NULL));
+  PetscCall(NormOf(solver->ksp, solver->b, solver->scratch[1], rhs));
+  PetscCall(NormOf(solver->ksp, r, solver->scratch[1], &report->residual));
+  PetscCall(KSPGetResidualNorm(solver->ksp, &report->claimed));
+  report->asked = PetscMax(rtol * *rhs, atol);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Judges what stands in x by its true residual. */
+static PetscErrorCode Check(Solver *solver, SolverReport *report)
+{
+  PetscReal rounding;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
+  PetscCall(MatMult(solver->A, solver->x, solver->scratch[0]));
+  PetscCall(VecAYPX(solver->scratch[0], -1, solver->b));
+  if (solver->measure)
+    PetscCall(solver->measure(solver->context, solver->scratch[0], report, &rounding));
+  else
+    PetscCall(Measure(solver, solver->scratch[0], report, &rounding));
+  SolverJudge(report, rounding);
+  PetscCall(PetscInfo(solver->ksp, "residual %.17g, claimed %.17g, asked %g, rounding %g\n", (double)report->residual,
+                      (double)report->claimed, (double)report->asked, (double)(PETSC_MACHINE_EPSILON * rounding)));
+  PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One attempt; its iterations are added to those of the report. */
+static PetscErrorCode Attempt(Solver *solver, PetscBool again, SolverReport *report)
+{
+  PetscInt iterations;
+
+  PetscFunctionBegin;
+  if (solver->start) PetscCall(solver->start(solver->context, again));
+  if (again || solver->from_zero) PetscCall(VecSet(solver->x, 0));
+  SolverTry(PetscObjectComm((PetscObject)solver->ksp), solver->name, KSPSolve(solver->ksp, solver->b, solver->x));
+  PetscCall(KSPGetConvergedReason(solver->ksp, &report->reason));
+  PetscCall(KSPGetIterationNumber(solver->ksp, &iterations));
+  report->iterations += iterations;
+  PetscCall(Check(solver, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolverSolve(Solver *solver, SolverReport *report)
+{
+  PetscFunctionBegin;
+  report->iterations = 0;
+  PetscCall(Attempt(solver, PETSC_FALSE, report));
+  if (SolverFailed(report)) {
+    const PetscBool lied = report->lied;
+
+    PetscCall(PetscInfo(solver->ksp, "solved again from zero: %s, residual %g, asked for %g\n",
+                        KSPConvergedReasons[report->reason], (double)report->residual, (double)report->asked));
+    PetscCall(Attempt(solver, PETSC_TRUE, report));
+    if (lied && !SolverFailed(report)) solver->from_zero = PETSC_TRUE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

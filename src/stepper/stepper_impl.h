@@ -72,7 +72,7 @@ typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
 
 /* The implicit viscosity, viscous.c. */
 typedef struct {
-  ViscousSolver solver;
+  ViscousSolver choice;
   PetscReal     ratio;                            /* largest step over the explicit limit */
   PetscBool     implicit;                         /* in this step */
   PetscReal     dt;                               /* s, of the system being solved */
@@ -82,9 +82,7 @@ typedef struct {
   PetscInt      held_count, held_capacity, *held; /* fluid particles inside emitters, which keep their velocity */
   PetscReal    *push;                             /* [n_fluid][3] dt times the kept share of -grad p/rho, m/s */
   PetscInt      push_capacity;                    /* particles */
-  KSP           ksp;
-  Mat           A;
-  Vec           x, b; /* velocities of the fluid, [n_fluid][3] */
+  Solver        solver;                           /* of the velocities of the fluid, [n_fluid][3] */
 } Viscous;
 
 /* What bounds the time step; see the options of time_step.c. */

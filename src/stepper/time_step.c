@@ -144,7 +144,7 @@ static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, 
   const PetscReal limit = bounds->viscosity;
 
   return (PetscBool)(limit < PETSC_MAX_REAL &&
-                     (viscous->solver == VISCOUS_IMPLICIT || (viscous->solver == VISCOUS_AUTO && step > limit)));
+                     (viscous->choice == VISCOUS_IMPLICIT || (viscous->choice == VISCOUS_AUTO && step > limit)));
 }
 
 /* The step that viscosity allows. */

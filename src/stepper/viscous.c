@@ -3,9 +3,8 @@
    pairs, not assembled. */
 #include "stepper_impl.h"
 
-#define VISCOUS_RATIO  30   /* Couette flow at 20 spacings: largest error 0.8 % of the wall's speed */
-#define VISCOUS_RTOL   1e-8 /* momentum is kept to about this */
-#define VISCOUS_MAXITS 2000
+#define VISCOUS_RATIO 30   /* Couette flow at 20 spacings: largest error 0.8 % of the wall's speed */
+#define VISCOUS_RTOL  1e-8 /* momentum is kept to about this */
 
 PetscBool ViscosityIsExplicit(Stepper stepper)
 {
@@ -29,7 +28,7 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
                "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound; where "
                "viscosity varies over the limit at the shear rate of the scene's own speed over h",
                "[0, inf)", &viscous->ratio));
-  viscous->solver = (ViscousSolver)solver;
+  viscous->choice = (ViscousSolver)solver;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,10 +182,8 @@ static PetscErrorCode Diagonal(Mat A, Vec diagonal)
 static PetscErrorCode Reset(Viscous *viscous)
 {
   PetscFunctionBegin;
-  PetscCall(KSPDestroy(&viscous->ksp));
-  PetscCall(MatDestroy(&viscous->A));
-  PetscCall(VecDestroy(&viscous->x));
-  PetscCall(VecDestroy(&viscous->b));
+  PetscCall(SolverReset(&viscous->solver));
+  PetscCall(MatDestroy(&viscous->solver.A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,11 +198,13 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of this local order: CG with Jacobi. */
+/* The solver of this local order: CG with Jacobi. Its norm is that of its preconditioner, which makes it one of
+   velocities, and so is that of the true residual. */
 static PetscErrorCode CreateSolver(Stepper stepper)
 {
   Cloud          cloud   = stepper->cloud;
   Viscous       *viscous = &stepper->viscous;
+  Solver        *solver  = &viscous->solver;
   const PetscInt n       = DIM * cloud->n_fluid;
   PC             pc;
   PetscBool      known;
@@ -214,29 +213,24 @@ static PetscErrorCode CreateSolver(Stepper stepper)
   PetscCall(Reset(viscous));
   viscous->layout = cloud->layout;
   PetscCall(CloudCheckUnknowns(cloud->comm, cloud->n_fluid, DIM, "implicit viscosity (-viscosity_solver)"));
-  PetscCall(MatCreateShell(cloud->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, stepper, &viscous->A));
-  PetscCall(MatShellSetOperation(viscous->A, MATOP_MULT, (void (*)(void))Multiply));
-  PetscCall(MatShellSetOperation(viscous->A, MATOP_GET_DIAGONAL, (void (*)(void))Diagonal));
-  PetscCall(MatCreateVecs(viscous->A, &viscous->x, &viscous->b));
-  PetscCall(KSPCreate(cloud->comm, &viscous->ksp));
-  PetscCall(KSPSetOptionsPrefix(viscous->ksp, "viscous_"));
-  PetscCall(KSPSetType(viscous->ksp, KSPCG));
-  PetscCall(KSPSetTolerances(viscous->ksp, VISCOUS_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, VISCOUS_MAXITS));
-  PetscCall(KSPSetInitialGuessNonzero(viscous->ksp, PETSC_TRUE));
-  PetscCall(KSPGetPC(viscous->ksp, &pc));
-  PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(SolverSetFromOptions(viscous->ksp, VISCOUS_EQUATION));
+  PetscCall(MatCreateShell(cloud->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, stepper, &solver->A));
+  PetscCall(MatShellSetOperation(solver->A, MATOP_MULT, (void (*)(void))Multiply));
+  PetscCall(MatShellSetOperation(solver->A, MATOP_GET_DIAGONAL, (void (*)(void))Diagonal));
+  PetscCall(MatCreateVecs(solver->A, &solver->x, &solver->b));
+  solver->name = VISCOUS_EQUATION;
+  PetscCall(SolverCreate(cloud->comm, "viscous_", KSP_NORM_DEFAULT, VISCOUS_RTOL, PCJACOBI, solver));
+  PetscCall(KSPGetPC(solver->ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &known, PCJACOBI, PCNONE, ""));
   PetscCheckUser(known, cloud->comm,
                  "-viscous_pc_type must be " PCJACOBI " or " PCNONE ": the operator of the viscosity is not assembled");
-  PetscCall(KSPSetOperators(viscous->ksp, viscous->A, viscous->A));
+  PetscCall(KSPSetOperators(solver->ksp, solver->A, solver->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ViscousPrepare(Stepper stepper)
 {
   PetscFunctionBegin;
-  if (stepper->viscous.solver != VISCOUS_EXPLICIT && SceneHasViscosity(stepper->cloud->scene))
+  if (stepper->viscous.choice != VISCOUS_EXPLICIT && SceneHasViscosity(stepper->cloud->scene))
     PetscCall(CreateSolver(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -250,76 +244,15 @@ static PetscErrorCode RightHandSide(Stepper stepper)
   PetscScalar     *b, *x;
 
   PetscFunctionBegin;
-  PetscCall(VecGetArrayWrite(viscous->b, &b));
+  PetscCall(VecGetArrayWrite(viscous->solver.b, &b));
   PetscCall(ApplyViscosity(stepper, NULL, PETSC_TRUE, b));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt k = DIM * a; k < DIM * (a + 1); k++) b[k] = Mass(cloud, a) * (v_star[k] + viscous->dt * b[k]);
   HoldRows(stepper, cloud->field[FIELD_VELOCITY], b);
-  PetscCall(VecRestoreArrayWrite(viscous->b, &b));
-  PetscCall(VecGetArrayWrite(viscous->x, &x));
+  PetscCall(VecRestoreArrayWrite(viscous->solver.b, &b));
+  PetscCall(VecGetArrayWrite(viscous->solver.x, &x));
   PetscCall(PetscArraycpy(x, cloud->field[FIELD_VELOCITY], DIM * cloud->n_fluid));
-  PetscCall(VecRestoreArrayWrite(viscous->x, &x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* |r| in the norm that the solver goes by; z: room. */
-static PetscErrorCode NormOf(KSP ksp, Vec r, Vec z, PetscReal *norm)
-{
-  KSPNormType type;
-  PC          pc;
-  PetscScalar square;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetNormType(ksp, &type));
-  PetscCall(KSPGetPC(ksp, &pc));
-  if (type == KSP_NORM_PRECONDITIONED || type == KSP_NORM_NATURAL) PetscCall(PCApply(pc, r, z));
-  if (type == KSP_NORM_NATURAL) {
-    PetscCall(VecDot(r, z, &square));
-    *norm = PetscSqrtReal(PetscAbsScalar(square));
-  } else
-    PetscCall(VecNorm(type == KSP_NORM_PRECONDITIONED ? z : r, NORM_2, norm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Holds the true residual of x against -viscous_ksp_rtol and -viscous_ksp_atol, in the norm of the solver: all that its
-   preconditioner can be is the diagonal, which makes the norm one of velocities. */
-static PetscErrorCode CheckResidual(Viscous *viscous, SolverReport *report)
-{
-  PetscReal rtol, atol, rhs;
-  Vec       r, z;
-
-  PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
-  PetscCall(VecDuplicate(viscous->b, &r));
-  PetscCall(VecDuplicate(viscous->b, &z));
-  PetscCall(KSPGetTolerances(viscous->ksp, &rtol, &atol, NULL, NULL));
-  PetscCall(NormOf(viscous->ksp, viscous->b, z, &rhs));
-  PetscCall(MatMult(viscous->A, viscous->x, r));
-  PetscCall(VecAYPX(r, -1, viscous->b));
-  PetscCall(NormOf(viscous->ksp, r, z, &report->residual));
-  PetscCall(VecDestroy(&r));
-  PetscCall(VecDestroy(&z));
-  PetscCall(KSPGetResidualNorm(viscous->ksp, &report->claimed));
-  report->asked = PetscMax(rtol * rhs, atol);
-  SolverJudge(report, rhs);
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESIDUAL), 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* One attempt from what x holds; its iterations are added to those of the report. */
-static PetscErrorCode Attempt(Viscous *viscous, SolverReport *report)
-{
-  PetscInt iterations;
-
-  PetscFunctionBegin;
-  PetscCall(MatAssemblyBegin(viscous->A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
-  PetscCall(MatAssemblyEnd(viscous->A, MAT_FINAL_ASSEMBLY));
-  SolverTry(PetscObjectComm((PetscObject)viscous->ksp), VISCOUS_EQUATION,
-            KSPSolve(viscous->ksp, viscous->b, viscous->x));
-  PetscCall(KSPGetConvergedReason(viscous->ksp, &report->reason));
-  PetscCall(KSPGetIterationNumber(viscous->ksp, &iterations));
-  report->iterations += iterations;
-  PetscCall(CheckResidual(viscous, report));
+  PetscCall(VecRestoreArrayWrite(viscous->solver.x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -332,7 +265,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
-  if (!viscous->ksp || viscous->layout != cloud->layout) PetscCall(CreateSolver(stepper));
+  if (!viscous->solver.ksp || viscous->layout != cloud->layout) PetscCall(CreateSolver(stepper));
   if (pairs > viscous->capacity) {
     viscous->capacity = pairs + pairs / 4;
     PetscCall(PetscFree(viscous->pair));
@@ -343,13 +276,10 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
   PetscCall(FreeViscousSetUp(stepper, dt));
   PetscCall(RightHandSide(stepper));
-  report->iterations = 0;
-  PetscCall(Attempt(viscous, report));
-  if (SolverFailed(report)) { /* the start value may have misled it */
-    PetscCall(VecSet(viscous->x, 0));
-    PetscCall(Attempt(viscous, report));
-  }
-  PetscCall(Load(stepper, viscous->x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
+  PetscCall(MatAssemblyBegin(viscous->solver.A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
+  PetscCall(MatAssemblyEnd(viscous->solver.A, MAT_FINAL_ASSEMBLY));
+  PetscCall(SolverSolve(&viscous->solver, report));
+  PetscCall(Load(stepper, viscous->solver.x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   if (SceneHasFree(cloud->scene)) PetscCall(FreeDrag(stepper, cloud->field[FIELD_VELOCITY_STAR], stepper->free_drag));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
