@@ -101,6 +101,8 @@ def written():
         gone = [p for p in re.findall(r"\b(?:src|tests|options|cases)/[\w./-]*\w", text)
                 if "NAME" not in p and not glob.glob(os.path.join(runs.ROOT, p) + "*")]
         runs.check(not gone, f"paths_{path}", f"no file {gone}")
+        page = re.fullmatch("cases/.*/README.md", path)
+        runs.check(not page or text.count("\n") <= 150, f"length_{path}", f"{text.count(chr(10))} lines, at most 150")
         for k, command in enumerate(commands(text)):
             words = shlex.split(command, comments=True)
             words = words[words.index("./isph") + 1:]
