@@ -95,7 +95,7 @@ def written():
         runs.check(not bad, f"commands_{path}", f"cannot be typed: {bad}")
         here = os.path.dirname(os.path.join(runs.ROOT, path))
         links = [(os.path.join(here, link) if link else os.path.join(runs.ROOT, path), part)
-                 for link, part in re.findall(r"\]\(([^)#]*)#?([^)]*)\)", text) if "://" not in link]
+                 for link, part in re.findall(r"(?:\]\(|src=\")([^)\"#]*)#?([^)\"]*)[)\"]", text) if "://" not in link]
         broken = [link for link, part in links if not os.path.exists(link) or part and part not in headings(link)]
         runs.check(not broken, f"links_{path}", f"no file {broken}")
         gone = [p for p in re.findall(r"\b(?:src|tests|options|cases)/[\w./-]*\w", text)

@@ -2,8 +2,10 @@
 """Figures quoted in README.md and in the presets' headers are those of the generated tables. Each quotation is a
 pattern whose groups are figures, and for each group where it comes from; a group must be the table's figure, rounded
 to the digits quoted. Figures that no quotation covers fail too: in the tables of README's sections SECTIONS, and in
-a preset's header any number before a unit or 'times'. LINT_ROOT: another tree, for a test of the test."""
+a preset's header any number before a unit or 'times'. Per cents in the gallery of cases/README.md are figures of the
+cases. LINT_ROOT: another tree, for a test of the test."""
 import glob
+import math
 import os
 import re
 import sys
@@ -129,7 +131,26 @@ def left_over(path, text):
             for cell in line.split("|")[3:] for number in re.findall(r"\d[\d.]*", cell)]
 
 
-bad, count = [], 0
+def found(case):
+    """Per cents that the gallery may quote of a case: figures of its results.md, and how far off they are."""
+    for row in map(dict, tables(f"cases/{case}/results.md")):
+        numbers = [re.match(r"-?\d\S*", row.get(column, "")) for column in ("default scheme", "expected")]
+        measured, expected = (float(number[0]) if number else math.nan for number in numbers)
+        yield measured if "%" in row.get("default scheme", "") else 100 * measured
+        yield 100 * (measured / (expected or math.nan) - 1)
+
+
+def gallery():
+    """What the last column of cases/README.md quotes and the cases have not."""
+    shown = re.findall(r"\[(\w+)\]\(\1/README\.md\):.*\|(.*)\|$", read("cases/README.md"), re.M)
+    quoted = [(case, number) for case, cell in shown for number in re.findall(r"([\d.]+) %", cell)]
+    return len(quoted), [
+        f"cases/README.md: {number} % is not among the figures of {case}" for case, number in quoted
+        if all(not abs(abs(value) - float(number)) <= 0.501 * 10.0 ** -len(number.partition(".")[2])
+               for value in found(case))]
+
+
+count, bad = gallery()
 for document in ["README.md"] + [f"options/{preset}.opts" for preset in PRESETS]:
     text = text_of(document)
     for _, pattern, sources in (quoted for quoted in QUOTED if quoted[0] == document):
