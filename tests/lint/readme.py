@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """README.md stays short: at most 200 lines of at most 120 columns, and its tables whole. Functions that it and
 CONTRIBUTING.md name as `file:function` are defined in that file of src/, and the README names one for each equation of
-the paper, (1) to (11). LINT_ROOT: another tree, for a test of the test."""
+the paper, (1) to (11). The sub-steps of its table of the default scheme are those that the scheme documents, and its
+functions are called in that order. LINT_ROOT: another tree, for a test of the test."""
 import os
 import re
 import sys
@@ -10,6 +11,7 @@ import verdict
 
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 LINES, COLUMNS, EQUATIONS = 200, 120, 11
+SCHEME, STEP = "src/stepper/consistent.c", "ConsistentStep"
 bad = []
 
 
@@ -33,7 +35,22 @@ def lines_of(document):
         return file.read().splitlines()
 
 
+def scheme(rows):
+    """What differs between the README's rows (sub-step, function) and the comment above the scheme, or its calls."""
+    comment, _, source = "\n".join(lines_of(SCHEME)).partition("*/")
+    documented = re.findall(r"^ {5}(\w+)  +\S", comment, re.M)
+    shown = [name for name, _ in rows if name in documented]
+    if shown != documented:
+        yield f"{SCHEME} documents the sub-steps {documented}, README.md shows {shown}"
+    step = source.split(f" {STEP}(")[1].split("\n}\n")[0]
+    calls = [call.start() for call in (re.search(rf"\b{function}\(", step) for _, function in rows) if call]
+    if len(calls) < 3 or calls != sorted(calls):
+        yield f"{STEP} does not call the functions of README.md's table in that order"
+
+
 lines = lines_of("README.md")
+table = "\n".join(lines).split("| sub-step |")[-1].split("\n\n")[0]
+bad += scheme(re.findall(r"^\| (\w+) \|.*`[\w/.]+:(\w+)` \|$", table, re.M))
 if len(lines) > LINES:
     bad.append(f"README.md has {len(lines)} lines, at most {LINES}")
 bad += [f"README.md:{k}: {len(line)} columns, at most {COLUMNS}" for k, line in enumerate(lines, 1)
