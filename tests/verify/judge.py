@@ -152,6 +152,9 @@ for name, place in (("tradeoff", "tests/tradeoff"), ("extremes", "tests/extremes
         text = file.read()
     placed = text.count(f"<!-- {name} -->\n") == text.count(f"<!-- /{name} -->\n") == 1
     runs.check(placed, f"markers_{name}", f"not once in {place}/README.md")
+for name in dict.fromkeys(e.case for e in cases.ENTRIES):
+    old, new = runner.chosen(name)
+    runs.check(old and old == new, f"chosen_{name}", f"make verify-readme would change cases/{name}/README.md")
 order = runner.order_of([0.04, None, 0.01], [0.2, 0.1, 0.1])
 runs.check(order == "2.0", "observed_order", order)
 

@@ -357,14 +357,14 @@ def side_by_side(rows, path):
             f"verify-readme` from runs among {', '.join(versions)}.")
 
 
-def fill(case):
-    """The figures of the table between <!-- chosen --> and <!-- /chosen --> of a case's README. Its rows name an entry
-    (case.opts: the one without a label; empty: that above) and a quantity of results.md."""
+def chosen(case):
+    """The table between <!-- chosen --> and <!-- /chosen --> of a case's README, and the same with the figures of
+    results.md. Its rows name an entry (case.opts: the one without a label; empty: that above) and a quantity."""
     path = os.path.join(runs.ROOT, "cases", case, "README.md")
     with open(path, encoding="utf-8") as file:
         text = file.read().partition("<!-- chosen -->\n")[2].partition("<!-- /chosen -->")[0].strip()
     if not text:
-        return
+        return "", ""
     lines, _ = lines_in(runs.results(case, "verify"))
     head, rule, *rows = [[cell.strip() for cell in line[1:-1].split("|")] for line in text.splitlines()]
     columns, label = {"isph": 2, "expected": 3, "tolerance": 4, "within": 5, "as printed": 6}, ""
@@ -375,8 +375,7 @@ def fill(case):
         if len(found) != 1:
             sys.exit(f"runner.py: {path} asks for '{row[1]}' of '{label}', which results.md has {len(found)} times")
         row[2:] = [found[0][columns[title]] for title in head[2:]]
-    filled = ["| " + " | ".join(row) + " |" for row in [head, rule] + rows]
-    runs.replace(path, "chosen", "\n" + "\n".join(filled) + "\n")
+    return text, "\n".join("| " + " | ".join(row) + " |" for row in [head, rule] + rows)
 
 
 def readme():
@@ -388,7 +387,9 @@ def readme():
         own = [row for row in rows if row["case"] == case]
         if own:
             runs.results(case, "verify", side_by_side(own, runs.results(case, "verify")))
-        fill(case)
+        new = chosen(case)[1]
+        if new:
+            runs.replace(os.path.join(runs.ROOT, "cases", case, "README.md"), "chosen", f"\n{new}\n")
     return 0
 
 
