@@ -378,20 +378,20 @@ PetscBool SceneHasFree(Scene scene)
   return PETSC_FALSE;
 }
 
-void SceneReleaseFree(Scene scene, PetscReal time)
+void SceneStart(Scene scene, PetscReal time)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
     if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->now.time = time;
 }
 
-void SceneHoldFree(Scene scene, PetscBool held)
+void SceneFreeze(Scene scene, PetscBool frozen)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
     if (BodyMass(scene->solid[b]) > 0) {
       struct _p_Free *f = scene->solid[b]->free;
 
-      f->held = held;
-      for (PetscInt k = 0; k < FREE_MOTIONS && !held; k++) f->now.force[k] = f->now.excess[k] = 0;
+      f->held = frozen;
+      for (PetscInt k = 0; k < FREE_MOTIONS && !frozen; k++) f->now.force[k] = f->now.excess[k] = 0;
     }
 }
 
@@ -402,13 +402,13 @@ PetscBool SceneDriven(Scene scene)
   return PETSC_FALSE;
 }
 
-void SceneKeepFree(Scene scene)
+void SceneSave(Scene scene)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
     if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->kept = scene->solid[b]->free->now;
 }
 
-void SceneReturnFree(Scene scene)
+void SceneRestore(Scene scene)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
     if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->now = scene->solid[b]->free->kept;

@@ -123,10 +123,10 @@ PetscReal SceneSolidSpeed(Scene scene);
    times angle (rad) by which it has turned at its last push. FreeKinetic - its kinetic energy (J). FreeNumbers - all
    that changes of it, as numbers, for a checkpoint. FreeStart - at the start: its centre (m) and moments of inertia
    about x, y and z (kg m2, 0 if it does not turn), and whether it may turn. SceneSolidsAtStart - puts all solids where
-   they were at the start. SceneReleaseFree - the time (s) of the start, at which free bodies begin to move.
-   SceneHoldFree - whether they are held where they are for now; let go, they begin without forces of a step before.
-   SceneDriven - whether a solid moves that is not free. SceneKeepFree, SceneReturnFree
-   - keeps their state, and returns to it. */
+   they were at the start. SceneStart - the time (s) of the start, at which free bodies begin to move. SceneFreeze -
+   whether they stay where they are for now; let go, they begin without forces of a step before. SceneDriven - whether a
+   solid moves that is not free. SceneSave, SceneRestore - saves what a step changes of free
+   bodies, at its start, and returns to it. */
 PetscBool  SceneHasFree(Scene scene);
 PetscReal  BodyMass(Body solid);
 void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS]);
@@ -140,11 +140,11 @@ PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);
 void       FreeStart(Body solid, PetscReal center[DIM], PetscReal inertia[DIM], PetscBool *turns);
 void       SceneSolidsAtStart(Scene scene);
-void       SceneReleaseFree(Scene scene, PetscReal time);
-void       SceneHoldFree(Scene scene, PetscBool held);
+void       SceneStart(Scene scene, PetscReal time);
+void       SceneFreeze(Scene scene, PetscBool frozen);
 PetscBool  SceneDriven(Scene scene);
-void       SceneKeepFree(Scene scene);
-void       SceneReturnFree(Scene scene);
+void       SceneSave(Scene scene);
+void       SceneRestore(Scene scene);
 /* SceneSpacing - the particle spacing (m) that is wanted at x (m): -spacing in the regions of -fine, growing with the
    distance from them by -spacing_growth, at most -spacing_coarse. Not collective. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);

@@ -170,7 +170,7 @@ PetscErrorCode SimSetUp(Sim sim)
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
-  SceneReleaseFree(sim->scene, sim->state.time);
+  SceneStart(sim->scene, sim->state.time);
   SceneMoveSolids(sim->scene, sim->state.time);
   PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
   if (restarting) {

@@ -1,16 +1,7 @@
 /* The consistent scheme, which is the default: every operator acts at the same positions, those of the middle of the
    step, found with one neighbour search. It keeps the energy of an impact at three times the spacing that the printed
-   scheme needs. With v* the velocity without pressure, and all sums over the positions of the middle:
-
-     drift       r^{n+1/2} = r^n + dt/2 v^n
-     search      neighbours, rho = sum m W, n = sum V grad W, B = (-sum V grad W (x) r_ab)^-1, free surface
-     forces      v* = v^n + dt (nu lap v + g + tension of sheets); sigma kappa on the free surface
-     divergence  D = sum V (v*_b - v*_a).B_a grad W, and grad v*
-     project     div (grad p/rho) = D/dt + e/(dt T), e the density defect; p = sigma kappa on the free surface
-     kick        v^{n+1} = v* - dt (grad p)/rho
-     drift       r^{n+1} = r^{n+1/2} + dt/2 v^{n+1}
-     shift       r^{n+1} += dr, v^{n+1} += (dr.grad) v*
-     guard       no particle inside a wall
+   scheme needs. ConsistentStep has its equations: v* is the velocity without pressure, all sums run over the positions
+   of the middle, e is the density defect. What edges add to the sub-steps: hooks.c.
 
    This is a leapfrog, which keeps the phase volume of an oscillation; forces at r^n multiply it by 1 + (w dt)^2/2 in
    each step. With -time_centered 0 they do act there: the first drift is left out, and the second one is
@@ -29,23 +20,28 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 
   PetscFunctionBegin;
   PetscCall(CloudBegin(cloud));
+  /* r^{n+1/2} = r^n + dt/2 v^n */
   if (scheme->centered) PetscCall(StepDrift(stepper, dt, trial));
   if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
+  /* rho = sum m W, n = sum V grad W, B = (-sum V grad W (x) r_ab)^-1, the free surface */
   PetscCall(StepSearch(stepper, viscous));
   PetscCall(TrialDiagnose(stepper, trial));
+  /* v* = v^n + dt (nu lap v + g + tension of sheets), sigma kappa on the free surface */
   PetscCall(StepForces(stepper, dt, cloud->rest_density, viscous, trial));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FreePredict(stepper, dt));
+  /* D = sum V (v*_b - v*_a).B_a grad W, grad v* */
   if (scheme->shifting.active || PressureTakesDivergence(stepper->pressure))
     PetscCall(StepDivergence(stepper, scheme->divergence_offset * dt));
+  /* div (grad p/rho) = D/dt + e/(dt T), p = sigma kappa on the free surface */
   PetscCall(scheme->project(stepper, dt, &trial->pressure));
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (SceneSolidsMove(cloud->scene)) SolidsWork(cloud, dt, trial);
-  PetscCall(StepKick(stepper, dt));
-  PetscCall(TensionHold(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
-  PetscCall(FreeKick(stepper, dt, trial));
+  /* v^{n+1} = v* - dt (grad p)/rho */
+  PetscCall(StepKick(stepper, dt, trial));
+  /* r^{n+1} = r^{n+1/2} + dt/2 v^{n+1} */
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
+  /* r^{n+1} += dr, v^{n+1} += (dr.grad) v* */
   if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));
+  /* no particle inside a wall */
   PetscCall(StepGuard(stepper, dt, cloud->field[FIELD_POSITION], trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

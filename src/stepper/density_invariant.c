@@ -54,7 +54,7 @@ static PetscErrorCode Correct(Stepper stepper, PetscReal dt, const PetscReal sta
   if (PressureTakesDivergence(stepper->pressure)) PetscCall(StepDivergence(stepper, 0));
   PetscCall(StepProject(stepper, dt, &trial->pressure)); /* Eqs. (8), (11) */
   if (TrialFailed(trial)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StepKick(stepper, dt));                        /* Eq. (9) */
+  PetscCall(StepKick(stepper, dt, trial));                 /* Eq. (9) */
   PetscCall(StepDriftOn(stepper, dt, start, PETSC_FALSE)); /* Eq. (10) */
   PetscCall(StepGuard(stepper, dt, start, trial));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -101,22 +101,6 @@ static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The work that walls and solids that move do by friction, at the velocities that viscosity has acted at. */
-static PetscErrorCode FrictionWork(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
-{
-  Cloud      cloud = stepper->cloud;
-  PetscReal *drag;
-
-  PetscFunctionBegin;
-  if (DomainWallSpeed(cloud->domain) == 0 && !SceneSolidsMove(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CloudGetWork(cloud, DIM, &drag));
-  PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, drag));
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++)
-    if (cloud->integer[INT_LAYER][b]) trial->sum[SUM_FRICTION_WORK] -= dt * Dot(drag + DIM * b, velocity + DIM * b);
-  PetscCall(CloudRestoreWork(cloud, &drag));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Implicit viscosity. It must balance the pressure: in steps longer than momentum takes to spread over a few spacings,
    viscosity without pressure lets the liquid swell or shrink, and what the projection then removes of that is missing
    in the resistance to a stretch (hanging sheets stretched up to 1.3 times too fast) and leaves a creep at rest. So the
@@ -145,7 +129,7 @@ static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscR
     for (PetscInt k = 0; k < n; k++) v_star[k] += dt * push[k];
   }
   PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
-  PetscCall(FrictionWork(stepper, dt, v_star, trial));
+  StepHook(stepper, drag, dt, v_star, trial);
   if (split)
     for (PetscInt k = 0; k < n; k++) v_star[k] -= dt * push[k];
   trial->sum[SUM_VISCOUS_WORK] = MassWeightedDot(cloud, FIELD_VELOCITY_STAR) - before;
@@ -199,7 +183,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   if (ViscosityIsExplicit(stepper)) {
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
-    PetscCall(FrictionWork(stepper, dt, v, trial));
+    StepHook(stepper, drag, dt, v, trial);
   }
   ShakingWork(cloud, 0.5 * dt, trial); /* the other half with the velocity at the end of the step, in StepGuard */
   if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
@@ -212,6 +196,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     PetscCall(SolveViscosity(stepper, dt, density, trial));
   else
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
+  StepHook(stepper, predict, dt);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -45,13 +45,11 @@ static void AddWeightOf(Scene scene, Body solid, PetscReal dt, PetscReal impulse
   for (PetscInt d = 0; d < DIM; d++) impulse[d] += dt * BodyMass(solid) * g[d];
 }
 
-PetscErrorCode FreePredict(Stepper stepper, PetscReal dt)
+static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 {
   Cloud cloud = stepper->cloud;
 
   PetscFunctionBegin;
-  if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!stepper->viscous.implicit) PetscCall(FreeDrag(stepper, cloud->field[FIELD_VELOCITY], stepper->free_drag));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
     PetscReal  center[DIM], motion[FREE_MOTIONS], impulse[FREE_MOTIONS], change[FREE_MOTIONS], *force, *excess;
@@ -76,11 +74,13 @@ static PetscReal Soon(Stepper stepper, PetscReal dt)
   return 1 - PetscExpReal(-dt / PressureRelaxationTime(stepper->pressure));
 }
 
-void FreeTake(Stepper stepper, PetscReal dt, const PetscReal impulse[])
+/* They will get the impulses of WallGuard, as what the pressure owes them. */
+static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial)
 {
   const Scene     scene = stepper->cloud->scene;
   const PetscReal share = Soon(stepper, dt) / dt;
 
+  PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
     PetscReal *force, *excess;
 
@@ -88,9 +88,11 @@ void FreeTake(Stepper stepper, PetscReal dt, const PetscReal impulse[])
     FreeForces(SceneSolid(scene, b), &force, &excess);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) excess[k] += share * impulse[FREE_MOTIONS * b + k];
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
+/* Their new velocities; adds what they did on the fluid to the trial. */
+static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud           cloud = stepper->cloud;
   const PetscReal soon  = Soon(stepper, dt);
@@ -98,7 +100,6 @@ PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscMPIInt     rank;
 
   PetscFunctionBegin;
-  if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PressureFreeForces(stepper->pressure, equation));
   PetscCall(Balance(stepper, dt, balance));
@@ -123,3 +124,16 @@ PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial)
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscBool On(Stepper stepper)
+{
+  return SceneHasFree(stepper->cloud->scene);
+}
+
+const StepHooks FreeHooks = {.on      = On,
+                             .hold    = FreeViscousHold,
+                             .follow  = FreeViscousFollow,
+                             .drag    = FreeViscousDrag,
+                             .predict = Predict,
+                             .kick    = Kick,
+                             .guard   = Guard};

@@ -40,14 +40,14 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
+/* Viscous force and torque (N, N m) on each free solid, drag[solids][FREE_MOTIONS], at velocities [n_total][3] (m/s), 0
+   for others. */
+static PetscErrorCode Drag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
 {
   Cloud      cloud = stepper->cloud;
   PetscReal *each;
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(drag, FREE_MOTIONS * SceneSolidCount(cloud->scene)));
-  if (!SceneHasViscosity(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &each));
   PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, each));
   PetscCall(FreeSum(cloud, each, NULL, drag));
@@ -56,15 +56,13 @@ PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal d
 }
 
 /* The inverse of 1 + dt/M C of each body, by the drag of each of its velocities alone. */
-PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt)
+PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
 {
   Cloud          cloud  = stepper->cloud;
   const PetscInt solids = SceneSolidCount(cloud->scene);
   PetscReal     *u, drag[FREE_MOTIONS * SCENE_MAX_BODIES];
 
   PetscFunctionBegin;
-  if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!stepper->free_follow) PetscCall(PetscMalloc1(solids * FREE_MOTIONS * FREE_MOTIONS, &stepper->free_follow));
   PetscCall(CloudGetWork(cloud, DIM, &u));
   for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
     PetscReal motion[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
@@ -74,7 +72,7 @@ PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt)
     for (PetscInt b = 0; b < solids; b++)
       if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, motion, u);
     PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-    PetscCall(FreeDrag(stepper, u, drag));
+    PetscCall(Drag(stepper, u, drag));
     for (PetscInt b = 0; b < solids; b++) {
       PetscReal *matrix = stepper->free_follow + FREE_MOTIONS * FREE_MOTIONS * b, change[FREE_MOTIONS];
 
@@ -114,11 +112,10 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
   PetscReal       drag[FREE_MOTIONS * SCENE_MAX_BODIES];
 
   PetscFunctionBegin;
-  if (!SceneHasFree(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
     if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, rest, u);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-  PetscCall(FreeDrag(stepper, u, drag));
+  PetscCall(Drag(stepper, u, drag));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
     PetscReal  center[DIM], start[FREE_MOTIONS], impulse[FREE_MOTIONS], motion[FREE_MOTIONS], change[FREE_MOTIONS],
@@ -137,5 +134,12 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
     Solve(stepper->free_follow + FREE_MOTIONS * FREE_MOTIONS * b, motion);
     FreeSetVelocities(cloud, b, motion, u);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
+{
+  PetscFunctionBegin;
+  PetscCall(Drag(stepper, velocity, stepper->free_drag));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

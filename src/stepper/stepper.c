@@ -33,6 +33,7 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->cloud             = cloud;
   s->tension           = tension;
   s->pressure          = pressure;
+  s->edges             = StepEdges;
   s->trial             = (TrialLimits){.displacement = 0.5, .density = 3, .energy = 2};
   s->guard             = 0.25;
   s->density_ratio_max = 2;
@@ -232,7 +233,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(SetViscosityFromOptions(s));
   PetscCall(SurfaceTestSetFromOptions(s->cloud->comm, &s->surface_test));
   PetscCall(TimeStepSetFromOptions(s));
-  PetscCall(ResamplingSetFromOptions(s->cloud, &s->resampling));
+  for (const StepHooks *const *edge = s->edges; *edge; edge++)
+    if ((*edge)->options) PetscCall((*edge)->options(s));
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
   PetscCall(CheckRings(s));
@@ -265,7 +267,7 @@ PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscRe
   stepper->relaxing        = relaxing;
   stepper->damping         = relaxing ? damping : 1;
   stepper->relaxation_step = relaxing ? step : 0;
-  SceneHoldFree(stepper->cloud->scene, relaxing);
+  SceneFreeze(stepper->cloud->scene, relaxing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -373,22 +375,6 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   RecordExchange(sum, tension, state);
 }
 
-/* Joins and splits particles after an accepted step, if it is time; not in a step that has lost some, after which the
-   cloud knows nothing of the step any more. */
-static PetscErrorCode JoinAndSplit(Stepper stepper, const StepTrial *trial, PetscBool lost, StepState *state)
-{
-  ResamplingReport report;
-
-  PetscFunctionBegin;
-  if (!ResamplingDue(&stepper->resampling, state->step, trial->largest[LARGEST_SHARE]) || lost || stepper->damping < 1)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Resample(stepper->cloud, &stepper->resampling, &report));
-  state->resampling_loss += report.energy;
-  state->joined += report.joined;
-  state->split += report.split;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length)
 {
@@ -409,14 +395,13 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
                             (double)dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (SceneSolidsMove(cloud->scene)) {
-    PetscCall(SolidsCheck(cloud, state->time, state->time + dt, why, length));
-    if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  SceneKeepFree(cloud->scene);
+  why[0] = 0;
+  StepHook(stepper, check, dt, why, length);
+  if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  SceneSave(cloud->scene);
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     trial = (StepTrial){.diagnose = diagnose};
-    SceneReturnFree(cloud->scene);
+    SceneRestore(cloud->scene);
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     SceneMoveSolids(cloud->scene, state->time);
     DomainSetTime(cloud->domain, state->time + dt);
@@ -439,10 +424,11 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));
+  trial.lost        = state->lost - lost;
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
   stepper->frayed = (PetscInt)trial.sum[SUM_FRAYED];
-  PetscCall(JoinAndSplit(stepper, &trial, (PetscBool)(state->lost > lost), state));
+  StepHook(stepper, commit, &trial, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

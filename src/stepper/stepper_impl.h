@@ -34,7 +34,7 @@ typedef enum {
   LARGEST_DISPLACEMENT, /* m */
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
-  LARGEST_SHARE,        /* of rings: ResamplingShare */
+  LARGEST_SHARE,        /* of volume over that at the start, 1: of resampling */
   LARGEST_COUNT
 } TrialLargest;
 
@@ -45,6 +45,7 @@ typedef struct {
   PressureResult pressure;
   SolverReport   viscous; /* of the implicit viscosity, if the step has one */
   PetscReal      sum[SUM_COUNT], largest[LARGEST_COUNT];
+  PetscInt       lost; /* particles that left through open faces, once it is accepted */
 } StepTrial;
 
 /* TrialFailed - whether a solver did not do what was asked, so that the rest of the step makes no sense. */
@@ -66,6 +67,34 @@ typedef struct {
   PetscBool   at_once; /* repairs the density in each step, unless the source is a divergence */
 } SchemeOps;
 
+/* What an edge adds to a step, in one file of its own and one line of hooks.c. A hook is called where 'on' says that
+   the run has the edge (NULL: always); NULL: the edge adds nothing there. dt: s. All but 'on' are collective. */
+typedef struct {
+  PetscBool (*on)(Stepper stepper);
+  /* opens its options blocks; whether the edge is on or not */
+  PetscErrorCode (*options)(Stepper stepper);
+  /* before a step: 'why' says in a sentence of at most 'length' bytes why it cannot be made; else it stays empty */
+  PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
+  /* moves boundaries from their places at the time 'from' to those at 'to', with their velocities at 'end' (s); sets
+   *moved if it has changed any place or velocity */
+  PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
+  /* before implicit viscosity: ViscousHold for liquid whose velocity is given; what 'follow' needs */
+  PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
+  /* within it, the liquid having the velocities u ([n_total][3], m/s): sets those of boundaries that follow the liquid;
+     own: with what else acts on them, else of boundaries that start at rest */
+  PetscErrorCode (*follow)(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
+  /* viscosity has acted, at these velocities ([n_total][3], m/s) */
+  PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
+  /* after all forces but the pressure: FIELD_VELOCITY_STAR of boundaries, ghosts too */
+  PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
+  /* after the pressure has made FIELD_VELOCITY_NEW */
+  PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  /* at the end of the step; impulse: that of WallGuard */
+  PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial);
+  /* after the step has been accepted */
+  PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
+} StepHooks;
+
 #define VISCOUS_EQUATION "viscous" /* for SolverTry and SolverExplain */
 
 typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
@@ -79,7 +108,7 @@ typedef struct {
   PetscReal    *pair;                             /* [pairs of the fluid] coefficients */
   PetscInt64    capacity;                         /* of pair */
   PetscInt      layout;                           /* the local order the solver was made for */
-  PetscInt      held_count, held_capacity, *held; /* fluid particles inside emitters, which keep their velocity */
+  PetscInt      held_count, held_capacity, *held; /* fluid particles whose velocity is given: ViscousHold */
   PetscReal    *push;                             /* [n_fluid][3] dt times the kept share of -grad p/rho, m/s */
   PetscInt      push_capacity;                    /* particles */
   Solver        solver;                           /* of the velocities of the fluid, [n_fluid][3] */
@@ -100,31 +129,32 @@ typedef struct {
 } TrialLimits;
 
 struct _p_Stepper {
-  Cloud          cloud;    /* borrowed */
-  Tension        tension;  /* borrowed */
-  Pressure       pressure; /* borrowed */
-  char           scheme_type[64];
-  SchemeOps      ops;
-  void          *scheme; /* data of the scheme */
-  TimeStepLimits limits;
-  TrialLimits    trial;
-  StepBounds     bounds;  /* of the last step size chosen */
-  PetscReal      fastest; /* m/s, of all the liquid, at that time */
-  Viscosity      viscosity;
-  SurfaceTest    surface_test;
-  Resampling     resampling;
-  Viscous        viscous;
-  PetscReal      guard;                                      /* spacings that particles keep from walls */
-  PetscReal      density_ratio_max;                          /* of the densities of two bodies */
-  PetscReal      reference_velocity;                         /* m/s */
-  PetscBool      relaxing;                                   /* StepperSetRelaxation: no body force */
-  PetscReal      damping;                                    /* velocities are multiplied with it in each step */
-  PetscReal      relaxation_step;                            /* s; 0: as in the run */
-  PetscReal      time;                                       /* s, at the start of the step */
-  PetscBool      first;                                      /* the step is the first of a run */
-  PetscInt       frayed;                                     /* StepperFrayed */
-  PetscReal      free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* of each solid that is free, N, N m */
-  PetscReal     *free_follow; /* [solids][FREE_MOTIONS][FREE_MOTIONS] of free_viscous.c; NULL: not needed so far */
+  Cloud                   cloud;    /* borrowed */
+  Tension                 tension;  /* borrowed */
+  Pressure                pressure; /* borrowed */
+  char                    scheme_type[64];
+  SchemeOps               ops;
+  void                   *scheme; /* data of the scheme */
+  const StepHooks *const *edges;  /* StepEdges */
+  TimeStepLimits          limits;
+  TrialLimits             trial;
+  StepBounds              bounds;  /* of the last step size chosen */
+  PetscReal               fastest; /* m/s, of all the liquid, at that time */
+  Viscosity               viscosity;
+  SurfaceTest             surface_test;
+  Resampling              resampling;
+  Viscous                 viscous;
+  PetscReal               guard;              /* spacings that particles keep from walls */
+  PetscReal               density_ratio_max;  /* of the densities of two bodies */
+  PetscReal               reference_velocity; /* m/s */
+  PetscBool               relaxing;           /* StepperSetRelaxation: no body force */
+  PetscReal               damping;            /* velocities are multiplied with it in each step */
+  PetscReal               relaxation_step;    /* s; 0: as in the run */
+  PetscReal               time;               /* s, at the start of the step */
+  PetscBool               first;              /* the step is the first of a run */
+  PetscInt                frayed;             /* StepperFrayed */
+  PetscReal               free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* of each solid that is free, N, N m */
+  PetscReal               free_follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* of free_viscous.c */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
@@ -147,7 +177,7 @@ PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper);
 
 /* --- sub-steps, substeps.c; all collective, each with its log event --- */
 
-/* StepDrift - r += v dt/2 for the fluid, ghosts included. */
+/* StepDrift - r += v dt/2 for the fluid, ghosts included; boundaries go to the middle of the step. */
 PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial);
 /* StepSearch - at the positions of the cloud: neighbours, FIELD_DENSITY (ghosts too), FIELD_CORRECTION, FIELD_LAMBDA,
    FIELD_NORMAL, FIELD_CROWDING, INT_SURFACE. viscous: also the viscous term, into FIELD_ACCELERATION, at half the price
@@ -159,7 +189,8 @@ PetscBool StepViscosityFused(Stepper stepper);
 /* StepForces - FIELD_ACCELERATION of viscosity, tension and body force at the positions and velocities of the cloud,
    Eqs. (1), (5) to (7); FIELD_VELOCITY_STAR = v + dt a for the fluid and the wall's own velocity for walls, ghosts
    included. density ([n_total], kg/m3): what viscosity divides by. fused: StepSearch has begun FIELD_ACCELERATION with
-   the viscous term. Viscosity acts at the new velocity in steps that StepSize made implicit. Sums the works. */
+   the viscous term. Viscosity acts at the new velocity in steps that StepSize made implicit. Sums the works. Boundaries
+   that the liquid moves get their velocity there. */
 PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial);
 /* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR; the
    divergence is that after the particles have moved for time_offset (s). */
@@ -168,12 +199,12 @@ PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
 PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result);
 /* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9), after what an implicit step has kept of
    the former pressure has been taken out of FIELD_VELOCITY_STAR. */
-PetscErrorCode StepKick(Stepper stepper, PetscReal dt);
+PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial);
 /* StepDriftOn - FIELD_POSITION_NEW = from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10), or without v, where the first half
    of the drift is done. from ([n_fluid][3], m). */
 PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done);
 /* StepGuard - the wall guard (guard.c) on FIELD_POSITION_NEW and FIELD_VELOCITY_NEW, which then become FIELD_POSITION
-   and FIELD_VELOCITY, with solids that move at the end of the step; adds the largest displacement since 'from'
+   and FIELD_VELOCITY, with boundaries that move at the end of the step; adds the largest displacement since 'from'
    ([n_fluid][3], m) to the trial. */
 PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial);
 
@@ -184,42 +215,35 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
    momentum (N s) and angular momentum (N m s) that free bodies take up by it, of all ranks. Collective. */
 PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[]);
 
-/* --- solids.c --- */
+/* --- hooks.c --- */
 
-/* SolidsMove - the solids that move, and their dummy particles, from their places at the time 'from' to those at the
-   time 'to', with their velocities at the time 'end' (s). Not collective. */
+extern const StepHooks        MovingHooks, ContactHooks, FreeHooks, EmitterHooks, ResamplingHooks;
+extern const StepHooks *const StepEdges[]; /* in the order in which they are called; NULL at the end */
+
+/* StepHook - calls a hook of all edges, with what it takes behind the stepper. */
+#define StepHook(stepper, hook, ...)                                                                                   \
+  do {                                                                                                                 \
+    for (const StepHooks *const *edge_ = (stepper)->edges; *edge_; edge_++)                                            \
+      if ((*edge_)->hook && (!(*edge_)->on || (*edge_)->on(stepper)))                                                  \
+        PetscCall((*edge_)->hook((stepper), __VA_ARGS__));                                                             \
+  } while (0)
+
+/* --- moving.c --- */
+
+/* SolidsMove - the 'drift' of the solids that move and their dummy particles. Not collective. */
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
-/* WallsSwing - the dummy particles of the box's walls get the velocity of the domain's time. Not collective. */
-void WallsSwing(Cloud cloud);
-/* SolidsCheck - 'why' says in a sentence of at most 'length' bytes that a solid would leave the box, or go into another
-   one, between the two times (s); empty if not. Collective. */
-PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[], size_t length);
 
-/* SolidsWork - adds to the trial what the pressure of solids that move does on the fluid in a step of dt (s), after
-   StepProject. Not collective. */
-void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial);
-
-/* --- free.c, free_viscous.c: free bodies; nothing without --- */
+/* --- free.c, free_viscous.c --- */
 
 /* FreeSetVelocities - the dummy particles of a free solid, by its index, get the velocities of a motion: velocity[]
-   ([n_owned][3], m/s). FreeDrag - viscous force and torque (N, N m) on each free solid, drag[solids][FREE_MOTIONS], at
-   velocities [n_total][3] (m/s), 0 for others. FreeViscousSetUp - before FreeViscousFollow, in a step of dt (s).
-   FreeViscousFollow - free bodies follow the liquid, whose velocities are in u ([n_total][3], m/s): those of their
-   dummies there become what its viscosity makes of a body at rest in dt, 'own': of a body with its velocity, weight
-   and pressure. */
+   ([n_owned][3], m/s). Not collective. FreeSum - sum[solids][FREE_MOTIONS] of the forces on their dummy particles, each
+   ([n_total][3], N), of all ranks; 0 of solids that are not free. normal ([n_total][3]): see FreeAdd, or NULL.
+   FreeViscousHold, FreeViscousFollow, FreeViscousDrag - the hooks. Collective. */
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
-/* FreeSum - sum[solids][FREE_MOTIONS] of the forces on their dummy particles, each ([n_total][3], N), of all ranks; 0
-   of solids that are not free. normal ([n_total][3]): see FreeAdd, or NULL. Collective. */
 PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[]);
-PetscErrorCode FreeDrag(Stepper stepper, const PetscReal velocity[], PetscReal drag[]);
-PetscErrorCode FreeViscousSetUp(Stepper stepper, PetscReal dt);
+PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
-/* FreePredict - after StepForces: FIELD_VELOCITY_STAR of their dummy particles, ghosts too. FreeKick - after StepKick:
-   their new velocities; adds what they did on the fluid to the trial. Collective. */
-PetscErrorCode FreePredict(Stepper stepper, PetscReal dt);
-PetscErrorCode FreeKick(Stepper stepper, PetscReal dt, StepTrial *trial);
-/* FreeTake - they will get the impulses of WallGuard, as what the pressure owes them. Not collective. */
-void FreeTake(Stepper stepper, PetscReal dt, const PetscReal impulse[]);
+PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
 
 /* --- forces.c --- */
 
@@ -248,11 +272,13 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
 /* ViscosityIsExplicit - in this step; false also without viscosity. Not collective. */
 PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
+   ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), as a wall does. Not collective.
    ViscousGetPush - an array [n_fluid][3] that stays until the end of the step, borrowed.
    ViscousSolve - FIELD_VELOCITY_STAR (of the fluid, without viscosity) becomes the velocity u with u = v* + dt V u,
    ghosts included, walls with their own velocity. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
+PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM]);
 PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report);
 PetscErrorCode ViscousDestroy(Stepper stepper);

@@ -6,18 +6,17 @@ PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
   Cloud            cloud = stepper->cloud;
   PetscReal       *r     = cloud->field[FIELD_POSITION];
   const PetscReal *v     = cloud->field[FIELD_VELOCITY];
+  PetscBool        moved = PETSC_FALSE;
 
   PetscFunctionBegin;
   trial->largest[LARGEST_DISPLACEMENT] = 0.5 * dt * stepper->fastest;
   if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
-  if (SceneSolidsMove(cloud->scene))
-    PetscCall(SolidsMove(cloud, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt));
-  if (DomainWallsSwing(cloud->domain)) WallsSwing(cloud);
+  StepHook(stepper, drift, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt, &moved);
   PetscCall(CloudMoved(cloud));
-  if (SceneSolidsMove(cloud->scene) || DomainWallsSwing(cloud->domain)) PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-  if (SceneSolidsMove(cloud->scene)) PetscCall(CloudFindSolidNormals(cloud));
+  if (moved) PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
+  if (moved) PetscCall(CloudFindSolidNormals(cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,7 +57,7 @@ PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepKick(Stepper stepper, PetscReal dt)
+PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud            cloud  = stepper->cloud;
   PetscReal       *v_star = cloud->field[FIELD_VELOCITY_STAR];
@@ -73,6 +72,7 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt)
   PetscCall(PressureAcceleration(stepper->pressure, a));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */
   PetscCall(CloudRestoreWork(cloud, &a));
+  StepHook(stepper, kick, dt, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_KICK), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,27 +96,25 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
   Cloud      cloud = stepper->cloud;
   PetscReal *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0,
             impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
+  const PetscReal end   = stepper->time + dt;
+  PetscBool       moved = PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
-  if (SceneSolidsMove(cloud->scene)) {
-    const PetscReal end = stepper->time + dt;
-
-    PetscCall(SolidsMove(cloud, stepper->time + 0.5 * dt, end, end));
-  }
+  StepHook(stepper, drift, stepper->time + 0.5 * dt, end, end, &moved);
   PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r_new, v_new, impulse));
-  FreeTake(stepper, dt, impulse);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal moved[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
-                                  r_new[3 * a + 2] - from[3 * a + 2]};
+    const PetscReal step[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
+                                 r_new[3 * a + 2] - from[3 * a + 2]};
 
-    largest = PetscMax(largest, Norm(moved) / CloudSize(cloud, a));
-    if (!(Norm(moved) + Norm(v_new + DIM * a) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
+    largest = PetscMax(largest, Norm(step) / CloudSize(cloud, a));
+    if (!(Norm(step) + Norm(v_new + DIM * a) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
   }
   trial->largest[LARGEST_DISPLACEMENT] += largest;
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY], v_new, DIM * cloud->n_fluid));
   ShakingWork(cloud, 0.5 * dt, trial);
+  StepHook(stepper, guard, dt, impulse, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -104,8 +104,6 @@ PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial)
     trial->sum[SUM_MASS] += m;
     trial->sum[SUM_KINETIC] += 0.5 * m * Dot(v + DIM * a, v + DIM * a);
   }
-  for (PetscInt a = 0; a < cloud->n_fluid && cloud->domain->rings; a++)
-    trial->largest[LARGEST_SHARE] = PetscMax(trial->largest[LARGEST_SHARE], ResamplingShare(cloud, a));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, trial->largest, LARGEST_COUNT, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, trial->sum, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -46,35 +46,18 @@ PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lists the liquid that emitters hold, and gives it their velocity. It moves as a wall does: were it free in this
-   solve, which a long step ends near rest relative to its neighbours, the liquid that has left would drag it along, and
-   tear. A row is held until the whole of its particles has left, which is when the next filling comes: were it free
-   from when their middles have, a sheet of honey would fall freely for as long, 6 % of the time in fillings of 8 rows.
- */
-static PetscErrorCode FindHeld(Stepper stepper)
+PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM])
 {
   Cloud    cloud   = stepper->cloud;
   Viscous *viscous = &stepper->viscous;
 
   PetscFunctionBegin;
-  viscous->held_count = 0;
-  if (!SceneEmits(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (cloud->n_fluid > viscous->held_capacity) {
+  if (viscous->held_count == viscous->held_capacity) {
     viscous->held_capacity = cloud->n_fluid;
-    PetscCall(PetscFree(viscous->held));
-    PetscCall(PetscMalloc1(viscous->held_capacity, &viscous->held));
+    PetscCall(PetscRealloc((size_t)viscous->held_capacity * sizeof(*viscous->held), &viscous->held));
   }
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
-    const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
-    PetscReal        v[DIM], radius = 0.5 * CloudSize(cloud, a) * cloud->domain->spacing;
-
-    if (!BodyEmits(body)) continue;
-    BodyEmissionVelocity(body, stepper->time, x, v);
-    if (!BodyHolds(body, x, radius + viscous->dt * Norm(v))) continue;
-    PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY] + DIM * a, v, DIM));
-    viscous->held[viscous->held_count++] = a;
-  }
+  PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY] + DIM * a, v, DIM));
+  viscous->held[viscous->held_count++] = a;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,7 +82,7 @@ static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls, PetscReal u[
       PetscArraycpy(u + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
   for (PetscInt h = 0; h < viscous->held_count; h++)
     for (PetscInt k = DIM * viscous->held[h]; k < DIM * (viscous->held[h] + 1); k++) u[k] = walls ? v[k] : 0;
-  PetscCall(FreeViscousFollow(stepper, walls, viscous->dt, u));
+  StepHook(stepper, follow, walls, viscous->dt, u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,7 +177,6 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscCall(PetscFree(stepper->viscous.pair));
   PetscCall(PetscFree(stepper->viscous.held));
   PetscCall(PetscFree(stepper->viscous.push));
-  PetscCall(PetscFree(stepper->free_follow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -271,17 +253,16 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
     PetscCall(PetscFree(viscous->pair));
     PetscCall(PetscMalloc1(viscous->capacity, &viscous->pair));
   }
-  viscous->dt = dt;
-  PetscCall(FindHeld(stepper));
+  viscous->dt         = dt;
+  viscous->held_count = 0;
   PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
-  PetscCall(FreeViscousSetUp(stepper, dt));
+  StepHook(stepper, hold, dt);
   PetscCall(RightHandSide(stepper));
   PetscCall(MatAssemblyBegin(viscous->solver.A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
   PetscCall(MatAssemblyEnd(viscous->solver.A, MAT_FINAL_ASSEMBLY));
   PetscCall(SolverSolve(&viscous->solver, report));
   PetscCall(Load(stepper, viscous->solver.x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
-  if (SceneHasFree(cloud->scene)) PetscCall(FreeDrag(stepper, cloud->field[FIELD_VELOCITY_STAR], stepper->free_drag));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -42,6 +42,16 @@ SCENES = {
     "retracting sheet": ("-options_file cases/retracting_sheet/case.opts", (1,), 40),
     "contact angle": ("-options_file cases/contact_angle/case.opts", (1,), 40),
     "sloshing": ("-options_file cases/sloshing/case.opts", (2,), 40),
+    "free body": ("-options_file cases/floating_box/case.opts -spacing 0.02 -water_viscosity 0.001", (1, 2), 60),
+    "free body, implicit": ("-options_file cases/floating_box/case.opts -spacing 0.02 -water_viscosity 100", (2,), 30),
+    "moving solids": ("-options_file cases/stirred_tank/case.opts", (2,), 40),
+    "swinging wall": ("-options_file cases/dam_break/case.opts -box_xmin_velocity_amplitude 0,0.1 "
+                      "-box_xmin_velocity_frequency 5", (1,), 60),
+    "sticking line": ("-options_file cases/contact_angle/incline.opts -spacing 0.2e-3", (1,), 40),
+    "emitter, implicit": ("-options_file cases/honey/case.opts", (2,), 40),
+    "rings": ("-options_file cases/drop_impact/axisymmetric.opts -spacing 0.4e-3", (2,), 60),
+    "graded": ("-options_file cases/drop_impact/axisymmetric.opts -options_file cases/drop_impact/graded.opts "
+               "-spacing 0.5e-3 -spacing_coarse 1e-3", (1,), 60),
     "poisson packing": (SMALL + " -packing_type poisson -spacing 1.5e-3", (1,), 5),
     "relaxation": (SMALL + " -packing_relaxation_time 2e-4", (2,), 5),
 }

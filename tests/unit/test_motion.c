@@ -212,7 +212,7 @@ static PetscErrorCode TestFree(void)
   FreeResponse(solid, push, change);
   CHECK_CLOSE(change[0], 0.1, 1e-12, "push_of_a_mass");
   CHECK_CLOSE(change[4], 0.5 / 0.52, 1e-3, "inertia_of_a_box");
-  SceneKeepFree(scene);
+  SceneSave(scene);
   kinetic = FreeKinetic(solid);
   CHECK_CLOSE(kinetic / (0.5 * (12 * 0.01 + 0.52 * (0.09 + 16) + 0.72 * 0.04)), 1, 1e-3, "energy_of_a_box");
   numbers = FreeNumbers(solid, &count);
@@ -230,11 +230,11 @@ static PetscErrorCode TestFree(void)
   BodyMove(solid, time, time + 1e-5, high);
   for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal((high[d] - x[d]) / 1e-5 - v[d]));
   CHECK_CLOSE(error, 0, 1e-4, "velocity_of_a_free_body");
-  SceneHoldFree(scene, PETSC_TRUE);
+  SceneFreeze(scene, PETSC_TRUE);
   BodyMotion(solid, time, x, v);
   CHECK(Norm(v) == 0, "free_body_held");
-  SceneHoldFree(scene, PETSC_FALSE);
-  SceneReturnFree(scene);
+  SceneFreeze(scene, PETSC_FALSE);
+  SceneRestore(scene);
   CHECK(FreeKinetic(solid) == kinetic && numbers[0] == 0, "free_body_returns");
   PetscCall(Free(&domain, &scene));
   PetscCall(Refused(FLOAT "-s_mass -1", "-s_mass", "refuse_negative_mass"));

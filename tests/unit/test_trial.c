@@ -542,7 +542,7 @@ static PetscErrorCode TestSubsteps(void)
     cloud->field[FIELD_VELOCITY][DIM * a]          = 1;
     cloud->integer[INT_SURFACE][a]                 = 0;
   }
-  PetscCall(StepKick(stepper, dt));
+  PetscCall(StepKick(stepper, dt, &trial));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *v = cloud->field[FIELD_VELOCITY_NEW] + DIM * a;
 

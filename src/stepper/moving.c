@@ -1,6 +1,6 @@
-/* Solids that move. In a step from t to t + dt their dummy particles are where the liquid is, half way at t + dt/2,
-   with the velocity of the end, t + dt, which is the time that the new velocity of the liquid belongs to; then at the
-   end. Where they are depends on the time alone. */
+/* Solids and walls that move. In a step from t to t + dt their dummy particles are where the liquid is, half way at t +
+   dt/2, with the velocity of the end, t + dt, which is the time that the new velocity of the liquid belongs to; then at
+   the end. Where they are depends on the time alone. */
 #include "stepper_impl.h"
 
 /* The solid that a dummy particle belongs to, if it moves; else NULL. */
@@ -28,11 +28,24 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void WallsSwing(Cloud cloud)
+/* The dummy particles of the box's walls get the velocity of the domain's time. */
+static void WallsSwing(Cloud cloud)
 {
   for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++)
     if (cloud->integer[INT_BODY][a] == BODY_WALL)
       DomainWallVelocity(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, cloud->field[FIELD_VELOCITY] + DIM * a);
+}
+
+static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
+{
+  Cloud           cloud  = stepper->cloud;
+  const PetscBool solids = SceneSolidsMove(cloud->scene), walls = DomainWallsSwing(cloud->domain);
+
+  PetscFunctionBegin;
+  if (solids) PetscCall(SolidsMove(cloud, from, to, end));
+  if (walls) WallsSwing(cloud);
+  if (solids || walls) *moved = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The name of a solid other than this one, of another motion, that x is inside of by more than a spacing; NULL: none.
@@ -46,15 +59,18 @@ static const char *Inside(Scene scene, Body solid, PetscReal spacing, const Pets
   return NULL;
 }
 
-PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[], size_t length)
+/* Whether a solid would leave the box, or go into another one. */
+static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t length)
 {
-  const Domain   domain = cloud->domain;
-  const Scene    scene  = cloud->scene;
-  ParticleArrays arrays;
-  PetscMPIInt    rank, own, first, size;
+  const Cloud     cloud  = stepper->cloud;
+  const Domain    domain = cloud->domain;
+  const PetscReal from = stepper->time, to = from + dt;
+  const Scene     scene = cloud->scene;
+  ParticleArrays  arrays;
+  PetscMPIInt     rank, own, first, size;
 
   PetscFunctionBegin;
-  why[0] = 0;
+  if (!SceneSolidsMove(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
   SceneMoveSolids(scene, to);
@@ -81,14 +97,44 @@ PetscErrorCode SolidsCheck(Cloud cloud, PetscReal from, PetscReal to, char why[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void SolidsWork(Cloud cloud, PetscReal dt, StepTrial *trial)
+/* The work that walls and solids that move do by friction. */
+static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
 {
+  Cloud      cloud = stepper->cloud;
+  PetscReal *drag;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, DIM, &drag));
+  PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, drag));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++)
+    if (cloud->integer[INT_LAYER][b]) trial->sum[SUM_FRICTION_WORK] -= dt * Dot(drag + DIM * b, velocity + DIM * b);
+  PetscCall(CloudRestoreWork(cloud, &drag));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The work that solids that move do by the pressure. */
+static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  const Cloud cloud = stepper->cloud;
+
+  PetscFunctionBegin;
   for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
     PetscReal  force[DIM];
 
-    if (!solid || BodyMass(solid) > 0) continue; /* free bodies: FreeKick */
+    if (!solid || BodyMass(solid) > 0) continue; /* free bodies: free.c */
     OperatorsWallPressure(cloud, b, force);
     trial->sum[SUM_SOLID_WORK] -= dt * Dot(force, cloud->field[FIELD_VELOCITY] + DIM * b);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscBool On(Stepper stepper)
+{
+  const Cloud cloud = stepper->cloud;
+
+  return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallsSwing(cloud->domain) ||
+                     DomainWallSpeed(cloud->domain) != 0);
+}
+
+const StepHooks MovingHooks = {.on = On, .check = Check, .drift = Drift, .drag = Drag, .kick = Kick};

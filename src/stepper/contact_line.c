@@ -1,0 +1,19 @@
+/* Contact lines that stick, in a step: they take from the velocity that the pressure has left what their resistance can
+   take. */
+#include "stepper_impl.h"
+
+static PetscBool On(Stepper stepper)
+{
+  return TensionSticks(stepper->tension);
+}
+
+static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  Cloud cloud = stepper->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(TensionHold(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const StepHooks ContactHooks = {.on = On, .kick = Kick};
