@@ -145,11 +145,13 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
    of ghosts must be current. Not collective. */
 PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity);
 /* The same term as a linear operator, for an implicit solve.
-   OperatorsViscosityPairs - pair[] has a coefficient for each place of the neighbour lists of the fluid (cloud->first):
-   cleary sum pair (v_ab.r_ab) r_ab, morris sum pair v_ab; of rings, behind them, one for each of the fluid, 1/s, for
-   its growth; collective. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose
-   ghosts it updates; collective. OperatorsViscosityDiagonal - the operator's diagonal ([n_fluid][3], 1/s, not
-   positive). */
+   OperatorsViscosityRoom - how many numbers pair[] has; not collective.
+   OperatorsViscosityPairs - pair[] ([OperatorsViscosityRoom]) has a coefficient for each place of the neighbour lists
+   of the fluid (cloud->first): cleary sum pair (v_ab.r_ab) r_ab, morris sum pair v_ab; behind them a number for each
+   particle of the fluid, 1/s, for the growth of rings; from the factors of the last search, at its positions;
+   collective. OperatorsViscosityApply - out ([n_fluid][3], m/s2) of a velocity ([n_total][3], m/s), whose ghosts it
+   updates; collective. OperatorsViscosityDiagonal - the operator's diagonal ([n_fluid][3], 1/s, not positive). */
+PetscInt64     OperatorsViscosityRoom(Cloud cloud);
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                        PetscReal pair[]);
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],

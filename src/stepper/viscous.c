@@ -242,8 +242,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
 {
   Cloud            cloud   = stepper->cloud;
   Viscous         *viscous = &stepper->viscous;
-  const PetscInt64 pairs =
-    (cloud->n_fluid ? cloud->first[cloud->n_fluid] : 0) + (cloud->domain->rings ? cloud->n_fluid : 0);
+  const PetscInt64 pairs = OperatorsViscosityRoom(cloud);
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));

@@ -106,7 +106,7 @@ static PetscErrorCode TestFarList(void)
                                    "morris_explicit", "morris",    "morris_diagonal", "pressure"};
   Setup             s;
   Cloud             cloud;
-  PetscInt64        n;
+  PetscInt64        n, room;
   Pairs             far, near;
   PetscReal         before[SUMS], after[SUMS], *pair;
   char              name[64];
@@ -119,7 +119,8 @@ static PetscErrorCode TestFarList(void)
   PetscCall(PressureSetTypes(s.pressure, SOURCE_DENSITY, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   PetscCall(PressureSetFromOptions(s.pressure));
   n             = cloud->first[cloud->n_owned] + SEARCH_LANES;
-  pair          = Far(n, sizeof(PetscReal));
+  room          = OperatorsViscosityRoom(cloud);
+  pair          = Far(room, sizeof(PetscReal));
   far.list      = Far(n, sizeof(PetscInt));
   far.slope     = Far(n, sizeof(float));
   far.laplacian = Far(n, sizeof(uint16_t));
@@ -135,7 +136,7 @@ static PetscErrorCode TestFarList(void)
     PetscCall(PetscSNPrintf(name, sizeof(name), "far_list_%s", names[k]));
     CHECK(SetupMax(before[k]) > 0 && before[k] == after[k], name);
   }
-  (void)munmap(pair, (size_t)(BEHIND + n) * sizeof(PetscReal));
+  (void)munmap(pair, (size_t)(BEHIND + room) * sizeof(PetscReal));
   (void)munmap(far.list, (size_t)(BEHIND + n) * sizeof(PetscInt));
   (void)munmap(far.slope, (size_t)(BEHIND + n) * sizeof(float));
   (void)munmap(far.laplacian, (size_t)(BEHIND + n) * sizeof(uint16_t));

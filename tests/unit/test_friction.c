@@ -37,7 +37,7 @@ static PetscErrorCode TestPair(ViscosityForm form, PetscReal crowd, const char l
   Spline(PetscSqrtReal(r2), &W, &F);
   PetscCall(SetupPack(TWO, &s));
   PetscCall(SetupMoments(&s));
-  PetscCall(PetscMalloc4(s.cloud->n_total, &rho, s.cloud->first[s.cloud->n_owned], &pair, DIM * s.cloud->n_fluid, &out,
+  PetscCall(PetscMalloc4(s.cloud->n_total, &rho, OperatorsViscosityRoom(s.cloud), &pair, DIM * s.cloud->n_fluid, &out,
                          DIM * s.cloud->n_fluid, &diagonal));
   for (PetscInt a = 0; a < s.cloud->n_total; a++) {
     const PetscInt b = s.cloud->integer[INT_BODY][a];
@@ -88,7 +88,7 @@ static PetscErrorCode Stretch(PetscInt rows, PetscInt columns, PetscReal *loss)
   PetscCall(SetupFill(FLAT "-a_density 1000 -a_viscosity 1", rows * columns, x, 0, &s));
   PetscCall(SetupMoments(&s));
   PetscCall(CloudUpdate(s.cloud, FIELD_DENSITY));
-  PetscCall(PetscMalloc2(s.cloud->first[s.cloud->n_owned], &pair, DIM * s.cloud->n_fluid, &out));
+  PetscCall(PetscMalloc2(OperatorsViscosityRoom(s.cloud), &pair, DIM * s.cloud->n_fluid, &out));
   for (PetscInt a = 0; a < s.cloud->n_owned; a++)
     for (PetscInt d = 0; d < DIM; d++)
       s.cloud->field[FIELD_VELOCITY][DIM * a + d] = (d ? -1 : 1) * s.cloud->field[FIELD_POSITION][DIM * a + d];

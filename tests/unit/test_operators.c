@@ -491,8 +491,7 @@ static PetscErrorCode Sheet(PetscInt layers, PetscReal *ratio, PetscReal *implic
   }
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
   PetscCall(OperatorsViscosity(cloud, &viscosity, cloud->rest_density));
-  PetscCall(
-    PetscMalloc2(cloud->first[cloud->n_owned] + cloud->n_owned + SEARCH_LANES, &pair, DIM * cloud->n_owned, &out));
+  PetscCall(PetscMalloc2(OperatorsViscosityRoom(cloud), &pair, DIM * cloud->n_owned, &out));
   PetscCall(OperatorsViscosityPairs(cloud, &viscosity, cloud->rest_density, pair));
   PetscCall(OperatorsViscosityApply(cloud, &viscosity, pair, cloud->field[FIELD_VELOCITY], out));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {

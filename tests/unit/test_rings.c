@@ -346,8 +346,8 @@ static PetscErrorCode TestImplicit(ViscosityForm form, const char label[])
   PetscCall(SetupPack(TANK "-box_xmax wall -box_ymin wall -packing_jitter 0.2", &s));
   PetscCall(SetupMoments(&s));
   cloud = s.cloud;
-  PetscCall(PetscMalloc4(cloud->first[cloud->n_fluid] + cloud->n_fluid, &pair, DIM * cloud->n_total, &u,
-                         DIM * cloud->n_total, &out, DIM * cloud->n_total, &diagonal));
+  PetscCall(PetscMalloc4(OperatorsViscosityRoom(cloud), &pair, DIM * cloud->n_total, &u, DIM * cloud->n_total, &out,
+                         DIM * cloud->n_total, &diagonal));
   PetscCall(SetFlow(cloud, Random));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY)); /* images are those of vectors */
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
