@@ -86,24 +86,12 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsOneLiquid - whether all bodies have one density and one viscosity, which does not vary, so that every pair
    has the same coefficient. */
 PetscBool OperatorsOneLiquid(Cloud cloud);
-/* The free-surface test of Marrone et al. 2010, with a class for particles near the surface (no reference). */
-typedef struct {
-  PetscReal inner; /* particles with lambda at least this are not on the surface, 0.75 */
-  PetscReal near;  /* nor near it with lambda at least this, 0.95 */
-  PetscReal cone;  /* radius of the cone scanned for neighbours, 1.33 spacings: a wide kernel does not widen it */
-  PetscReal next;  /* how far from a particle on the surface others are near it, 1.5 spacings */
-} SurfaceTest;
-
-/* SurfaceTestDefault - the numbers above. Not collective. */
-SurfaceTest SurfaceTestDefault(void);
-/* SurfaceTestSetFromOptions - -surface_lambda_inner, -surface_lambda_near (1), -surface_cone, -surface_near (spacings),
-   in a block of their own. Collective. */
-PetscErrorCode SurfaceTestSetFromOptions(MPI_Comm comm, SurfaceTest *test);
-/* OperatorsFreeSurface - INT_SURFACE of the rows a < n_rows: 1 on the surface (spray, or lambda below test->inner and
-   no neighbour in the cone along the normal), 2 near it, 0 inside. Near it are fluid particles with lambda below
-   test->inner, or below test->near and within test->next of a fluid particle on the surface. Needs OperatorsMoments;
-   updates INT_SURFACE of the ghosts. Collective. */
-PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test);
+/* OperatorsFreeSurface - the free-surface test of Marrone et al. 2010, with a class for particles near the surface (no
+   reference): INT_SURFACE of the rows a < n_rows, 1 on the surface (spray, or lambda below 0.75 and no neighbour in the
+   cone along the normal), 2 near it, 0 inside. Near it are fluid particles with lambda below 0.75, or below 0.95 and
+   within 1.5 spacings of a fluid particle on the surface. Needs OperatorsMoments; updates INT_SURFACE of the ghosts.
+   Collective. */
+PetscErrorCode OperatorsFreeSurface(Cloud cloud);
 /* OperatorsNoSlip - sets the wall factors of a viscosity whose form is known, so that there is no slip: as if the
    velocity went on straight behind the wall's face, at which the liquid sticks (Morris et al. 1997). Dummy particles
    that are at rest as a whole, as the paper has them, put the plane of no slip behind the face, and the first layer of

@@ -1,30 +1,10 @@
 /* Free-surface detection of Marrone, Colagrossi, Le Touze and Graziani 2010. */
 #include "operators.h"
 
-SurfaceTest SurfaceTestDefault(void)
-{
-  return (SurfaceTest){.inner = 0.75, .near = 0.95, .cone = 1.33, .next = 1.5};
-}
-
-PetscErrorCode SurfaceTestSetFromOptions(MPI_Comm comm, SurfaceTest *test)
-{
-  PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Advanced: free surface", "Operators");
-  PetscCall(OptionReal("-surface_lambda_inner",
-                       "smallest eigenvalue of the moments from which on particles are not on the surface (1)",
-                       "[0.2, 1]", &test->inner));
-  PetscCall(OptionReal("-surface_lambda_near", "the same from which on they are not near the surface (1)", "[0.2, 1]",
-                       &test->near));
-  PetscCall(OptionReal("-surface_cone", "radius of the cone that holds no neighbour of a surface particle (spacings)",
-                       "[1, 3]", &test->cone));
-  PetscCall(OptionReal("-surface_near", "how far from a particle on the surface others are near it (spacings)",
-                       "[0, 3]", &test->next));
-  PetscOptionsEnd();
-  PetscCheckUser(test->near >= test->inner, comm,
-                 "-surface_lambda_near is %g; it must be at least -surface_lambda_inner, %g", (double)test->near,
-                 (double)test->inner);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define LAMBDA_INNER 0.75 /* of Marrone et al.: from there on particles are not on the surface */
+#define CONE         1.33 /* spacings, the h of Marrone et al.: a wider kernel does not widen the cone */
+#define LAMBDA_NEAR  0.95 /* from there on they are not near it; the second layer of a film has 0.9; no reference */
+#define NEAR         1.5  /* spacings from a particle on the surface within which others are near it; no reference */
 
 /* Whether no neighbour lies in the umbrella-shaped region above particle a, which belongs to the outward normal n and
    the cone scale s (m). */
@@ -53,9 +33,9 @@ static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], Pe
 }
 
 /* Flags the rows that are on the surface with 1 and the others with 0. */
-static void FlagSurface(Cloud cloud, const SurfaceTest *test, PetscInt flag[])
+static void FlagSurface(Cloud cloud, PetscInt flag[])
 {
-  const PetscReal  s      = test->cone * cloud->domain->spacing;
+  const PetscReal  s      = CONE * cloud->domain->spacing;
   const PetscReal *lambda = cloud->field[FIELD_LAMBDA];
 
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
@@ -63,7 +43,7 @@ static void FlagSurface(Cloud cloud, const SurfaceTest *test, PetscInt flag[])
     PetscReal        n[DIM], length;
 
     flag[a] = 0;
-    if (a >= cloud->n_rows || lambda[a] >= test->inner) continue;
+    if (a >= cloud->n_rows || lambda[a] >= LAMBDA_INNER) continue;
     TensorApply(B, -g[0], -g[1], -g[2], n);
     length = Norm(n);
     if (lambda[a] <= SPRAY_LAMBDA || length <= 0)
@@ -90,18 +70,18 @@ static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, PetscReal distance, cons
   return PETSC_FALSE;
 }
 
-PetscErrorCode OperatorsFreeSurface(Cloud cloud, const SurfaceTest *test)
+PetscErrorCode OperatorsFreeSurface(Cloud cloud)
 {
-  const PetscReal *lambda = cloud->field[FIELD_LAMBDA], distance = test->next * cloud->domain->spacing;
+  const PetscReal *lambda = cloud->field[FIELD_LAMBDA], distance = NEAR * cloud->domain->spacing;
   PetscInt        *flag = cloud->integer[INT_SURFACE];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
-  FlagSurface(cloud, test, flag);
+  FlagSurface(cloud, flag);
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    if (flag[a] || lambda[a] >= test->near) continue;
-    if (lambda[a] < test->inner || SurfaceIsNear(cloud, a, distance * CloudSize(cloud, a), flag)) flag[a] = 2;
+    if (flag[a] || lambda[a] >= LAMBDA_NEAR) continue;
+    if (lambda[a] < LAMBDA_INNER || SurfaceIsNear(cloud, a, distance * CloudSize(cloud, a), flag)) flag[a] = 2;
   }
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));

@@ -2,7 +2,7 @@
    1e-4 of rho_0), by TAO.
 
    Minimised over y, the displacement in spacings:
-     f = 1/2 sum_a e_a^2 + k/2 sum_pairs max(0, 1 - r_ab/c)^2,     e_a = V_0 (W(0) + sum_b W_ab) - 1.
+     f = 1/2 sum_a e_a^2 + 1/2 sum_pairs max(0, 1 - r_ab/c)^2,     e_a = V_0 (W(0) + sum_b W_ab) - 1.
    The second sum runs over pairs with a fluid particle; without it particles pair up, for the density alone does not
    notice. It vanishes once all are c apart, so it does not keep the density from its goal. Walls and images behind
    periodic and symmetry faces count in both. */
@@ -20,7 +20,6 @@ typedef struct {
   Cloud      cloud;
   PairRow   *row;
   PetscReal  tolerance, distance; /* wanted: relative; m */
-  PetscReal  repulsion;           /* k */
   PetscReal  deviation, closest;  /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
   PetscReal  travelled;           /* largest displacement of a round, m */
   PetscReal  particles;           /* fluid particles of all ranks */
@@ -102,11 +101,11 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
   o->closest   = closest2 < PETSC_MAX_REAL ? PetscSqrtReal(closest2) : PETSC_INFINITY;
   o->deviation = PetscSqrtReal(sums[0] / o->particles);
-  *f           = 0.5 * (sums[0] + o->repulsion * sums[1]);
+  *f           = 0.5 * (sums[0] + sums[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - k/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move
+/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - 1/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move
    alike. */
 static PetscErrorCode Gradient(Optimiser *o, const PetscReal error[], Vec gradient)
 {
@@ -129,7 +128,7 @@ static PetscErrorCode Gradient(Optimiser *o, const PetscReal error[], Vec gradie
       if (row->r2[k] < reach * reach) {
         const PetscReal r = PetscMax(PetscSqrtReal(row->r2[k]), SMALLEST_DISTANCE * reach);
 
-        slope -= o->repulsion * (1 - r / reach) / (reach * r);
+        slope -= (1 - r / reach) / (reach * r);
       }
       sum[0] += slope * row->dx[k];
       sum[1] += slope * row->dy[k];
@@ -227,7 +226,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
 
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
 {
-  Optimiser          o         = {.cloud = cloud, .tolerance = target->tolerance, .repulsion = target->repulsion};
+  Optimiser          o         = {.cloud = cloud, .tolerance = target->tolerance};
   const PetscReal    slack     = cloud->slack;
   PetscInt           remaining = -1, done, particles;
   TaoConvergedReason reason;

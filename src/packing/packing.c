@@ -60,11 +60,6 @@ static PetscErrorCode ReadPackingType(void *object, const char type[])
   PetscOptionsBegin(packing->cloud->comm, NULL, title, "Packing");
   if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
   PetscOptionsEnd();
-  if (!packing->ops.setadvanced) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(title, sizeof(title), "Advanced: packing with -packing_type %s", type));
-  PetscOptionsBegin(packing->cloud->comm, NULL, title, "Packing");
-  PetscCall(packing->ops.setadvanced(packing, PetscOptionsObject));
-  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -38,9 +38,8 @@ typedef struct {
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
-  /* Read options inside a block: those of the type, and numbers that one need not set ("Advanced: ..."). */
+  /* Reads the options of the type, inside a block. */
   PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
-  PetscErrorCode (*setadvanced)(Packing packing, OptionItems PetscOptionsObject);
   PetscErrorCode (*check)(Packing packing);                        /* refuses a scene that the type cannot fill */
   PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
   SampleSource visit; /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
@@ -155,7 +154,6 @@ PetscErrorCode PackingMeasure(Packing packing, PackingReport *report);
 typedef struct {
   PetscReal distance;   /* smallest allowed, in spacings */
   PetscReal tolerance;  /* standard deviation to reach, over rho_0 */
-  PetscReal repulsion;  /* strength of the repulsion that keeps the distance, 1 */
   PetscReal deviation;  /* reached, over rho_0 */
   PetscInt  iterations; /* of TAO */
 } PackingTarget;
@@ -165,9 +163,9 @@ typedef struct {
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target);
 
 /* PoissonSample - random samples of all bodies, V / d0^dim each, as far apart as darts get them; those next to a free
-   surface 'skin' spacings deep. The caller frees x ([n][3], m) and body ([n]) by PetscFree. Not collective; the same
+   surface half a spacing deep. The caller frees x ([n][3], m) and body ([n]) by PetscFree. Not collective; the same
    everywhere. */
-PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, PetscReal **x, PetscInt **body);
+PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body);
 
 /* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type.
    Not collective. */

@@ -2,9 +2,11 @@
    TAO (optimise.c), as in Kuri et al.; a finished packing is kept in a file (cache.c). */
 #include "packing_impl.h"
 
+#define DISTANCE  0.6  /* reaches the tolerance of the paper; 0.7 stays at 1.5 times, 0.8 stalls */
+#define TOLERANCE 9e-5 /* Kuri et al.: at most 0.1 of 1100 kg/m3 */
+
 typedef struct {
   PetscReal          distance, tolerance; /* spacings; relative */
-  PetscReal          skin, repulsion;     /* spacings; 1 */
   unsigned long long hash;
   PetscBool          cached;
   PetscInt           n;
@@ -22,20 +24,6 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
   PetscCall(OptionReal("-packing_tolerance",
                        "standard deviation of the density over the rest density at which the optimisation stops (1)",
                        "(0, 1)", &p->tolerance));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SetAdvanced_Poisson(Packing packing, OptionItems PetscOptionsObject)
-{
-  Poisson *p = (Poisson *)packing->data;
-
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-packing_skin", "depth below a free surface at which its random samples start (spacings)",
-                       "(0, 1]", &p->skin));
-  PetscCall(OptionReal(
-    "-packing_repulsion",
-    "strength of the repulsion that keeps -packing_distance while TAO works, over that of the density's error (1)",
-    "(0, 1000]", &p->repulsion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,7 +46,7 @@ static PetscErrorCode Check_Poisson(Packing packing)
 static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
 {
   Poisson        *p         = (Poisson *)packing->data;
-  const PetscReal numbers[] = {p->distance, p->tolerance, p->skin, p->repulsion};
+  const PetscReal numbers[] = {p->distance, p->tolerance};
   const MPI_Comm  comm      = packing->cloud->comm;
   PetscErrorCode  bad       = PETSC_SUCCESS;
   PetscMPIInt     rank;
@@ -69,7 +57,7 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
   if (packing->cache[0]) PetscCall(CacheRead(packing->cloud, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);
-  if (rank == 0) bad = PoissonSample(packing, p->skin, &p->n, &p->x, &p->body);
+  if (rank == 0) bad = PoissonSample(packing, &p->n, &p->x, &p->body);
   if (bad) p->n = -1;
   PetscCallMPI(MPI_Bcast(&p->n, 1, MPIU_INT, 0, comm));
   PetscCall(bad);
@@ -101,7 +89,7 @@ static PetscErrorCode Improve_Poisson(Packing packing, PackingReport *report)
 {
   Poisson      *p      = (Poisson *)packing->data;
   const Cloud   cloud  = packing->cloud;
-  PackingTarget target = {.distance = p->distance, .tolerance = p->tolerance, .repulsion = p->repulsion};
+  PackingTarget target = {.distance = p->distance, .tolerance = p->tolerance};
 
   PetscFunctionBegin;
   PetscCall(PetscFree(p->x)); /* the particles have them now */
@@ -133,13 +121,10 @@ PetscErrorCode PackingCreate_Poisson(Packing packing)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&p));
-  p->distance                 = 0.6;  /* reaches the tolerance of the paper; 0.7 stays at 1.5 times, 0.8 stalls */
-  p->tolerance                = 9e-5; /* Kuri et al.: at most 0.1 of 1100 kg/m3 */
-  p->skin                     = 0.5;  /* the centres of particles of a lattice lie half a spacing below the surface */
-  p->repulsion                = 1;    /* at the goal the density pushes with 1e-4: r falls short by as much */
+  p->distance                 = DISTANCE;
+  p->tolerance                = TOLERANCE;
   packing->data               = p;
   packing->ops.setfromoptions = SetFromOptions_Poisson;
-  packing->ops.setadvanced    = SetAdvanced_Poisson;
   packing->ops.check          = Check_Poisson;
   packing->ops.setup          = SetUp_Poisson;
   packing->ops.visit          = Visit_Poisson;

@@ -17,6 +17,7 @@
 #define SURFACE_DARTS   15   /* thrown into a grid cell that the surface crosses */
 #define VOLUME_DARTS    2    /* thrown in a batch for each missing sample, and ... */
 #define VOLUME_DARTS_0  1000 /* ... so many more */
+#define SKIN            0.5  /* spacings below the surface, where the first layer of a lattice lies */
 #define PROJECTIONS     4    /* of a dart onto the surface, by Newton's method */
 #define ON_SURFACE      1e-3 /* a dart so close to the surface is on it */
 #define FOOT_OFF        0.1  /* the foot of a normal may be so far from the surface */
@@ -333,7 +334,7 @@ static PetscErrorCode GridCreate(Darts *darts, Scene scene, PetscInt capacity)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, PetscReal **x, PetscInt **body)
+PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body)
 {
   const Scene scene = packing->cloud->scene;
   Darts       darts = {.domain = packing->cloud->domain, .seed = (unsigned long long)packing->seed};
@@ -341,7 +342,7 @@ PetscErrorCode PoissonSample(Packing packing, PetscReal skin, PetscInt *n, Petsc
 
   PetscFunctionBegin;
   darts.spacing    = darts.domain->spacing;
-  darts.skin_first = skin * darts.spacing;
+  darts.skin_first = SKIN * darts.spacing;
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     SelectBody(&darts, SceneBody(scene, b));
     wanted[b] = (PetscInt)PetscFloorReal(CountParticles(&darts) + 0.5);

@@ -6,6 +6,12 @@
  */
 #include "pressure_impl.h"
 
+/* Of ClosureFull, which says where they come from. */
+#define FACTOR 2 /* times the filling of Nair and Tomar: p = 0 lies on the surface */
+#define FILLED_LAMBDA                                                                                                  \
+  0.9             /* rows of a smaller one are filled up: those of a surface and of the layer below; no reference */
+#define LEAST 2.5 /* over n.B n V/rho; a row that is closed by less than 1 diverges */
+
 /* Eq. (11): (2 p_a - p_b) in place of (p_a - p_b). */
 PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
@@ -27,16 +33,16 @@ static PetscReal SizeAround2(Cloud cloud, PetscInt a)
   return sum > 0 ? weighted / sum : PetscSqr(CloudSize(cloud, a));
 }
 
-/* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < closure_lambda) up to that of a full
+/* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < FILLED_LAMBDA) up to that of a full
    neighbourhood, as if the missing neighbours had p = 0. That puts the zero where they would be, 0.8 spacings outside
    the surface: the first pressure of a rotating square is then 8 % too large at 40 spacings a side. With twice the
-   filling (closure_factor) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
+   filling (FACTOR) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
 
    Where two fronts meet, rows look full but have a free side: crowded particles lack nothing that could be filled, yet
    by Eq. (9) a pressure p drives them outwards by 2 p n/rho, n = sum V grad W, and the corrected divergence of that is
    2 n.B n p/rho. If such a row is closed by less than half of it, each projection over-corrects and the velocity grows
    from step to step, 5 to 15 times where the row is not closed at all, whatever the size of the step. At rest density
-   the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than closure_least. */
+   the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than LEAST. */
 PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
   Cloud            cloud   = pressure->cloud;
@@ -45,13 +51,12 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 
   if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
   mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
-  if (cloud->field[FIELD_LAMBDA][a] < pressure->closure_lambda)
-    filling =
-      pressure->closure_factor * PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * mass - diagonal);
+  if (cloud->field[FIELD_LAMBDA][a] < FILLED_LAMBDA)
+    filling = FACTOR * PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * mass - diagonal);
   if (!cloud->integer[INT_SURFACE][a]) return filling;
   normal = cloud->field[FIELD_NORMAL] + DIM * a;
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
-  return PetscMax(filling, pressure->closure_least * Dot(n, normal) * mass);
+  return PetscMax(filling, LEAST * Dot(n, normal) * mass);
 }
 
 void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)

@@ -5,6 +5,10 @@
      conserved   corrected; the neighbours take up what its difference to symmetric adds to the momentum */
 #include "pressure_impl.h"
 
+/* The term against pairing over the background pressure; GradientCorrected says where they come from. */
+#define PAIRING_MOVING 0.1
+#define PAIRING_LOADED 0.5 /* where a body force makes the pressure */
+
 /* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of SIMD_WIDTH, as the row's factors are. */
 static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
 {
@@ -130,9 +134,9 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
 
    That sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012), so a part of the
    shifting's term against pairing (Monaghan 2000) goes with it. In motion the shifting helps, and a tenth is enough
-   (pairing_moving). More acts as a viscosity: half of it costs Taylor-Green vortices of 50 spacings 3 % of their
+   (PAIRING_MOVING). More acts as a viscosity: half of it costs Taylor-Green vortices of 50 spacings 3 % of their
    energy. At rest, shifting and background hold each other, and a velocity of 0.01 sqrt(gH) remains in a tank in which
-   nothing moves. So where a body force makes the pressure, it is half (pairing_loaded). */
+   nothing moves. So where a body force makes the pressure, it is half (PAIRING_LOADED). */
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
   Cloud            cloud   = pressure->cloud;
@@ -155,9 +159,8 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
       CorrectedRow(cloud, a, &row, scale, out);
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
       background = CloudSize(cloud, a) * factor * Norm(out);
-      against =
-        PetscMax(pressure->pairing_moving * background,
-                 pressure->pairing_loaded * PetscMin(background, CloudSize(cloud, a) * factor * density[a] * Norm(g)));
+      against    = PetscMax(PAIRING_MOVING * background,
+                            PAIRING_LOADED * PetscMin(background, CloudSize(cloud, a) * factor * density[a] * Norm(g)));
       for (PetscInt d = 0; d < DIM; d++)
         out[d] = (out[d] - background * n[d] - against * (crowding[d] - n[d])) / density[a];
     }

@@ -6,6 +6,7 @@
   "shell aij aijperm aijsell aijcrl baij sbaij sell dense is hypre" /* that the assembled one can become */
 
 #define DEFAULT_RELAXATION_TIME 1e-3 /* s, where neither the user nor the stepper chooses */
+#define REGULARIZATION          2    /* gradient.c says where it comes from */
 
 static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
 
@@ -45,15 +46,7 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   p->kept            = KEPT_NONE;
   p->relaxation_time = DEFAULT_RELAXATION_TIME;
   p->repair          = 1;
-  /* Where these come from is said where they are used: source.c, closure.c, gradient.c */
-  p->closure_factor   = 2;
-  p->regularization   = 2;
-  p->rebuild_growth   = 1.5;
-  p->relaxation_steps = 5;
-  p->closure_lambda   = 0.9;
-  p->closure_least    = 2.5;
-  p->pairing_moving   = 0.1;
-  p->pairing_loaded   = 0.5;
+  p->regularization  = REGULARIZATION;
   PetscCall(PressureSetTypes(p, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   *pressure = p;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -98,19 +91,6 @@ PetscReal PressureRelaxationTime(Pressure pressure)
   return pressure->relaxation_time;
 }
 
-/* Makes -help list the options of the preconditioner, which the solver reads when it is made. */
-static PetscErrorCode PreconditionerHelp(MPI_Comm comm)
-{
-  PC pc;
-
-  PetscFunctionBegin;
-  PetscCall(PCCreate(comm, &pc));
-  PetscCall(PCSetType(pc, PCTWOLEVEL));
-  PetscCall(PCSetFromOptions(pc));
-  PetscCall(PCDestroy(&pc));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The types, and which density the operators divide by. To be called between PetscOptionsBegin and PetscOptionsEnd. */
 static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObject)
 {
@@ -138,10 +118,6 @@ static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObjec
 static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(OptionReal(
-    "-pressure_closure_factor",
-    "factor of what full_diagonal adds to the diagonal (1); 1 is Nair and Tomar's, 2 puts p = 0 on the surface",
-    "(0, inf)", &p->closure_factor));
   PetscCall(OptionReal("-pressure_regularization",
                        "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)",
                        "[0, inf)", &p->regularization));
@@ -149,8 +125,9 @@ static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
     OptionReal("-pressure_relaxation_time",
                "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h",
                "[0, inf)", &p->relaxation_option));
-  PetscCall(OptionReal("-pressure_rebuild_growth", "growth of the iterations that makes the preconditioner anew (1)",
-                       "[1, inf)", &p->rebuild_growth));
+  PetscCall(PetscOptionsBool("-pressure_wall_suction",
+                             "the density source of walls may be negative, as printed: a wall may pull",
+                             "PressureSetFromOptions", p->wall_suction, &p->wall_suction, NULL));
   PetscCall(OptionInt(
     "-pressure_rebuild_interval",
     "steps after which the preconditioner is made anew (1); 0: 10 for twolevel, jacobi and none, 50 for all others",
@@ -159,31 +136,6 @@ static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
                        "largest relative density error that the solver may leave in a step (1); 0: PETSc's own test, "
                        "-ksp_rtol and the others",
                        "[0, inf)", &p->density_tolerance));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* As ReadNumbers. What they do is said where they are used: source.c, closure.c, gradient.c. */
-static PetscErrorCode ReadAdvanced(Pressure p, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-pressure_relaxation_steps",
-                       "least number of steps in which the divergence source repairs density errors (1)", "(0, inf)",
-                       &p->relaxation_steps));
-  PetscCall(OptionReal("-pressure_closure_lambda",
-                       "lambda of fluid below which full_diagonal fills up the diagonal (1)", "[0, inf)",
-                       &p->closure_lambda));
-  PetscCall(OptionReal(
-    "-pressure_closure_least",
-    "least that full_diagonal adds on the surface, over n.B n V/rho, n the sum of V grad W (1); less than 1 diverges",
-    "[0, inf)", &p->closure_least));
-  PetscCall(PetscOptionsBool("-pressure_wall_suction",
-                             "the density source of walls may be negative, as printed: a wall may pull",
-                             "PressureSetFromOptions", p->wall_suction, &p->wall_suction, NULL));
-  PetscCall(OptionReal("-pressure_pairing_moving",
-                       "part of the term against pairing in the background pressure, liquid in motion (1)", "[0, inf)",
-                       &p->pairing_moving));
-  PetscCall(OptionReal("-pressure_pairing_loaded", "the same where a body force makes the pressure (1)", "[0, inf)",
-                       &p->pairing_loaded));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -224,11 +176,7 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
                                "entries, else aij",
                                "MatSetType", pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
   PetscOptionsEnd();
-  PetscOptionsBegin(cloud->comm, NULL, "Advanced: pressure projection", "Pressure");
-  PetscCall(ReadAdvanced(pressure, PetscOptionsObject));
-  PetscOptionsEnd();
   PetscCall(CheckMatrixType(pressure));
-  if (HelpWanted()) PetscCall(PreconditionerHelp(cloud->comm));
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
   pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);

@@ -42,13 +42,10 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
    in the first steps of a run, so that errors of the packing do not kick what is at rest. Not collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
 void           PressureSetRepair(Pressure pressure, PetscReal share);
-/* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_closure_factor, -pressure_gradient,
-   -pressure_regularization, -pressure_density, -pressure_relaxation_time (s; 0: the stepper's choice),
-   -pressure_rebuild_interval, -pressure_rebuild_growth, -pressure_density_tolerance, -mat_type; the advanced
-   -pressure_relaxation_steps, -pressure_closure_lambda, -pressure_closure_least, -pressure_pairing_moving and
-   -pressure_pairing_loaded; the KSP's options act
-   at its creation. Collective.
- */
+/* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient, -pressure_density,
+   -pressure_regularization, -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_wall_suction,
+   -pressure_rebuild_interval, -pressure_density_tolerance, -mat_type; the KSP's options act at its creation.
+   Collective. */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);

@@ -46,7 +46,6 @@ struct _p_Pressure {
   /* of the source */
   PetscReal relaxation_time, relaxation_option;  /* s, in use and as the user gave it (0: not) */
   PetscReal repair;                              /* the share of the density term that acts, 1 */
-  PetscReal relaxation_steps;                    /* 1 */
   PetscReal lattice_sum;                         /* sum V W on a full lattice, 1 */
   PetscReal surface_plane;                       /* |sum V grad W| on the plane surface of a half space, 1/m */
   PetscReal surface_fraction[SURFACE_TABLE + 1]; /* sum V W over its value inside, by |sum V grad W|/surface_plane */
@@ -59,13 +58,12 @@ struct _p_Pressure {
   PetscReal layer_density;   /* filled fraction of the first layer less that of the table, 1 */
 
   /* of the closure */
-  PetscReal closure_factor, closure_lambda, closure_least; /* 1 */
-  PetscBool wall_suction;                                  /* of the density source */
-  PetscReal lattice_diagonal;                              /* Lambda_0 of a row with rest density 1, 1/m2 */
-  PetscBool free_surface;                                  /* any particle of any rank is on one */
+  PetscBool wall_suction;     /* of the density source */
+  PetscReal lattice_diagonal; /* Lambda_0 of a row with rest density 1, 1/m2 */
+  PetscBool free_surface;     /* any particle of any rank is on one */
 
   /* of the gradient */
-  PetscReal regularization, pairing_moving, pairing_loaded; /* 1 */
+  PetscReal regularization; /* 1 */
 
   /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2. Rows are
      multiplied with the mass of their particle times row_scale, the reciprocal of a particle's of the first body. */
@@ -109,7 +107,6 @@ struct _p_Pressure {
   PetscReal density_claimed;              /* 1, that the solver stopped at */
   PetscReal density_left;                 /* 1, rms that its residual leaves */
   PetscInt  rebuild_interval, kept_steps; /* the user's choice, 0: none; steps that the preconditioner is kept */
-  PetscReal rebuild_growth;               /* of the iterations, 1 */
   PetscInt  age, first_iterations;        /* of the preconditioner: steps, and iterations in the first of them */
   PetscBool rebuild;                      /* make it anew in the next step */
 };

@@ -4,7 +4,8 @@
 
 #define DEFAULT_RTOL      1e-3
 #define DEFAULT_GAMG_DROP 0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
-#define REBUILD_SLACK     3    /* iterations that a kept preconditioner may cost beyond rebuild_growth */
+#define REBUILD_GROWTH    1.5  /* of the iterations: the preconditioner is made anew */
+#define REBUILD_SLACK     3    /* iterations that a kept preconditioner may cost beyond that growth */
 #define REBUILD_CHEAP     10   /* steps that a preconditioner is kept whose set-up costs a few iterations */
 #define REBUILD_DEAR      50   /* steps that any other is kept */
 
@@ -348,7 +349,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   result->density = pressure->density_left;
   result->rebuilt = (PetscBool)(pressure->age++ == 0);
   if (result->rebuilt) pressure->first_iterations = report->iterations;
-  if (report->iterations > pressure->rebuild_growth * pressure->first_iterations + REBUILD_SLACK)
+  if (report->iterations > REBUILD_GROWTH * pressure->first_iterations + REBUILD_SLACK)
     pressure->rebuild = PETSC_TRUE;
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (SolverFailed(report))

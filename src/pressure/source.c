@@ -5,6 +5,8 @@
                   which it is repaired */
 #include "pressure_impl.h"
 
+#define LEAST_STEPS 5 /* in which the divergence source repairs density errors; SourceDivergence says why */
+
 /* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but do not pull unless -pressure_wall_suction: a wall particle
    without liquid all around lacks density though no liquid is rarefied, and its row, which has few pairs, would turn
    that into a suction that tears particles off, whatever the size of the step. */
@@ -52,7 +54,7 @@ static PetscBool IsHeld(Cloud cloud, PetscInt a)
                    0.5 * CloudSize(cloud, a) * cloud->domain->spacing);
 }
 
-/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least relaxation_steps dt: in fewer steps the repair
+/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least LEAST_STEPS dt: in fewer steps the repair
    overshoots, and a Couette flow with implicit viscosity at dt = 3 T blows up. Rows of walls take the divergence alone,
    that of deeper layers added. The positions are those of the middle of a centered step and the new velocity belongs to
    its end, so the divergence must be that at the end (time_offset of OperatorsDivergence). Free of divergence in the
@@ -63,7 +65,7 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 {
   Cloud            cloud = pressure->cloud;
   const PetscReal *div   = cloud->field[FIELD_DIVERGENCE];
-  const PetscReal  least = pressure->relaxation_steps * dt, T = pressure->relaxation_time;
+  const PetscReal  least = LEAST_STEPS * dt, T = pressure->relaxation_time;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)

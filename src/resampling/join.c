@@ -4,9 +4,13 @@
    all ranks agree. */
 #include "resampling_impl.h"
 
-#define NOBODY  (-1)
-#define LARGER  1.5 /* times the size of a particle that is alone among such particles */
-#define TOUCHES 1.5 /* mean spacings of a pair: what is farther apart does not join */
+#define NOBODY   (-1)
+#define LEAST    0.6  /* ring area over spacing^2 below which rings join */
+#define TOGETHER 1.3  /* that of two that join, at most */
+#define REACH    1.25 /* spacings between two that join, at most ... */
+#define PATH     0.45 /* ... and over the smaller share: 0.75 for one of 0.6; a tiny one may go further */
+#define LARGER   1.5  /* times the size of a particle that is alone among such particles */
+#define TOUCHES  1.5  /* mean spacings of a pair: what is farther apart does not join */
 
 /* Whether particle b may join with another: liquid, and not an image behind a face of the box. */
 static PetscBool MayJoin(Cloud cloud, PetscInt b)
@@ -64,10 +68,9 @@ static PetscBool RingsFit(Cloud cloud, const Resampling *resampling, const Petsc
 {
   const PetscReal spacing = CloudSize(cloud, a) * cloud->domain->spacing;
 
-  return (PetscBool)(d2 <= PetscSqr(resampling->reach * spacing) &&
-                     cloud->integer[INT_BODY][a] == cloud->integer[INT_BODY][b] &&
-                     JoinedShare(cloud, share, a, b) <= resampling->together &&
-                     PetscMin(share[a], share[b]) * PetscSqrtReal(d2) <= resampling->path * spacing);
+  return (PetscBool)(d2 <= PetscSqr(REACH * spacing) && cloud->integer[INT_BODY][a] == cloud->integer[INT_BODY][b] &&
+                     JoinedShare(cloud, share, a, b) <= TOGETHER &&
+                     PetscMin(share[a], share[b]) * PetscSqrtReal(d2) <= PATH * spacing);
 }
 
 /* The same of graded particles that are no rings. */
@@ -145,7 +148,7 @@ PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *chan
     PetscBool small = PETSC_FALSE;
 
     if (a < cloud->n_fluid && MayJoin(cloud, a))
-      small = cloud->domain->rings ? (PetscBool)(change->share[a] < resampling->least) : IsAlone(cloud, resampling, a);
+      small = cloud->domain->rings ? (PetscBool)(change->share[a] < LEAST) : IsAlone(cloud, resampling, a);
     chosen[a]   = small ? Nearest(cloud, resampling, change->share, a, NULL) : NOBODY;
     proposal[a] = chosen[a] == NOBODY ? NOBODY : id[chosen[a]];
   }

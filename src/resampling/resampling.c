@@ -1,26 +1,14 @@
 /* Which particles change, and how the swarm becomes what they are then. */
 #include "resampling_impl.h"
 
-/* Chosen for rings, no reference: joined, two of the smallest are 1.2 at most; split, the largest is two of 0.8. */
 #define INTERVAL 10
-#define LEAST    0.6
-#define MOST     1.6
-#define RUSH     2 /* times the largest share: a ring that runs onto the axis grows so fast that it cannot wait */
-#define TOGETHER 1.3
-#define REACH    1.25
-#define PATH     0.45  /* 0.75 spacings for a share of 0.6; what is almost nothing may go further */
+#define RUSH     2     /* times the largest share: a ring that runs onto the axis grows so fast that it cannot wait */
 #define ALONE    0.125 /* about nine of the particles that a support holds in three dimensions */
 
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
   PetscFunctionBegin;
-  *r = (Resampling){.interval = INTERVAL,
-                    .least    = LEAST,
-                    .most     = MOST,
-                    .together = TOGETHER,
-                    .reach    = REACH,
-                    .path     = PATH,
-                    .alone    = ALONE};
+  *r = (Resampling){.interval = INTERVAL, .alone = ALONE};
   PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings, joining of graded particles", "Resampling");
   if (cloud->domain->rings || cloud->domain->graded || HelpWanted())
     PetscCall(OptionInt("-resampling_interval",
@@ -29,12 +17,6 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
                         "[0, inf)", &r->interval));
   else
     r->interval = 0;
-  if (cloud->domain->rings || HelpWanted()) {
-    PetscCall(
-      OptionReal("-resampling_least", "ring area over spacing^2 below which rings join (1)", "[0, 1)", &r->least));
-    PetscCall(
-      OptionReal("-resampling_most", "ring area over spacing^2 above which rings split (1)", "(1.2, inf)", &r->most));
-  }
   if ((cloud->domain->graded && !cloud->domain->rings) || HelpWanted())
     PetscCall(OptionReal("-resampling_alone",
                          "share of liquid of its own size in a graded particle's support below which it joins with a "
@@ -53,7 +35,7 @@ PetscReal ResamplingShare(Cloud cloud, PetscInt a)
 
 PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
 {
-  return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > RUSH * r->most));
+  return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > RUSH * MOST));
 }
 
 static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)

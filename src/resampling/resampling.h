@@ -14,11 +14,8 @@
 #include "../operators/operators.h"
 
 typedef struct {
-  PetscInt  interval;    /* steps from one time to the next; 0: never */
-  PetscReal least, most; /* shares over V_0 that ask for joining and for splitting */
-  PetscReal together;    /* largest share of two that join */
-  PetscReal reach, path; /* how close they must be, spacings; that times the smaller share */
-  PetscReal alone;       /* of graded particles: share of liquid of their size in the support that asks for joining */
+  PetscInt  interval; /* steps from one time to the next; 0: never */
+  PetscReal alone;    /* of graded particles: share of liquid of their size in the support that asks for joining */
 } Resampling;
 
 /* What was done. */
@@ -27,8 +24,8 @@ typedef struct {
   PetscReal energy;        /* kinetic energy lost by it, J */
 } ResamplingReport;
 
-/* ResamplingSetFromOptions - -resampling_interval, -resampling_least, -resampling_most of rings, -resampling_alone of
-   graded particles; nothing to read where all volumes are the same. Collective. */
+/* ResamplingSetFromOptions - -resampling_interval, and -resampling_alone of graded particles; nothing to read where all
+ * volumes are the same. Collective. */
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *resampling);
 /* ResamplingShare - the ring area of particle a over V_0. ResamplingDue - whether to join and split after this step, in
    which 'largest' is the largest share: at the interval, and at once where it is more than twice the most. Not

@@ -4,6 +4,10 @@
 
 #include "resampling.h"
 
+/* The ring area over spacing^2 above which rings split. Chosen for rings, no reference: the largest becomes two of 0.8;
+   joined, two of the smallest are 1.2 at most (join.c). */
+#define MOST 1.6
+
 /* The particles as they will be: the swarm's arrays, in which those that stay are changed; which of them stay; and new
    ones. The cloud keeps the state before. */
 typedef struct {

@@ -87,7 +87,7 @@ PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *cha
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal *at = change->at + DIM * change->split, dv[DIM];
 
-    if (change->share[a] <= resampling->most || !change->keep[a] || change->changed[a]) continue;
+    if (change->share[a] <= MOST || !change->keep[a] || change->changed[a]) continue;
     if (!FindPlace(cloud, a, change->share[a], at)) continue;
     SplitVelocity(cloud, a, at, dv);
     change->parent[change->split++] = a;

@@ -21,6 +21,32 @@ static const char *const known[] = {
  */
 static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st_", "bv_", "ds_"};
 
+/* Ends of the names of options that earlier versions had, and what became of them. */
+#define CONSTANT(name, file) "it is the constant " #name " of src/" file " now"
+static const struct {
+  const char *name, *fate;
+} removed[] = {
+  {"packing_repulsion", "the term that keeps -packing_distance counts as much as the density's error now"},
+  {"packing_skin", CONSTANT(SKIN, "packing/poisson_samples.c")},
+  {"pc_twolevel_omega", CONSTANT(OMEGA, "twolevel/twolevel.c")},
+  {"pc_twolevel_ratio", CONSTANT(RATIO, "twolevel/twolevel.c")},
+  {"pressure_closure_factor", CONSTANT(FACTOR, "pressure/closure.c")},
+  {"pressure_closure_lambda", CONSTANT(FILLED_LAMBDA, "pressure/closure.c")},
+  {"pressure_closure_least", CONSTANT(LEAST, "pressure/closure.c")},
+  {"pressure_pairing_loaded", CONSTANT(PAIRING_LOADED, "pressure/gradient.c")},
+  {"pressure_pairing_moving", CONSTANT(PAIRING_MOVING, "pressure/gradient.c")},
+  {"pressure_rebuild_growth", CONSTANT(REBUILD_GROWTH, "pressure/solve.c")},
+  {"pressure_relaxation_steps", CONSTANT(LEAST_STEPS, "pressure/source.c")},
+  {"resampling_least", CONSTANT(LEAST, "resampling/join.c")},
+  {"resampling_most", CONSTANT(MOST, "resampling/resampling_impl.h")},
+  {"shifting_cap", CONSTANT(CAP, "stepper/shifting.c")},
+  {"sound_projected", "the first pressure is always that of a projection now"},
+  {"surface_cone", CONSTANT(CONE, "operators/surface.c")},
+  {"surface_lambda_inner", CONSTANT(LAMBDA_INNER, "operators/surface.c")},
+  {"surface_lambda_near", CONSTANT(LAMBDA_NEAR, "operators/surface.c")},
+  {"surface_near", CONSTANT(NEAR, "operators/surface.c")},
+};
+
 PetscErrorCode RefuseTraps(MPI_Comm comm)
 {
   PetscBool trap = PETSC_FALSE, view;
@@ -121,10 +147,24 @@ static void ForBodies(const OptionNames *own, const char name[], char text[], si
   }
 }
 
+/* What became of an option of an earlier version; NULL if it is none. */
+static const char *Fate(const char name[])
+{
+  const size_t all = strlen(name);
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(removed); k++) {
+    const size_t size = strlen(removed[k].name);
+
+    if (all >= size && !strcmp(name + all - size, removed[k].name) && (all == size || name[all - size - 1] == '_'))
+      return removed[k].fate;
+  }
+  return NULL;
+}
+
 /* What is known about a name that nothing has read. */
 static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, const char name[], char text[])
 {
-  const char       *part     = BehindPrefix(name);
+  const char       *part = BehindPrefix(name), *fate = Fate(name);
   const OptionName *exact    = Find(own, name), *nearest, *other;
   PetscInt          distance = WordsAlike(name) + 1, petsc_distance = distance, prefixed_distance = distance;
   char              choice[OPTION_NAME_LENGTH + 32], bodies[SENTENCE / 2];
@@ -132,7 +172,9 @@ static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, 
   PetscFunctionBegin;
   PetscCall(ChoiceOfPetsc(name, choice, sizeof(choice)));
   ForBodies(own, name, bodies, sizeof(bodies));
-  if (exact && exact->choice[0])
+  if (fate)
+    (void)snprintf(text, SENTENCE, ": %s", fate);
+  else if (exact && exact->choice[0])
     (void)snprintf(text, SENTENCE, " here: it belongs to %s, which this scene does not choose", exact->choice);
   else if (exact || Find(petsc, name))
     (void)snprintf(text, SENTENCE, " here: it belongs to%s%s, which this scene does not choose",

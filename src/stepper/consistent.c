@@ -8,9 +8,8 @@
    r^{n+1} = r^n + dt/2 (v^n + v^{n+1}). Closure: Nair and Tomar (2014); shifting: Skillen et al. (2013). */
 #include "consistent.h"
 
-#define SHIFTING_STRENGTH 2   /* A of Skillen et al. 2013 */
-#define SHIFTING_CAP      0.1 /* spacings */
-#define RELAXATION_RATIO  5   /* time of the density's repair, over h/U of the scene */
+#define SHIFTING_STRENGTH 2 /* A of Skillen et al. 2013 */
+#define RELAXATION_RATIO  5 /* time of the density's repair, over h/U of the scene */
 
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
@@ -62,7 +61,6 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
                        "h |grad C| at which the strength has doubled, it triples at most (1); 0: the same everywhere; "
                        "0.06 keeps more energy in coarse splashes",
                        "[0, inf)", &shifting->disorder));
-  PetscCall(OptionReal("-shifting_cap", "largest shift in a step (spacings)", "[0, inf)", &shifting->cap));
   PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                              "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
   stepper->force_time = scheme->centered ? 0.5 : 0;
@@ -95,7 +93,7 @@ PetscErrorCode ConsistentDefaults(Stepper stepper)
   stepper->relaxation_ratio = RELAXATION_RATIO;
   stepper->force_time       = 0.5;
   scheme->centered          = PETSC_TRUE;
-  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, SHIFTING_CAP, 0};
+  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, 0};
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,8 @@
 #include "../neighbors/pairs.h"
 #include "shifting.h"
 
-#define DISORDERED_MOST 3 /* times the strength, of the most disordered particles */
+#define CAP             0.1 /* spacings, of a shift in a step; no reference */
+#define DISORDERED_MOST 3   /* times the strength, of the most disordered particles */
 
 /* By what a shift is longer where the particles are disordered: h |grad C| is below 0.01 in a wave, 0.015 in the mean
    of a splash and up to 0.1 in it. crowding: h |grad C| of the component that is shifted along. */
@@ -14,12 +15,12 @@ static PetscReal Strengthening(const Shifting *shifting, PetscReal crowding)
 }
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
-   'cap' spacings; particles on or near the surface lose the component along sum V grad W. */
+   CAP spacings; particles on or near the surface lose the component along sum V grad W. */
 static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal dt, PetscInt a, PetscReal dr[DIM])
 {
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
   const PetscReal  size = CloudSize(cloud, a), h = size * KernelSmoothingLength(cloud->kernel),
-                  cap    = size * shifting->cap * cloud->domain->spacing,
+                  cap    = size * CAP * cloud->domain->spacing,
                   factor = -shifting->strength * h * dt * cloud->field[FIELD_VELOCITY_JUMP][a];
   PetscReal length;
 

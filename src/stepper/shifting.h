@@ -7,7 +7,6 @@
 typedef struct {
   PetscBool active, conserved;
   PetscReal strength; /* A of the displacement, 1 */
-  PetscReal cap;      /* largest displacement, spacings */
   PetscReal disorder; /* h |grad C| at which A has doubled, 1; 0: it does not grow */
 } Shifting;
 

@@ -38,7 +38,6 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->guard             = 0.25;
   s->density_ratio_max = 2;
   s->damping           = 1;
-  s->surface_test      = SurfaceTestDefault();
   PetscCall(StepperSetScheme(s, SCHEME_CONSISTENT));
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -231,7 +230,6 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscFunctionBegin;
   PetscCall(SetSchemeFromOptions(s));
   PetscCall(SetViscosityFromOptions(s));
-  PetscCall(SurfaceTestSetFromOptions(s->cloud->comm, &s->surface_test));
   PetscCall(TimeStepSetFromOptions(s));
   for (const StepHooks *const *edge = s->edges; *edge; edge++)
     if ((*edge)->options) PetscCall((*edge)->options(s));

@@ -58,7 +58,7 @@ PetscErrorCode StepperSetScheme(Stepper stepper, const char name[]);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
    -displacement_max (spacings), -density_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),
-   -sound_mach, -sound_cfl, -sound_projected, -density_diffusion. Collective. */
+   -sound_mach, -sound_cfl, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
 /* StepperPrepare - assembles and sets the solver up at the present state so that every option of the solver has been

@@ -141,7 +141,6 @@ struct _p_Stepper {
   StepBounds              bounds;  /* of the last step size chosen */
   PetscReal               fastest; /* m/s, of all the liquid, at that time */
   Viscosity               viscosity;
-  SurfaceTest             surface_test;
   Resampling              resampling;
   Viscous                 viscous;
   PetscReal               guard;              /* spacings that particles keep from walls */

@@ -19,7 +19,6 @@
 
 typedef struct {
   Consistent base;
-  PetscBool  projected; /* the first pressure is projected */
   PetscReal  speed, mach, cfl, diffusion;
   PetscReal  lattice_sum; /* sum V W on a full lattice, 1 */
 } Compressible;
@@ -37,8 +36,6 @@ static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscCall(OptionReal("-sound_cfl", "(speed of sound + largest speed) times time step over h (1)", "(0, 2]", &s->cfl));
   PetscCall(OptionReal("-density_diffusion", "delta of the diffusion delta h c lap rho of the density (1)", "[0, 1]",
                        &s->diffusion));
-  PetscCall(PetscOptionsBool("-sound_projected", "start from the pressure of a projection instead of from zero",
-                             "SchemeWeaklyCompressible", s->projected, &s->projected, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,12 +193,11 @@ static PetscErrorCode PressureAtStart(Stepper stepper, PetscReal dt, PressureRes
 
 static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *result)
 {
-  Cloud               cloud = stepper->cloud;
-  const Compressible *s     = (const Compressible *)stepper->scheme;
+  Cloud cloud = stepper->cloud;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_PROJECT), 0, 0, 0, 0));
-  if (stepper->first && s->projected)
+  if (stepper->first)
     PetscCall(PressureAtStart(stepper, dt, result));
   else
     PetscCall(Compress(stepper, dt));
@@ -220,7 +216,6 @@ PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->base.project = Project;
-  s->projected    = PETSC_TRUE;
   s->mach         = 0.1;
   s->cfl          = 0.4;
   s->diffusion    = 0.1;

@@ -62,8 +62,6 @@ def groups(text):
     for line in text.splitlines():
         if re.fullmatch(r"\S.*:", line) and not line.startswith("Viewer"):
             title = line[:-1]
-        elif line.startswith("  Two-level"):
-            title = "Preconditioner with -pc_type twolevel"
         row = option(line)
         if not row or title is None or title.startswith(PETSC) or title == EXAMPLE:
             continue

@@ -66,6 +66,9 @@ def core():
                         ("-packing_distance", "it belongs to -packing_type poisson"),
                         ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):
         refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
+    for name, fate in (("-surface_cone", "the constant CONE of src/operators/surface.c"),
+                       ("-pc_twolevel_omega", "the constant OMEGA")):
+        refused(f"removed{name}", BOX + DROP + f"{name} 7", [name, fate])
     for name in ("-dt", "-x", "-quite_something_else"):
         process = runs.start(BOX + DROP + f"{name} 7")
         runs.check(process.returncode == 1 and name in process.stderr and "did you mean" not in process.stderr,
@@ -201,9 +204,7 @@ def scenes():
     refused("snapshot_compression", GOOD + "-snapshot_compression 10", ["-snapshot_compression", "10", "9"])
     refused("text_for_switch", GOOD + "-snapshot_double perhaps", ["perhaps", "-snapshot_double"])
     refused("unknown_choice", GOOD + "-pressure_density both", ["both", "-pressure_density", "rest", "summed"])
-    refused("pressure_closure_factor", GOOD + "-pressure_closure_factor 0", ["-pressure_closure_factor", "(0, inf)"])
-    refused("pressure_rebuild_growth", GOOD + "-pressure_rebuild_growth 0.5", ["-pressure_rebuild_growth", "[1, inf)"])
-    refused("pressure_pairing_moving", GOOD + "-pressure_pairing_moving -1", ["-pressure_pairing_moving", "[0, inf)"])
+    refused("pressure_regularization", GOOD + "-pressure_regularization -1", ["-pressure_regularization", "[0, inf)"])
     refused("unknown_scheme", GOOD + "-scheme magic", ["magic", "consistent", "density_invariant"])
     refused("solid_named_as_body", GOOD + "-solids film", ["-solids", "film", "twice"])
     refused("emitter_at_rest", GOOD + "-bodies film,jet -jet_type emitter -jet_lower 0,0,10 -jet_upper 2,2,12",

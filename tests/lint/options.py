@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Every option of options/*.opts and cases/*/*.opts is one of options/README.md, which tests/docs/options.py compares
-with ./isph -help, or PETSc's; one of a body, solid or region has the name of one that the scene or its case names.
+with ./isph -help, or PETSc's; one of a body, solid or region has the name of one that the scene or its case names. The
+constants that removed options became are where the program says.
 LINT_ROOT: another tree, for a test of the test."""
 import glob
 import os
@@ -10,6 +11,7 @@ import sys
 import verdict
 
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+CHECK = os.path.join(ROOT, "src", "sim", "option_check.c")
 PETSC = r"([a-z0-9]+_)*(ksp|pc|mg|mat|log|options|malloc|info|tao)_"
 
 
@@ -42,4 +44,7 @@ for path in files:
         body = next((body for body in named if name.startswith(body + "_") and name[len(body):] in tails), None)
         if not (name in known or body or re.match(PETSC, name)):
             bad.append(f"{os.path.relpath(path, ROOT)}: the program knows no option -{name}")
+for name, constant, source in re.findall(r'\{"(\w+)",\s*CONSTANT\((\w+), "([^"]+)"\)', read(CHECK)):
+    if name in known or not re.search(rf"^#define {constant} ", read(os.path.join(ROOT, "src", source)), re.M):
+        bad.append(f"src/sim/option_check.c: -{name} is not the constant {constant} of src/{source}")
 verdict.end("options", bad, f"{len(files)} files")

@@ -82,12 +82,10 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
 /* SetupMoments - density, moments, surface flags, and the ghosts' densities. */
 static inline PetscErrorCode SetupMoments(Setup *s)
 {
-  const SurfaceTest test = SurfaceTestDefault();
-
   PetscFunctionBegin;
   PetscCall(OperatorsMoments(s->cloud, NULL));
   PetscCall(CloudUpdate(s->cloud, FIELD_DENSITY));
-  PetscCall(OperatorsFreeSurface(s->cloud, &test));
+  PetscCall(OperatorsFreeSurface(s->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -83,7 +83,7 @@ static PetscErrorCode Sums(Setup *s, PetscReal pair[], PetscReal sum[SUMS])
   Vec        b;
 
   PetscFunctionBegin;
-  PetscCall(OperatorsFreeSurface(cloud, &(SurfaceTest){.cone = 1, .inner = 0.75, .near = 0.9, .next = 1.5}));
+  PetscCall(OperatorsFreeSurface(cloud));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) flags += cloud->integer[INT_SURFACE][a];
   sum[0] = flags;
   PetscCall(SumViscosity(cloud, VISCOSITY_CLEARY, pair, sum + 1));

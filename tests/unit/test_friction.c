@@ -367,40 +367,22 @@ static PetscErrorCode TestShearRates(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A periodic film: how many of its particles have a flag of 1 and of 2 with other limits. The top layer has lambda 0.5,
-   the second one 0.9. */
-static PetscErrorCode Flags(PetscReal inner, PetscReal near, PetscReal next, PetscReal count[2])
+/* A periodic film of ten columns: the layers at both faces are on the surface, lambda 0.5, the next ones near it, 0.9.
+ */
+static PetscErrorCode TestSurfaceOfFilm(void)
 {
-  const SurfaceTest test = {.inner = inner, .near = near, .cone = 1.33, .next = next};
-  Setup             s;
+  PetscReal count[2] = {0, 0};
+  Setup     s;
 
   PetscFunctionBegin;
   PetscCall(SetupPack("-dimension 2 -spacing 1 -box_lower 0,-10 -box_upper 10,10 -box_x periodic -packing_jitter 0 "
                       "-bodies a -a_lower 0,-4 -a_upper 10,4",
                       &s));
-  PetscCall(OperatorsMoments(s.cloud, NULL));
-  PetscCall(OperatorsFreeSurface(s.cloud, &test));
-  count[0] = count[1] = 0;
+  PetscCall(SetupMoments(&s));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
     if (s.cloud->integer[INT_SURFACE][a]) count[s.cloud->integer[INT_SURFACE][a] - 1]++;
-  for (PetscInt k = 0; k < 2; k++) count[k] = SetupSum(count[k]);
+  CHECK(SetupSum(count[0]) == 20 && SetupSum(count[1]) == 20, "surface_of_a_film");
   PetscCall(SetupClose(&s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TestSurfaceOptions(void)
-{
-  PetscReal usual[2], inner[2], near[2], next[2];
-
-  PetscFunctionBegin;
-  PetscCall(Flags(0.75, 0.95, 1.5, usual));
-  PetscCall(Flags(0.4, 0.95, 1.5, inner));
-  PetscCall(Flags(0.75, 0.76, 1.5, near));
-  PetscCall(Flags(0.75, 0.95, 0.9, next));
-  CHECK(usual[0] == 20 && usual[1] == 20, "surface_of_a_film");
-  CHECK(inner[0] == 0 && inner[1] == 0, "surface_lambda_inner");
-  CHECK(near[0] == 20 && near[1] == 0, "surface_lambda_near");
-  CHECK(next[0] == 20 && next[1] == 0, "surface_near");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -419,7 +401,7 @@ int main(int argc, char **argv)
                       "solids"));
   PetscCall(TestShearRates());
   PetscCall(TestCone());
-  PetscCall(TestSurfaceOptions());
+  PetscCall(TestSurfaceOfFilm());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

@@ -306,7 +306,7 @@ static PetscErrorCode TestClosure(void)
 {
   const PetscInt n     = 9;
   const char options[] = "-spacing 1 -spacing_coarse 3 -box_lower -15,-15,-15 -box_upper 15,15,15 -bodies a -fine core "
-                         "-core_shape sphere -core_radius 1 -pressure_closure_lambda 2 -tension_type none ";
+                         "-core_shape sphere -core_radius 1 -tension_type none ";
   Setup      s;
   ParticleArrays arrays;
   Mat            A;
@@ -327,6 +327,7 @@ static PetscErrorCode TestClosure(void)
   PetscCall(ParticlesClose(s.particles, &arrays));
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_LAMBDA][a] = 0.5;
   PetscCall(PressureCreate(s.cloud, &s.pressure));
   PetscCall(PressureSetFromOptions(s.pressure));
   PetscCall(PressureAssemble(s.pressure, 1e-3, &A, &b));

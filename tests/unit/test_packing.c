@@ -417,9 +417,8 @@ static PetscErrorCode TestKeys(void)
 /* The numbers of a Poisson packing are in its key, too: the cache is not read. */
 static PetscErrorCode TestKeysOfPoisson(void)
 {
-  static const char *const changes[] = {
-    "", "", "-packing_distance 0.55", "-packing_tolerance 6e-3", "-packing_skin 0.4", "-packing_repulsion 2"};
-  char options[512];
+  static const char *const changes[] = {"", "", "-packing_distance 0.55", "-packing_tolerance 6e-3"};
+  char                     options[512];
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(changes); k++) {

@@ -176,7 +176,7 @@ static PetscErrorCode TestInterval(void)
   Setup          s;
 
   PetscFunctionBegin;
-  PetscCall(Open("-pressure_rebuild_interval 3 -pressure_rebuild_growth 100", &s));
+  PetscCall(Open("-pressure_rebuild_interval 3", &s));
   for (PetscInt k = 0; k < 7; k++) {
     PetscCall(PressureSolve(s.pressure, DT, &result));
     rebuilt |= result.rebuilt << k;
