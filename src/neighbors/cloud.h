@@ -10,18 +10,11 @@
 #include "../kernel/kernel.h"
 #include "../particles/particles.h"
 #include "../scene/scene.h"
+#include "cells.h"
 
 typedef struct _p_Halo *Halo;
 
-#define SIZE_LEVELS  5  /* of graded particles by factors of sqrt(2) in size: see CloudLevel */
-#define SEARCH_LANES 16 /* candidates that the search reads at once: a grid's order has room for so many more */
-
-/* Cells over a set of points, numbered as by CellIndex; the points of cell c are order[start[c] .. start[c+1]). */
-typedef struct {
-  PetscInt  n[DIM], count, capacity, point_capacity;
-  PetscReal lower[DIM], size; /* m; along x a cell may be a fraction of 'size' long: see CellGridBuild */
-  PetscInt *start, *order, *of_point;
-} CellGrid;
+#define SIZE_LEVELS 5 /* of graded particles by factors of sqrt(2) in size: see CloudLevel */
 
 typedef struct _p_WorkArray WorkArray;
 
@@ -76,7 +69,7 @@ typedef struct _p_Cloud {
   PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
   PetscReal  rebalance;        /* imbalance that triggers METIS */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
-  PetscInt   layout; /* counts changes of the local order: a preconditioner is valid for one layout */
+  PetscInt   layout;               /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   written[FIELD_COUNT]; /* of each work field the layout in which it was last written: see CloudWrote */
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
 } * Cloud;
@@ -214,11 +207,5 @@ PetscErrorCode CloudCheckUnknowns(MPI_Comm comm, PetscInt n, PetscInt width, con
    chosen anew in between may be more than it has room for; its first n_owned rows stay. Not collective. */
 PetscErrorCode CloudGetWork(Cloud cloud, PetscInt width, PetscReal **array);
 PetscErrorCode CloudRestoreWork(Cloud cloud, PetscReal **array);
-
-/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size (m), along x of a 'split'th of it.
-   In two dimensions there is one layer of cells. Not collective. */
-PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
-                             PetscInt split);
-PetscErrorCode CellGridReset(CellGrid *grid);
 
 #endif

@@ -9,11 +9,10 @@
 /* Cells of a grid, SPLIT along x in one, and some more layers of them all around: the largest sizes of the particles
    that may be in pairs with one in the cell; 0: there are none. */
 typedef struct {
-  PetscInt  n[DIM], count;
-  PetscReal lower[DIM], inverse; /* m; 1/m */
-  /* [count] for a particle of the grid's level, those of this level and coarser ones; for a particle of a coarser
+  CellBox box;
+  /* [box.count] for a particle of the grid's level, those of this level and coarser ones; for a particle of a coarser
      level, those of the grid's level */
-  float *coarse[LEVELS], *fine[LEVELS];
+  PetscReal *coarse[LEVELS], *fine[LEVELS];
 } Blocks;
 
 /* The particles of a level, ghosts too. */
@@ -69,47 +68,6 @@ static PetscErrorCode FillLevels(Cloud cloud, Level level[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The block of a point (m); -1: none. */
-static inline PetscInt BlockOf(const Blocks *blocks, PetscInt dim, const PetscReal x[DIM])
-{
-  PetscInt cell[DIM] = {0, 0, 0};
-
-  for (PetscInt d = 0; d < dim; d++) {
-    const PetscReal place = (x[d] - blocks->lower[d]) * blocks->inverse;
-
-    if (!(place >= 0 && place < (PetscReal)blocks->n[d])) return -1;
-    cell[d] = (PetscInt)place;
-  }
-  return CellIndex(blocks->n, cell[0], cell[1], cell[2]);
-}
-
-static inline void TakeLarger(PetscInt n, const float *restrict other, float *restrict value)
-{
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < n; k++) value[k] = PetscMax(value[k], other[k]);
-}
-
-/* Each block takes the largest value of itself and those 'reach' away along each axis. */
-static PetscErrorCode Spread(const Blocks *blocks, PetscInt dim, PetscInt reach, float value[])
-{
-  float *from;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(blocks->count, &from));
-  for (PetscInt r = 0; r < reach; r++)
-    for (PetscInt d = 0, stride = 1; d < dim; stride *= blocks->n[d++]) {
-      const PetscInt length = stride * blocks->n[d], inner = length - stride; /* of a row of blocks along the axis */
-
-      PetscCall(PetscArraycpy(from, value, blocks->count));
-      for (PetscInt row = 0; row < blocks->count; row += length) {
-        TakeLarger(inner, from + row, value + row + stride);
-        TakeLarger(inner, from + row + stride, value + row);
-      }
-    }
-  PetscCall(PetscFree(from));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* How many cells of level 'own' the pairs with particles of a coarser level reach. */
 static PetscInt LevelReach(PetscReal support, const Level *own, const Level *coarse)
 {
@@ -117,17 +75,18 @@ static PetscInt LevelReach(PetscReal support, const Level *own, const Level *coa
 }
 
 /* The largest sizes of the particles of a level, seen from up to 'reach' blocks away. */
-static PetscErrorCode FindLargest(const Blocks *blocks, PetscInt dim, const Level *level, PetscInt reach,
-                                  float **largest)
+static PetscErrorCode FindLargest(const CellBox *box, const Level *level, PetscInt reach, PetscReal **largest)
 {
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(blocks->count, largest));
-  for (PetscInt k = 0; k < level->n; k++) {
-    const PetscInt block = BlockOf(blocks, dim, level->x + DIM * level->grid.order[k]);
+  const PetscInt width[DIM] = {reach, reach, reach};
 
-    if (block >= 0) (*largest)[block] = PetscMax((*largest)[block], level->size[k]);
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(box->count, largest));
+  for (PetscInt k = 0; k < level->n; k++) {
+    const PetscInt block = CellBoxFind(box, level->x + DIM * level->grid.order[k]);
+
+    if (block >= 0) (*largest)[block] = PetscMax((*largest)[block], (PetscReal)level->size[k]);
   }
-  PetscCall(Spread(blocks, dim, reach, *largest));
+  PetscCall(CellsSpread(box->n, width, *largest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,6 +95,7 @@ static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], 
 {
   const CellGrid *grid   = &level[own].grid;
   Blocks         *blocks = &level[own].blocks;
+  CellBox        *box    = &blocks->box;
   PetscInt        reach[LEVELS], layers = 1;
 
   PetscFunctionBegin;
@@ -143,17 +103,17 @@ static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], 
     reach[l] = l > own ? LevelReach(support, &level[own], &level[l]) : 1;
     layers   = PetscMax(layers, reach[l]);
   }
-  blocks->inverse = 1 / grid->size;
-  blocks->count   = 1;
+  box->inverse = 1 / grid->size;
+  box->count   = 1;
   for (PetscInt d = 0; d < DIM; d++) {
-    blocks->lower[d] = grid->lower[d] - layers * grid->size;
-    blocks->n[d]     = d >= dim ? 1 : (d > 0 ? grid->n[d] : (grid->n[0] - 1) / SPLIT + 1) + 2 * layers;
-    blocks->count *= blocks->n[d];
+    box->lower[d] = grid->lower[d] - (d < dim ? layers : 0) * grid->size;
+    box->n[d]     = d >= dim ? 1 : (d > 0 ? grid->n[d] : (grid->n[0] - 1) / SPLIT + 1) + 2 * layers;
+    box->count *= box->n[d];
   }
   for (PetscInt l = own; l < LEVELS; l++) {
     if (!level[l].n) continue;
-    PetscCall(FindLargest(blocks, dim, &level[l], reach[l], &blocks->coarse[l]));
-    if (l > own) PetscCall(FindLargest(blocks, dim, &level[own], reach[l], &blocks->fine[l]));
+    PetscCall(FindLargest(box, &level[l], reach[l], &blocks->coarse[l]));
+    if (l > own) PetscCall(FindLargest(box, &level[own], reach[l], &blocks->fine[l]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -346,8 +306,8 @@ static inline PetscInt FindLevelRuns(Cloud cloud, const GradedSearch *search, Pe
   const Level     *level  = &search->level[l];
   const CellGrid  *grid   = &level->grid;
   const Blocks    *blocks = &search->level[PetscMin(l, own)].blocks;
-  const float      near   = block < 0 ? 0 : l < own ? blocks->fine[own][block] : blocks->coarse[l][block];
-  const PetscReal  radius = (1 + POINT_TOLERANCE) * 0.5 * search->support * (cloud->size[a] + (PetscReal)near);
+  const PetscReal  near   = block < 0 ? 0 : l < own ? blocks->fine[own][block] : blocks->coarse[l][block];
+  const PetscReal  radius = (1 + POINT_TOLERANCE) * 0.5 * search->support * (cloud->size[a] + near);
 
   if (near <= 0) return 0;
   if (radius <= grid->size) return FindRuns(grid, &level->lines[0], 1, PETSC_TRUE, x, radius, search->run);
@@ -372,7 +332,7 @@ static PetscInt FindNeighbors(Cloud cloud, GradedSearch *search, PetscInt a, Pet
     PetscInt     runs;
 
     if (!level->n) continue;
-    if (l <= own) block = BlockOf(&level->blocks, cloud->domain->dim, x);
+    if (l <= own) block = CellBoxFind(&level->blocks.box, x);
     runs = FindLevelRuns(cloud, search, a, own, l, block);
 
     found = KeepRuns(level, search->run, runs, unit, (float)size, limit, a, p, list, search->s, search->size, found);

@@ -277,22 +277,9 @@ static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Each cell takes the largest value of itself and those up to 'width' further along an axis; stride: of the axis. */
-static void SpreadAlong(PetscInt count, PetscInt n, PetscInt stride, PetscInt width, const PetscReal from[],
-                        PetscReal value[])
-{
-  for (PetscInt c = 0; c < count; c++) {
-    const PetscInt at = c / stride % n;
-
-    value[c] = from[c];
-    for (PetscInt k = PetscMax(-width, -at); k <= PetscMin(width, n - 1 - at); k++)
-      value[c] = PetscMax(value[c], from[c + k * stride]);
-  }
-}
-
 /* The largest size that is in sums with a point in each cell: that of a cell is seen as far as its support. A level of
-   sizes at a time spreads as far as the largest of them, in [cells] of work. */
-static PetscErrorCode SpreadSizes(Domain domain, Sight *sight, PetscReal from[], PetscReal to[])
+   sizes ([cells] of work) at a time spreads as far as the largest of them. */
+static PetscErrorCode SpreadSizes(Domain domain, Sight *sight, PetscReal level[])
 {
   const PetscInt *cells = domain->cells, count = cells[0] * cells[1] * cells[2];
 
@@ -301,18 +288,17 @@ static PetscErrorCode SpreadSizes(Domain domain, Sight *sight, PetscReal from[],
     const PetscReal least = l > 0 ? CloudLevelSize(l - 1) : 0,
                     most  = l < SIZE_LEVELS - 1 ? CloudLevelSize(l) : PETSC_MAX_REAL;
     PetscReal largest     = 0;
+    PetscInt  width[DIM];
 
     for (PetscInt c = 0; c < count; c++) {
-      from[c] = sight->most[c] > least && sight->most[c] <= most ? sight->most[c] : 0;
-      largest = PetscMax(largest, from[c]);
+      level[c] = sight->most[c] > least && sight->most[c] <= most ? sight->most[c] : 0;
+      largest  = PetscMax(largest, level[c]);
     }
-    for (PetscInt d = 0, stride = 1; d < DIM && largest > 0; stride *= cells[d++]) {
-      const PetscReal radius = sight->support * largest + sight->margin;
-
-      SpreadAlong(count, cells[d], stride, (PetscInt)PetscCeilReal(radius / domain->cell_size[d]), from, to);
-      PetscCall(PetscArraycpy(from, to, count));
-    }
-    for (PetscInt c = 0; c < count; c++) sight->around[c] = PetscMax(sight->around[c], from[c]);
+    if (largest == 0) continue;
+    for (PetscInt d = 0; d < DIM; d++)
+      width[d] = (PetscInt)PetscCeilReal((sight->support * largest + sight->margin) / domain->cell_size[d]);
+    PetscCall(CellsSpread(cells, width, level));
+    for (PetscInt c = 0; c < count; c++) sight->around[c] = PetscMax(sight->around[c], level[c]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -322,11 +308,11 @@ static PetscErrorCode FindSizes(Halo halo, PetscInt n, const PetscReal x[], Sigh
 {
   const Domain    domain = halo->domain;
   const PetscInt *cells = domain->cells, count = cells[0] * cells[1] * cells[2];
-  PetscReal      *from, *to;
+  PetscReal      *level;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc3(count, &sight->most, count, &sight->around, count, &sight->reach2));
-  PetscCall(PetscMalloc2(count, &from, count, &to));
+  PetscCall(PetscMalloc1(count, &level));
   for (PetscInt a = 0; a < n; a++) {
     PetscReal *most = &sight->most[DomainCell(domain, x + DIM * a)];
 
@@ -334,8 +320,8 @@ static PetscErrorCode FindSizes(Halo halo, PetscInt n, const PetscReal x[], Sigh
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sight->most, (PetscMPIInt)count, MPIU_REAL, MPIU_MAX, domain->comm));
   for (PetscInt c = 0; c < count; c++) sight->reach2[c] = PetscSqr(sight->support * sight->most[c] + sight->margin);
-  PetscCall(SpreadSizes(domain, sight, from, to));
-  PetscCall(PetscFree2(from, to));
+  PetscCall(SpreadSizes(domain, sight, level));
+  PetscCall(PetscFree(level));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,6 +2,7 @@
    wide, a thousand neighbours: they are summed in single precision, relative to a point nearby. */
 #include "tension_impl.h"
 
+#define NEAR_CELLS     4         /* cells in the distance from the surface within which the model is evaluated */
 #define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over that of a particle at rest density */
 #define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
 
@@ -134,7 +135,7 @@ static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
 /* Whether particle a at x is one of those that the model is evaluated for. */
 static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
-  return (PetscBool)(a < cloud->n_owned && BandNear(&tension->bands[0], x));
+  return (PetscBool)(a < cloud->n_owned && CellMaskHas(&tension->near, x));
 }
 
 /* With -tension_density summed: the columns that the first pass reads. */
@@ -149,7 +150,7 @@ static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
     columns[2 * b]     = rest[b] / rho[b];
     columns[2 * b + 1] = rest[b];
   }
-  LiquidLoad(tension->liquid, VOLUME_COLUMN, 2, columns);
+  SortedCellsLoad(tension->liquid, VOLUME_COLUMN, 2, columns);
   PetscCall(CloudRestoreWork(cloud, &columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -173,7 +174,7 @@ static void AddOwnForce(Tension tension, Cloud cloud, PetscInt a, const PetscRea
    summed that stress times rho_0/rho^2. */
 static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
-  Liquid         *liquid = tension->liquid;
+  SortedCells    *liquid = tension->liquid;
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
   const PetscBool summed      = tension->summed;
   PetscReal       origin[DIM] = {0};
@@ -181,16 +182,16 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
+    const PetscInt a = liquid->index[p];
     PetscReal      x[DIM], gradient[2][DIM];
     float          place[DIM]; /* x, relative to the origin of the candidates */
 
-    LiquidPosition(liquid, p, x);
+    SortedPosition(liquid, p, x);
     if (!Evaluated(tension, cloud, a, x)) continue;
-    if (LiquidCell(liquid, p) != cell) {
-      cell = LiquidCell(liquid, p);
+    if (SortedCell(liquid, p) != cell) {
+      cell = SortedCell(liquid, p);
       PetscCall(PetscArraycpy(origin, x, DIM));
-      PetscCall(LiquidCollectSingle(liquid, cell, COLUMNS(0, summed ? DIM + 2 : DIM), origin, &m));
+      PetscCall(SortedCellsCollectSingle(liquid, cell, COLUMNS(0, summed ? DIM + 2 : DIM), origin, &m));
     }
     for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
     SumGradients(tension, m, place, gradient);
@@ -207,24 +208,24 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
    Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds what AddOwnForce has left of that form. */
 static PetscErrorCode AddForce(Tension tension, Cloud cloud)
 {
-  Liquid         *liquid      = tension->liquid;
+  SortedCells    *liquid      = tension->liquid;
   const PetscReal V           = cloud->domain->volume;
   PetscReal       origin[DIM] = {0};
   PetscInt        cell = -1, m = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt  a      = LiquidParticle(liquid, p);
+    const PetscInt  a      = liquid->index[p];
     const PetscReal factor = tension->summed ? V : V / cloud->rest_density[a];
     PetscReal       x[DIM], force[DIM];
     float           place[DIM];
 
-    LiquidPosition(liquid, p, x);
+    SortedPosition(liquid, p, x);
     if (!Evaluated(tension, cloud, a, x)) continue;
-    if (LiquidCell(liquid, p) != cell) {
-      cell = LiquidCell(liquid, p);
+    if (SortedCell(liquid, p) != cell) {
+      cell = SortedCell(liquid, p);
       PetscCall(PetscArraycpy(origin, x, DIM));
-      PetscCall(LiquidCollectSingle(liquid, cell, COLUMNS(0, DIM + 6), origin, &m));
+      PetscCall(SortedCellsCollectSingle(liquid, cell, COLUMNS(0, DIM + 6), origin, &m));
     }
     for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
     SumForce(tension, m, place, force);
@@ -233,13 +234,31 @@ static PetscErrorCode AddForce(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[])
+/* Marks where the model is evaluated, near the surface particles of all ranks. A rank knows those around its own
+   particles as far as the kernel reaches, and asks the others where that is not enough. */
+static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 {
-  const PetscReal support = KernelSupport(tension->kernel);
+  const Domain    domain  = cloud->domain;
+  const PetscReal support = KernelSupport(tension->kernel), radius = tension->band * support + tension->spacing;
+  PetscReal       origin[DIM];
+  PetscInt       *of, count;
 
   PetscFunctionBegin;
-  PetscCall(LiquidSort(tension->liquid, cloud, support, 1, NULL, 0));
-  PetscCall(BandMark(&tension->bands[0], cloud, tension->band * support + tension->spacing, support, NULL, 0));
+  for (PetscInt d = 0; d < DIM; d++) origin[d] = domain->lower[d] - (support + cloud->slack);
+  PetscCall(PetscMalloc1(cloud->n_total, &of));
+  PetscCall(SurfaceList(tension, cloud, NULL, 0, of, &count));
+  PetscCall(CellMaskDestroy(&tension->near));
+  PetscCall(CellMaskCreate(radius > support ? domain->comm : PETSC_COMM_SELF, domain->dim, origin, radius / NEAR_CELLS,
+                           radius, count, of, cloud->field[FIELD_POSITION], &tension->near));
+  PetscCall(PetscFree(of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[])
+{
+  PetscFunctionBegin;
+  PetscCall(LiquidSort(tension, cloud, 0, NULL, 0));
+  PetscCall(MarkNear(tension, cloud));
   PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
   if (tension->summed) PetscCall(LoadDensities(tension, cloud));
   PetscCall(FindStress(tension, cloud, stress));
@@ -254,7 +273,7 @@ static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, 6, &stress));
   PetscCall(CahnHilliardStress(tension, cloud, stress));
   PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, stress));
-  LiquidLoad(tension->liquid, DIM, 6, stress);
+  SortedCellsLoad(tension->liquid, DIM, 6, stress);
   PetscCall(CloudRestoreWork(cloud, &stress));
   PetscCall(AddForce(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -69,8 +69,7 @@ PetscErrorCode ContactDestroy(Tension tension)
   PetscCall(PetscFree(tension->images.parent));
   PetscCall(PetscFree(tension->images.origin));
   PetscCall(PetscFree(tension->images.share));
-  PetscCall(PetscFree(tension->solid.dummy));
-  PetscCall(CellGridReset(&tension->solid.grid));
+  PetscCall(SortedCellsReset(&tension->solid.dummies));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,9 +188,9 @@ const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt
 
 /* How far (m) from a wall a particle of a cell and a neighbour may be together, if its image is to be within the
    support of the first. */
-static PetscReal ImageReach(const Liquid *liquid, PetscInt cell)
+static PetscReal ImageReach(const SortedCells *liquid, PetscInt cell)
 {
-  return LiquidRadius(liquid, cell) + liquid->grid.size;
+  return SortedRadius(liquid, cell) + liquid->grid.size;
 }
 
 static PetscBool NearWall(Tension tension, Domain domain, PetscInt cell, const PetscReal x[DIM])
@@ -230,7 +229,7 @@ static PetscBool MirrorNormal(const ContactAngle *contact, const PetscReal inwar
 static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const PetscReal inward[DIM], PetscInt width,
                            PetscInt k, PetscInt to)
 {
-  Liquid        *liquid = tension->liquid;
+  SortedCells   *liquid = tension->liquid;
   const PetscInt stride = liquid->stride;
   PetscReal     *from = liquid->near + k, *copy = liquid->near + to, image[DIM];
 
@@ -276,9 +275,9 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
 {
   const SolidContact *solid  = &tension->solid;
   Images             *images = &tension->images;
-  Liquid             *liquid = tension->liquid;
+  SortedCells        *liquid = tension->liquid;
   const PetscInt      stride = liquid->stride;
-  const PetscReal     reach  = LiquidRadius(liquid, cell) + PetscSqrtReal((PetscReal)tension->dim) * liquid->grid.size;
+  const PetscReal     reach  = SortedRadius(liquid, cell) + PetscSqrtReal((PetscReal)tension->dim) * liquid->grid.size;
   PetscInt            copies = n;
 
   for (PetscInt k = 0; k < n; k++) {
@@ -393,9 +392,9 @@ static PetscErrorCode GrowImages(Images *images, PetscInt capacity)
 PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM], PetscInt columns,
                               PetscInt width, Around *around)
 {
-  Liquid         *liquid = tension->liquid;
+  SortedCells    *liquid = tension->liquid;
   const PetscBool solids = (PetscBool)(tension->solid.count > 0);
-  const PetscInt  cell   = LiquidCell(liquid, p);
+  const PetscInt  cell   = SortedCell(liquid, p);
   PetscBool       faces;
 
   PetscFunctionBegin;
@@ -407,7 +406,7 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
   if (tension->rings || tension->graded) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   if (solids) columns |= COLUMNS(SOLID_COLUMN, 1);
   PetscCall(
-    LiquidCollect(liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1), &around->real));
+    SortedCellsCollect(liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1), &around->real));
   PetscCall(GrowImages(&tension->images, liquid->stride));
   around->n = around->real;
   if (faces || solids) Mirror(tension, domain, x, width, around);

@@ -40,56 +40,41 @@ static PetscReal Bend(Scene scene, PetscInt dim, PetscReal step, const PetscReal
 /* Sorts the dummy particles of solids. */
 static PetscErrorCode SortDummies(Tension tension, Cloud cloud)
 {
-  SolidContact *solid = &tension->solid;
-  PetscInt      n     = 0;
-  PetscReal    *x;
+  const PetscReal support = KernelSupport(tension->core);
+  PetscInt       *of, n = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(DIM * cloud->n_total, &x));
-  for (PetscInt a = 0; a < cloud->n_total; a++) {
-    if (cloud->integer[INT_LAYER][a] == 0 || cloud->integer[INT_BODY][a] > BODY_SOLID) continue;
-    for (PetscInt d = 0; d < DIM; d++) x[DIM * n + d] = cloud->field[FIELD_POSITION][DIM * a + d];
-    n++;
-  }
-  PetscCall(CellGridBuild(&solid->grid, cloud->domain->dim, n, x, KernelSupport(tension->core), 1));
-  PetscCall(PetscFree(solid->dummy));
-  PetscCall(PetscMalloc1(DIM * n, &solid->dummy));
-  for (PetscInt k = 0; k < n; k++)
-    for (PetscInt d = 0; d < DIM; d++) solid->dummy[DIM * k + d] = x[DIM * solid->grid.order[k] + d];
-  PetscCall(PetscFree(x));
+  PetscCall(PetscMalloc1(cloud->n_total, &of));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if (cloud->integer[INT_LAYER][a] != 0 && cloud->integer[INT_BODY][a] <= BODY_SOLID) of[n++] = a;
+  PetscCall(SortedCellsBuild(&tension->solid.dummies, cloud, n, of, support, support));
+  PetscCall(PetscFree(of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* How much of the kernel at x (m) dummy particles fill. */
 static PetscReal Filled(Tension tension, PetscReal volume, const PetscReal x[DIM])
 {
-  const SolidContact *solid = &tension->solid;
-  const CellGrid     *grid  = &solid->grid;
-  PetscInt            first[DIM], last[DIM];
-  PetscReal           sum = 0, r2[CHUNK], W[CHUNK];
+  SortedCells     *dummies = &tension->solid.dummies;
+  const PetscReal *cx = dummies->sorted, *cy = cx + dummies->count, *cz = cy + dummies->count;
+  PetscReal        sum = 0, r2[CHUNK], W[CHUNK];
 
-  for (PetscInt d = 0; d < DIM; d++) {
-    const PetscInt cell = (PetscInt)PetscFloorReal((x[d] - grid->lower[d]) / grid->size);
+  SortedCellsLines(dummies, x, dummies->support);
+  for (PetscInt l = 0; l < dummies->lines; l++) {
+    const PetscInt end = dummies->line[l].begin + dummies->line[l].length;
 
-    first[d] = PetscMax(0, cell - 1);
-    last[d]  = PetscMin(grid->n[d] - 1, cell + 1);
-  }
-  for (PetscInt z = first[2]; z <= last[2]; z++)
-    for (PetscInt y = first[1]; y <= last[1] && first[0] <= last[0]; y++) {
-      const PetscInt line = CellIndex(grid->n, 0, y, z), end = grid->start[line + last[0] + 1];
+    for (PetscInt begin = dummies->line[l].begin; begin < end; begin += CHUNK) {
+      const PetscInt m = PetscMin(CHUNK, end - begin);
 
-      for (PetscInt begin = grid->start[line + first[0]]; begin < end; begin += CHUNK) {
-        const PetscInt m = PetscMin(CHUNK, end - begin);
+      for (PetscInt k = 0; k < m; k++) {
+        const PetscReal r[DIM] = {x[0] - cx[begin + k], x[1] - cy[begin + k], x[2] - cz[begin + k]};
 
-        for (PetscInt k = 0; k < m; k++) {
-          const PetscReal *of = solid->dummy + DIM * (begin + k), r[DIM] = {x[0] - of[0], x[1] - of[1], x[2] - of[2]};
-
-          r2[k] = Dot(r, r);
-        }
-        KernelEvaluate(tension->core, m, r2, W, NULL);
-        for (PetscInt k = 0; k < m; k++) sum += volume * W[k];
+        r2[k] = Dot(r, r);
       }
+      KernelEvaluate(tension->core, m, r2, W, NULL);
+      for (PetscInt k = 0; k < m; k++) sum += volume * W[k];
     }
+  }
   return sum;
 }
 

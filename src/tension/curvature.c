@@ -423,19 +423,19 @@ static inline PetscReal Sigma(Tension tension, Cloud cloud, PetscInt a)
 static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, PetscReal normal[], PetscReal depth[],
                                   PetscReal slope[], PetscReal share[])
 {
-  Liquid         *liquid = TensionLevel(tension, level);
+  SortedCells    *liquid = TensionLevel(tension, level);
   const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
   Around          around = {.cell = -1};
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
+    const PetscInt a = liquid->index[p];
     PetscReal      x[DIM], g[DIM], phi, length;
 
-    if (!TensionOwns(cloud, liquid, a)) continue;
-    LiquidPosition(liquid, p, x);
+    if (!TensionOwns(cloud, level, a)) continue;
+    SortedPosition(liquid, p, x);
     tension->size = CloudSize(cloud, a);
-    if (!BandWithin(&tension->bands[level], x, tension->size * TensionSurfaceReach(tension))) continue;
+    if (!TensionNear(tension, cloud, level, a)) continue;
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, a, x, tension->threshold / (V * H * tension->size), &phi, g);
     length = Norm(g);
@@ -469,18 +469,18 @@ static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
 static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
                                     const PetscReal share[], PetscReal capillary[], PetscInt64 *used)
 {
-  Liquid    *liquid = TensionLevel(tension, level);
-  NormalFit *fit    = tension->fit[level];
-  Around     around = {.cell = -1};
+  SortedCells *liquid = TensionLevel(tension, level);
+  NormalFit   *fit    = tension->fit[level];
+  Around       around = {.cell = -1};
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
+    const PetscInt a = liquid->index[p];
     PetscReal      x[DIM];
     Moments        m;
 
-    if (!TensionOwns(cloud, liquid, a)) continue;
-    LiquidPosition(liquid, p, x);
+    if (!TensionOwns(cloud, level, a)) continue;
+    SortedPosition(liquid, p, x);
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
     PetscCall(ReserveWeights(tension, *used + around.n));
     tension->size = CloudSize(cloud, a);
@@ -499,21 +499,21 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
 static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
                                       const PetscReal value[], PetscReal mean[], PetscReal slope[], PetscInt64 *used)
 {
-  Liquid        *liquid  = TensionLevel(tension, level);
+  SortedCells   *liquid  = TensionLevel(tension, level);
   const PetscInt columns = COLUMNS(VALUE_COLUMN, 1) | (slope ? COLUMNS(0, DIM) : 0);
   Around         around  = {.cell = -1};
 
   PetscFunctionBegin;
-  LiquidLoad(liquid, VALUE_COLUMN, 1, value);
+  SortedCellsLoad(liquid, VALUE_COLUMN, 1, value);
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt   a      = LiquidParticle(liquid, p);
+    const PetscInt   a      = liquid->index[p];
     const NormalFit *fit    = &tension->fit[level][p];
     const float     *weight = tension->weight + *used;
     const int32_t   *place  = tension->place + *used;
     PetscReal        x[DIM];
 
-    if (!TensionOwns(cloud, liquid, a)) continue;
-    LiquidPosition(liquid, p, x);
+    if (!TensionOwns(cloud, level, a)) continue;
+    SortedPosition(liquid, p, x);
     PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL, &around));
     mean[a] = WeightedMean(tension, weight, place, fit);
     if (slope) {
@@ -563,13 +563,11 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
   for (PetscInt a = 0; a < cloud->n_total; a++)
     keep[a] = cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0;
   for (PetscInt l = 0; l < tension->levels; l++) {
-    Liquid *liquid = TensionLevel(tension, l);
+    SortedCells *liquid = &tension->liquids[l];
 
-    PetscCall(LiquidSort(liquid, cloud, KernelSupport(tension->kernel), tension->largest[l], keep, 1));
-    if (cloud->weight) LiquidLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
-    if (tension->solid.count) LiquidLoad(liquid, SOLID_COLUMN, 1, tension->solid.index);
-    LiquidLoad(liquid, DIM, DIM, normal);
-    LiquidLoad(liquid, VALUE_COLUMN, 1, depth);
+    PetscCall(LiquidSort(tension, cloud, l, keep, 1));
+    SortedCellsLoad(liquid, DIM, DIM, normal);
+    SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
     if (liquid->count > tension->fit_capacity[l]) {
       tension->fit_capacity[l] = liquid->count + liquid->count / 4;
       PetscCall(PetscFree(tension->fit[l]));

@@ -33,9 +33,9 @@ static PetscErrorCode FindLiquids(Tension tension, Cloud cloud)
 static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscInt bits, PetscReal part, const PetscInt also[])
 {
   PetscFunctionBegin;
-  tension->phase         = bits;
-  tension->part          = part;
-  tension->bands[0].also = also;
+  tension->phase = bits;
+  tension->part  = part;
+  tension->also  = also;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
   PetscCall(tension->apply(tension, cloud));
@@ -91,8 +91,8 @@ PetscErrorCode InterfaceApply(Tension tension, Cloud cloud)
   PetscCall(Pass(tension, cloud, 3, part[2], NULL));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) capillary[a] += cloud->jump[a];
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] += cloud->jump_slope[k];
-  tension->phase         = 0;
-  tension->bands[0].also = NULL;
+  tension->phase = 0;
+  tension->also  = NULL;
   PetscCall(PetscFree(tension->phases));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

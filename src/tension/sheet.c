@@ -89,13 +89,13 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
 /* The second moments M = sum W r (x) r of the n collected neighbours of the particle at place p. */
 static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6])
 {
-  const Liquid *liquid         = tension->liquid;
+  const SortedCells *liquid    = tension->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
   const PetscReal *volume = liquid->near + WEIGHT_COLUMN * liquid->stride;
   PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], scale_w, scale_f, inverse_h2;
   float            s[CHUNK], W[CHUNK];
 
-  LiquidPosition(liquid, p, x);
+  SortedPosition(liquid, p, x);
   TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
@@ -172,13 +172,13 @@ static void PullRing(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[D
    collected candidates, and theirs on it. Column 3 holds the local indices. */
 static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope, const PetscReal P[6])
 {
-  const Liquid  *liquid = tension->liquid;
-  const PetscInt b      = LiquidParticle(liquid, p);
+  const SortedCells *liquid = tension->liquid;
+  const PetscInt     b      = liquid->index[p];
   PetscReal *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, x[DIM], scale_w, scale_f, core_f, inverse_h2,
             core_h2;
   float s[CHUNK], F[CHUNK], core[CHUNK];
 
-  LiquidPosition(liquid, p, x);
+  SortedPosition(liquid, p, x);
   TensionScales(tension, tension->core, &scale_w, &core_f, &core_h2);
   TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
@@ -216,19 +216,19 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
 static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, PetscReal slope[], PetscReal share[],
                                  PetscReal plane[])
 {
-  Liquid        *liquid  = TensionLevel(tension, level);
+  SortedCells   *liquid  = TensionLevel(tension, level);
   const PetscInt columns = COLUMNS(0, DIM) | (tension->graded ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
   PetscInt       cell = -1, n = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
+    const PetscInt a = liquid->index[p];
     PetscReal      M[6], flatness;
 
-    if (!TensionOwns(cloud, liquid, a) || slope[a] == 0) continue;
-    if (LiquidCell(liquid, p) != cell) {
-      cell = LiquidCell(liquid, p);
-      PetscCall(LiquidCollect(liquid, cell, columns, 1, &n));
+    if (!TensionOwns(cloud, level, a) || slope[a] == 0) continue;
+    if (SortedCell(liquid, p) != cell) {
+      cell = SortedCell(liquid, p);
+      PetscCall(SortedCellsCollect(liquid, cell, columns, 1, &n));
     }
     tension->size = CloudSize(cloud, a);
     SecondMoments(tension, p, n, M);
@@ -243,24 +243,16 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
 /* Sorts the liquid around the thin particles of a level, ghosts too: *count is their number. */
 static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[], PetscInt *count)
 {
-  const PetscReal support = KernelSupport(tension->kernel), largest = tension->largest[level];
-  Liquid         *liquid = TensionLevel(tension, level);
-  Vicinity        vicinity;
-  PetscInt       *thin;
-  unsigned char  *keep;
+  PetscInt      *thin;
+  unsigned char *keep;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(cloud->n_total, &thin, cloud->n_total, &keep));
   *count = 0;
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if (cloud->integer[INT_LAYER][a] == 0 && slope[a] != 0 && LiquidHas(liquid, cloud, a)) thin[(*count)++] = a;
-  if (*count > 0) {
-    PetscCall(VicinityCreate(cloud, largest * support, *count, thin, &vicinity));
-    for (PetscInt a = 0; a < cloud->n_total; a++)
-      keep[a] = VicinityHas(&vicinity, cloud->field[FIELD_POSITION] + DIM * a);
-    PetscCall(VicinityDestroy(&vicinity));
-    PetscCall(LiquidSort(liquid, cloud, support, largest, keep, 1));
-  }
+    if (cloud->integer[INT_LAYER][a] == 0 && slope[a] != 0 && CloudLevel(cloud, a) == level) thin[(*count)++] = a;
+  PetscCall(LiquidAround(cloud, tension->largest[level] * KernelSupport(tension->kernel), *count, thin, keep));
+  PetscCall(LiquidSort(tension, cloud, level, keep, 1));
   PetscCall(PetscFree2(thin, keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -269,21 +261,20 @@ static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, con
 static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[],
                               const PetscReal plane[])
 {
-  Liquid  *liquid = TensionLevel(tension, level);
-  PetscInt cell = -1, n = 0, thin = 1;
+  SortedCells *liquid = TensionLevel(tension, level);
+  PetscInt     cell = -1, n = 0, thin = 1;
 
   PetscFunctionBegin;
   if (tension->graded) PetscCall(SortThin(tension, cloud, level, slope, &thin));
   if (thin == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt p = 0; p < liquid->count; p++)
-    liquid->sorted[DIM * liquid->count + p] = (PetscReal)LiquidParticle(liquid, p);
+  for (PetscInt p = 0; p < liquid->count; p++) liquid->sorted[DIM * liquid->count + p] = (PetscReal)liquid->index[p];
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = LiquidParticle(liquid, p);
+    const PetscInt a = liquid->index[p];
 
-    if (!LiquidHas(liquid, cloud, a) || slope[a] == 0) continue;
-    if (LiquidCell(liquid, p) != cell) {
-      cell = LiquidCell(liquid, p);
-      PetscCall(LiquidCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
+    if (CloudLevel(cloud, a) != level || slope[a] == 0) continue;
+    if (SortedCell(liquid, p) != cell) {
+      cell = SortedCell(liquid, p);
+      PetscCall(SortedCellsCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
     }
     tension->size = CloudSize(cloud, a);
     Pull(tension, cloud, p, n, slope[a], plane + 6 * a);

@@ -60,9 +60,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->same_side   = 0.2;
   t->thinnest    = 0.3;
   do {
-    t->largest[t->levels]          = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
-    t->liquids[t->levels].smallest = t->levels > 0 ? CloudLevelSize(t->levels - 1) : 0;
-    t->liquids[t->levels].most     = t->levels < SIZE_LEVELS - 1 ? CloudLevelSize(t->levels) : PETSC_MAX_REAL;
+    t->largest[t->levels] = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
   PetscCall(ContactCreate(t, domain, scene));
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
@@ -187,12 +185,13 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(KernelDestroy(&(*tension)->kernel));
   PetscCall(KernelDestroy(&(*tension)->core));
   PetscCall(ContactDestroy(*tension));
+  PetscCall(CellMaskDestroy(&(*tension)->near));
   PetscCall(PetscFree((*tension)->weight));
   PetscCall(PetscFree((*tension)->place));
   PetscCall(PetscFree((*tension)->loose));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
-    PetscCall(LiquidReset(&(*tension)->liquids[l]));
-    PetscCall(BandDestroy(&(*tension)->bands[l]));
+    PetscCall(SortedCellsReset(&(*tension)->liquids[l]));
+    PetscCall(SortedCellsReset(&(*tension)->surface[l]));
     PetscCall(PetscFree((*tension)->fit[l]));
   }
   PetscCall(PetscFree(*tension));

@@ -2,190 +2,17 @@
 #ifndef ISPH_TENSION_TYPES_H
 #define ISPH_TENSION_TYPES_H
 
+#include "../neighbors/sorted_cells.h"
 #include "../operators/operators.h"
 #include "tension.h"
 
 #define WALL_TABLE 256 /* intervals of the tables over a depth or a filled fraction */
 #define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
 
-/* --- phase_cells.c: the liquid around a particle --- */
-
-#define LIQUID_WIDTH  10 /* columns: x, y, z, then whatever a pass sums over */
-#define WEIGHT_COLUMN 8  /* the cloud's weights, where it has any: of rings the area over V_0 */
-#define SOLID_COLUMN  9  /* the local index, where solids have a contact angle: see contact.c */
-/* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
-   that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells, of graded
-   particles at least 3, because more are around the larger ones. */
-#define LIQUID_CELL         1.6
-#define LIQUID_CELLS_LEAST  2
-#define LIQUID_CELLS_GRADED 3
-#define LIQUID_CELLS_MOST   4
-
-/* Particles that stand one behind the other in the sorted order. */
-typedef struct {
-  PetscInt begin, length;
-} LiquidLine;
-
-/* The liquid (fluid particles, ghosts too) sorted into cells. A particle has a place in the sorted order and a local
-   index in the cloud. */
-typedef struct {
-  CellGrid   grid;
-  PetscReal  support; /* m, of size 1 */
-  PetscInt   capacity, count, stride, single_stride;
-  PetscReal  smallest, most; /* sizes (1) of its level: what is around those larger than the one, up to the other */
-  PetscReal *largest; /* [cells] of graded particles: the largest size of this level in the cell; NULL: one size */
-  PetscReal  radius;  /* m, for which the table is: the support of the last cell's particles */
-  PetscInt   reach, along[LIQUID_CELLS_MOST + 2][LIQUID_CELLS_MOST + 2]; /* cells within it: see CellsAlong */
-  PetscInt   lines;                                                      /* around a cell */
-  LiquidLine line[PetscSqr(2 * LIQUID_CELLS_MOST + 3)];                  /* [lines] */
-  PetscReal *sorted; /* [LIQUID_WIDTH][count] the columns of all particles, by place */
-  PetscReal *near;   /* [LIQUID_WIDTH][stride] the columns of the particles that LiquidCollect found */
-  float     *single; /* [LIQUID_WIDTH][single_stride] those that LiquidCollectSingle found */
-  PetscInt  *index;  /* [count] local index of each particle before the sort: see LiquidParticle */
-} Liquid;
-
-/* CellsAlong - how many cells of a size (m) further along x may hold points within 'radius' (m) of a cell that is dy,
-   dz cells away; -1: none. */
-static inline PetscInt CellsAlong(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
-{
-  const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
-                  rest = radius * radius - y * y - z * z;
-
-  return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
-}
-
-/* LiquidSort - sorts the fluid particles into cells for those of the liquid's level, whose sizes are at most 'largest':
-   those whose keep flags ([n_total], NULL: all) have a bit of 'bits'. Not collective. */
-PetscErrorCode LiquidSort(Liquid *liquid, Cloud cloud, PetscReal support, PetscReal largest, const unsigned char keep[],
-                          PetscInt bits);
-/* LiquidLoad - fills 'width' columns from 'column' on with the values of a field ([n_total][width]). */
-void LiquidLoad(Liquid *liquid, PetscInt column, PetscInt width, const PetscReal field[]);
-/* LiquidCollect - copies the columns whose bits are set (COLUMNS) of all particles within the support of cell c to
-   near; there are *n of them. near has room for 'copies' times as many. */
-#define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
-PetscErrorCode LiquidCollect(Liquid *liquid, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
-/* LiquidCollectSingle - the same in single precision, to 'single', positions relative to 'origin' (m); *m: how many,
-   with those beyond all reach that fill up the last vector (KERNEL_LANES). */
-PetscErrorCode LiquidCollectSingle(Liquid *liquid, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
-                                   PetscInt *m);
-PetscErrorCode LiquidReset(Liquid *liquid);
-
-/* LiquidHas - whether particle a is of the liquid's level of sizes. */
-static inline PetscBool LiquidHas(const Liquid *liquid, Cloud cloud, PetscInt a)
-{
-  return (PetscBool)(!cloud->size || (cloud->size[a] > liquid->smallest && cloud->size[a] <= liquid->most));
-}
-
-/* LiquidParticle - the local index of the particle at a place. LiquidCell - its cell. LiquidPosition - its x (m). */
-static inline PetscInt LiquidParticle(const Liquid *liquid, PetscInt place)
-{
-  return liquid->index[liquid->grid.order[place]];
-}
-
-static inline PetscInt LiquidCell(const Liquid *liquid, PetscInt place)
-{
-  return liquid->grid.of_point[liquid->grid.order[place]];
-}
-
-/* LiquidRadius - how far (m) from a cell particles matter. */
-static inline PetscReal LiquidRadius(const Liquid *liquid, PetscInt cell)
-{
-  return liquid->support * (liquid->largest ? liquid->largest[cell] : 1);
-}
-
-static inline void LiquidPosition(const Liquid *liquid, PetscInt place, PetscReal x[DIM])
-{
-  for (PetscInt d = 0; d < DIM; d++) x[d] = liquid->sorted[d * liquid->count + place];
-}
-
-/* --- band.c: where tension is evaluated --- */
-
-#define BAND_CELLS 4 /* cells in the length of the radius; fewer if that were too many cells */
-
-typedef struct {
-  MPI_Comm        comm;
-  PetscInt        dim;
-  PetscBool       shared;                                       /* ranks tell each other of their surface particles */
-  PetscReal       radius, lower[DIM], upper[DIM];               /* m; points beyond these count as on them */
-  PetscReal       size;                                         /* of a cell, m */
-  PetscInt        reach, along[BAND_CELLS + 2][BAND_CELLS + 2]; /* cells within the radius: see CellsAlong */
-  PetscInt        first[DIM], n[DIM], capacity;                 /* the cells around the surface particles */
-  unsigned char  *surface, *near; /* [n[2]][n[1]][n[0]] holds a surface particle; is within the radius of one */
-  PetscInt       *begin;          /* [n[2]][n[1]][n[0]] and one more: the first place of a cell; of bands not shared */
-  PetscReal      *place;          /* [begin[last]][DIM] positions of the surface particles, by cells, m */
-  PetscInt        place_capacity;
-  const PetscInt *also; /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
-} Band;
-
-/* BandMark - finds the cells within 'radius' (m) of the surface particles (INT_SURFACE is 1) of all ranks and their
-   images, as far as own particles of this rank may be in them; only of those whose keep flags ([n_total], NULL: all)
-   have a bit of 'bits'. The rank has all particles within 'known' (m) of its own ones, of graded particles as far as
-   their supports reach; if that is less than the radius, the ranks share their surface particles. Begin with a zeroed
-   band; radius and known must not change. Collective. */
-PetscErrorCode BandMark(Band *band, Cloud cloud, PetscReal radius, PetscReal known, const unsigned char keep[],
-                        PetscInt bits);
-PetscErrorCode BandDestroy(Band *band);
-
-static inline PetscReal BandClamp(const Band *band, PetscInt d, PetscReal x)
-{
-  return PetscMax(band->lower[d], PetscMin(band->upper[d], x));
-}
-
-/* BandCell - the cell of x (m); -1 if it is not one of those around the surface particles. */
-static inline PetscInt BandCell(const Band *band, const PetscReal x[DIM])
-{
-  PetscInt cell[DIM];
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    cell[d] = (PetscInt)PetscFloorReal((BandClamp(band, d, x[d]) - band->lower[d]) / band->size) - band->first[d];
-    if (cell[d] < 0 || cell[d] >= band->n[d]) return -1;
-  }
-  return CellIndex(band->n, cell[0], cell[1], cell[2]);
-}
-
-/* BandNear - whether x (m) may be within the radius of a surface particle: true if it is, false if it is beyond the
-   radius and the diagonals of two cells. Not collective. */
-static inline PetscBool BandNear(const Band *band, const PetscReal x[DIM])
-{
-  const PetscInt cell = BandCell(band, x);
-
-  return (PetscBool)(cell >= 0 && band->near[cell]);
-}
-/* BandWithin - whether x (m) is within this radius (m), at most that of the band, of a surface particle: exactly, so
-   that it does not depend on where the cells are. For bands that are not shared. Not collective. */
-PetscBool BandWithin(const Band *band, const PetscReal x[DIM], PetscReal radius);
-
-/* --- vicinity.c: what is near some particles --- */
-
-/* Cells around some particles. */
-typedef struct {
-  PetscReal      lower[DIM], upper[DIM], size; /* m */
-  PetscInt       n[DIM];
-  unsigned char *near; /* [n[2]][n[1]][n[0]] is near one; NULL: there are no particles */
-} Vicinity;
-
-/* VicinityCreate - what is within 'radius' (m) of the 'count' particles of (local indices). Not collective. */
-PetscErrorCode VicinityCreate(Cloud cloud, PetscReal radius, PetscInt count, const PetscInt of[], Vicinity *vicinity);
-PetscErrorCode VicinityDestroy(Vicinity *vicinity);
-
-/* VicinityCell - the cell of x (m); -1: it is further away than all cells. VicinityHas - whether x may be within the
-   radius: true if it is, false beyond twice the radius and a little more along an axis. Not collective. */
-static inline PetscInt VicinityCell(const Vicinity *vicinity, const PetscReal x[DIM])
-{
-  PetscInt cell[DIM];
-
-  for (PetscInt d = DIM - 1; d >= 0; d--) {
-    if (!(x[d] >= vicinity->lower[d] && x[d] <= vicinity->upper[d])) return -1;
-    cell[d] = (PetscInt)((x[d] - vicinity->lower[d]) / vicinity->size);
-  }
-  return CellIndex(vicinity->n, cell[0], cell[1], cell[2]);
-}
-static inline PetscBool VicinityHas(const Vicinity *vicinity, const PetscReal x[DIM])
-{
-  const PetscInt cell = vicinity->near ? VicinityCell(vicinity, x) : -1;
-
-  return (PetscBool)(cell >= 0 && vicinity->near[cell]);
-}
+/* Columns of the sorted liquid (SortedCells) that always hold the same: the cloud's weights, where it has any, of rings
+   the area over V_0; the local index, where solids have a contact angle: see contact.c. */
+#define WEIGHT_COLUMN 8
+#define SOLID_COLUMN  9
 
 /* --- the models --- */
 
@@ -234,11 +61,10 @@ typedef struct {
   ContactAngle *angle; /* [count] those without one have the angle 0 */
   PetscReal    *place; /* [n_total][3] distance (m) from the nearest solid; volume of the image in it over that of the
                           particle, 0: there is none; index of the solid, negative: none is near, or it has no angle */
-  PetscReal *normal;   /* [n_total][3] out of it, and ... */
-  PetscReal *meeting;  /* [n_total][3] ... the same where the free surface next to the particle is */
-  PetscReal *index;    /* [n_total] local indices, for SOLID_COLUMN */
-  CellGrid   grid;     /* of the dummy particles of all solids */
-  PetscReal *dummy;    /* [grid points][3] their positions by cell, m */
+  PetscReal  *normal;  /* [n_total][3] out of it, and ... */
+  PetscReal  *meeting; /* [n_total][3] ... the same where the free surface next to the particle is */
+  PetscReal  *index;   /* [n_total] local indices, for SOLID_COLUMN */
+  SortedCells dummies; /* particles of all solids */
 } SolidContact;
 
 struct _p_Tension {
@@ -258,15 +84,16 @@ struct _p_Tension {
   PetscReal spacing, smoothing, ratio; /* d0, h (m); H/h */
   Kernel    kernel;                    /* W^H */
   Kernel    core;                      /* of SHEET_CORE H: sheet.c */
-  Liquid   *liquid;                    /* the one in use */
-  /* Each level of sizes of graded particles has its own cells, otherwise there is one level. */
-  PetscInt  levels;
-  PetscReal largest[SIZE_LEVELS]; /* size in the level, 1 */
-  Liquid    liquids[SIZE_LEVELS];
-  Band      bands[SIZE_LEVELS];
-  PetscReal wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
+  /* Each level of sizes of graded particles (CloudLevel) has its own cells, otherwise there is one level. */
+  PetscInt        levels;
+  PetscReal       largest[SIZE_LEVELS];          /* size in the level, 1 */
+  SortedCells     liquids[SIZE_LEVELS], *liquid; /* fluid particles, ghosts too; those in use */
+  SortedCells     surface[SIZE_LEVELS];          /* surface particles: see TensionNear */
+  const PetscInt *also;                 /* [n_total] 1: counts as a surface particle, too; NULL: none. Borrowed */
+  PetscReal       wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
 
   PetscReal calibration, band; /* cahn_hilliard */
+  CellMask  near;              /* cahn_hilliard: where it is evaluated */
   PetscBool summed;            /* cahn_hilliard: the summed density, not that at rest */
 
   PetscBool    sheets;                         /* curvature: sheet.c is used */
@@ -305,10 +132,6 @@ static inline PetscReal TensionSurfaceReach(Tension tension)
 {
   return SURFACE_REACH * KernelSmoothingLength(tension->kernel);
 }
-/* TensionSort - finds where the particles of each level are near the surface (BandMark), and sorts the liquid for these
-   (LiquidSort), with its weights. Collective. */
-PetscErrorCode TensionSort(Tension tension, Cloud cloud);
-
 #define CHUNK 512 /* collected candidates that a loop takes at once: their arrays fit into the first cache */
 
 /* Distances - s[k] = |x - c_k|^2/H^2 of the m <= CHUNK collected candidates c_k from 'begin' on. */
@@ -325,15 +148,36 @@ static inline void Distances(Tension tension, PetscInt begin, PetscInt m, const 
 }
 
 /* TensionLevel - takes the liquid of a level of sizes into use and returns it. TensionOwns - whether the sums of
-   particle a are made here: it is owned and of the liquid's level. */
-static inline Liquid *TensionLevel(Tension tension, PetscInt level)
+   particle a are made here and with those of the level. */
+static inline SortedCells *TensionLevel(Tension tension, PetscInt level)
 {
   tension->liquid = &tension->liquids[level];
   return tension->liquid;
 }
-static inline PetscBool TensionOwns(Cloud cloud, const Liquid *liquid, PetscInt a)
+static inline PetscBool TensionOwns(Cloud cloud, PetscInt level, PetscInt a)
 {
-  return (PetscBool)(a < cloud->n_owned && LiquidHas(liquid, cloud, a));
+  return (PetscBool)(a < cloud->n_owned && CloudLevel(cloud, a) == level);
+}
+
+/* --- sort.c --- */
+
+/* TensionSort - finds for each level where its particles are near the surface, and sorts the liquid for these.
+   LiquidSort - sorts the liquid of a level, with its weights, and takes it into use: the fluid particles whose keep
+   flags ([n_total], NULL: all) have a bit of 'bits'. LiquidAround - sets the keep flags of what may be within a radius
+   (m) of the 'count' particles of (local indices). SurfaceList - the local indices of the surface particles whose keep
+   flags have a bit of 'bits'. Not collective. */
+PetscErrorCode TensionSort(Tension tension, Cloud cloud);
+PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[], PetscInt bits);
+PetscErrorCode LiquidAround(Cloud cloud, PetscReal radius, PetscInt count, const PetscInt of[], unsigned char keep[]);
+PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt bits, PetscInt of[],
+                           PetscInt *count);
+
+/* TensionNear - whether particle a of a level is within SURFACE_REACH H of a surface particle: exactly, so that it does
+   not depend on where the cells are. After TensionSort. Not collective. */
+static inline PetscBool TensionNear(Tension tension, Cloud cloud, PetscInt level, PetscInt a)
+{
+  return SortedCellsWithin(&tension->surface[level], cloud->field[FIELD_POSITION] + DIM * a,
+                           CloudSize(cloud, a) * TensionSurfaceReach(tension));
 }
 
 /* TensionScales - KernelScales of W^H, or another kernel, at the size of the particle whose sums are made. */

@@ -430,8 +430,9 @@ static PetscErrorCode GatherSurface(Cloud cloud, PetscReal x[DIM * MAX_POINTS], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells near the surface are all that the radius reaches and none beyond it and two cells: of two drops, where
-   ghosts suffice for that, and of a pool whose bottom is on another rank than the surface, which must tell it. */
+/* The cells near the surface are all that the radius reaches and none beyond it and two cells, a fourth of it: of two
+   drops, where ghosts suffice for that, and of a pool whose bottom is on another rank than the surface, which must tell
+   it. */
 static PetscErrorCode TestBand(void)
 {
   static PetscReal surface[DIM * MAX_POINTS];
@@ -442,19 +443,22 @@ static PetscErrorCode TestBand(void)
   PetscFunctionBegin;
   for (PetscInt pool = 0; pool < 2; pool++) {
     const PetscInt  n      = Fill(pool ? InShell : InPair, number[pool], block[pool], middle[pool], JITTER);
-    const PetscReal slack  = 2 * PetscSqrtReal(3) * radius[pool] / BAND_CELLS;
+    const PetscReal slack  = 2 * PetscSqrtReal(3) * radius[pool] / 4;
     PetscInt        missed = 0, beyond = 0, near = 0, count = 0;
     Setup           s;
-    Band            band;
+    PetscReal      *stress;
 
     PetscCall(SetupFill(pool ? POOL : OPEN, n, points, pool ? 4 : 0, &s));
     PetscCall(SetupMoments(&s));
-    PetscCall(PetscMemzero(&band, sizeof(band)));
-    PetscCall(BandMark(&band, s.cloud, radius[pool], TensionReach(s.tension), NULL, 0));
+
+    s.tension->band = (radius[pool] - s.tension->spacing) / TensionReach(s.tension);
+    PetscCall(PetscMalloc1(6 * s.cloud->n_owned, &stress));
+    PetscCall(CahnHilliardStress(s.tension, s.cloud, stress));
+    PetscCall(PetscFree(stress));
     PetscCall(GatherSurface(s.cloud, surface, &count));
     for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
       const PetscReal *x     = s.cloud->field[FIELD_POSITION] + DIM * a;
-      const PetscBool  found = BandNear(&band, x);
+      const PetscBool  found = CellMaskHas(&s.tension->near, x);
       PetscReal        least = PETSC_MAX_REAL;
 
       for (PetscInt k = 0; k < count; k++) {
@@ -466,7 +470,6 @@ static PetscErrorCode TestBand(void)
       beyond += least > radius[pool] + slack && found;
       near += found;
     }
-    PetscCall(BandDestroy(&band));
     PetscCall(SetupClose(&s));
     CHECK_CLOSE(SetupSum(missed), 0, 0, pool ? "band_pool_missed" : "band_missed");
     CHECK_CLOSE(SetupSum(beyond), 0, 0, pool ? "band_pool_beyond" : "band_beyond");

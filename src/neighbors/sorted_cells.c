@@ -1,0 +1,168 @@
+#include "sorted_cells.h"
+
+#define VECTOR   8  /* numbers that are copied at once */
+#define FAR_AWAY 10 /* supports, of what fills up the last vector */
+
+PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count, const PetscInt of[], PetscReal size,
+                                PetscReal support)
+{
+  PetscReal *x;
+
+  PetscFunctionBegin;
+  if (count > cells->capacity || !cells->index) {
+    cells->capacity = count + count / 8;
+    PetscCall(PetscFree(cells->sorted));
+    PetscCall(PetscFree(cells->index));
+    PetscCall(PetscCalloc1(SORTED_WIDTH * cells->capacity + VECTOR, &cells->sorted));
+    PetscCall(PetscMalloc1(cells->capacity, &cells->index));
+  }
+  cells->support = support;
+  cells->radius  = 0;
+  cells->count   = count;
+  PetscCall(PetscMalloc1(DIM * count, &x));
+  for (PetscInt k = 0; k < count; k++)
+    for (PetscInt d = 0; d < DIM; d++) x[DIM * k + d] = cloud->field[FIELD_POSITION][DIM * of[k] + d];
+  PetscCall(CellGridBuild(&cells->grid, cloud->domain->dim, count, x, size, 1));
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscInt from = cells->grid.order[k];
+
+    cells->index[k] = of[from];
+    for (PetscInt d = 0; d < DIM; d++) cells->sorted[d * count + k] = x[DIM * from + d];
+  }
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void SortedCellsLoad(SortedCells *cells, PetscInt column, PetscInt width, const PetscReal field[])
+{
+  for (PetscInt w = 0; w < width; w++)
+    for (PetscInt k = 0; k < cells->count; k++)
+      cells->sorted[(column + w) * cells->count + k] = field[width * cells->index[k] + w];
+}
+
+/* The lines of the cells within the radius (m) of a cell, which may be outside the grid. Returns the number of their
+   particles. */
+static PetscInt FindLines(SortedCells *cells, const PetscInt cell[DIM], PetscReal radius)
+{
+  const CellGrid *grid = &cells->grid;
+  PetscInt        n    = 0, reach;
+
+  if (radius != cells->radius) {
+    cells->radius = radius;
+    cells->reach  = (PetscInt)(radius / grid->size) + 1;
+    for (PetscInt dy = 0; dy <= cells->reach; dy++)
+      for (PetscInt dz = 0; dz <= cells->reach; dz++) cells->along[dy][dz] = CellsWithin(grid->size, radius, dy, dz);
+  }
+  reach        = cells->reach;
+  cells->lines = 0;
+  for (PetscInt z = PetscMax(0, cell[2] - reach); z <= PetscMin(grid->n[2] - 1, cell[2] + reach); z++)
+    for (PetscInt y = PetscMax(0, cell[1] - reach); y <= PetscMin(grid->n[1] - 1, cell[1] + reach); y++) {
+      const PetscInt along = cells->along[PetscAbsInt(y - cell[1])][PetscAbsInt(z - cell[2])],
+                     first = PetscMax(0, cell[0] - along), last = PetscMin(grid->n[0] - 1, cell[0] + along),
+                     row = CellIndex(grid->n, 0, y, z);
+      PetscInt begin, length;
+
+      if (along < 0 || first > last) continue;
+      begin  = grid->start[row + first];
+      length = grid->start[row + last + 1] - begin;
+      if (length == 0) continue;
+      cells->line[cells->lines++] = (SortedLine){begin, length};
+      n += length;
+    }
+  return n;
+}
+
+void SortedCellsLines(SortedCells *cells, const PetscReal x[DIM], PetscReal radius)
+{
+  const PetscReal far = (PetscReal)(PETSC_MAX_INT / 2);
+  PetscInt        cell[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++)
+    cell[d] = (PetscInt)PetscFloorReal(PetscMax(-far, PetscMin(far, (x[d] - cells->grid.lower[d]) / cells->grid.size)));
+  (void)FindLines(cells, cell, radius);
+}
+
+PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscReal radius)
+{
+  const PetscReal *cx = cells->sorted, *cy = cx + cells->count, *cz = cy + cells->count;
+
+  SortedCellsLines(cells, x, radius);
+  for (PetscInt l = 0; l < cells->lines; l++)
+    for (PetscInt k = cells->line[l].begin; k < cells->line[l].begin + cells->line[l].length; k++) {
+      const PetscReal d[DIM] = {x[0] - cx[k], x[1] - cy[k], x[2] - cz[k]};
+
+      if (Dot(d, d) <= radius * radius) return PETSC_TRUE;
+    }
+  return PETSC_FALSE;
+}
+
+/* Functions that copy a column of the lines, less 'shift'. Each line is copied in whole vectors, of which the next one
+   overwrites the end. */
+#define COPY_COLUMN(Name, Type)                                                                                        \
+  static void Name(const SortedCells *cells, const PetscReal from[], PetscReal shift, Type *restrict to)               \
+  {                                                                                                                    \
+    for (PetscInt l = 0; l < cells->lines; to += cells->line[l++].length)                                              \
+      for (PetscInt k = 0; k < cells->line[l].length; k += VECTOR) {                                                   \
+        const PetscReal *restrict piece = from + cells->line[l].begin + k;                                             \
+                                                                                                                       \
+        SIMD_LOOP()                                                                                                    \
+        for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = (Type)(piece[i] - shift);                                    \
+      }                                                                                                                \
+  }
+
+COPY_COLUMN(CopyColumn, PetscReal)
+COPY_COLUMN(NarrowColumn, float)
+
+PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
+{
+  PetscInt cell[DIM];
+
+  PetscFunctionBegin;
+  CellCoordinates(cells->grid.n, c, cell);
+  *n = FindLines(cells, cell, SortedRadius(cells, c));
+  if (*n * copies + VECTOR > cells->stride) {
+    cells->stride = *n * copies * 2 + VECTOR;
+    PetscCall(PetscFree(cells->near));
+    PetscCall(PetscMalloc1(SORTED_WIDTH * cells->stride, &cells->near));
+  }
+  for (PetscInt w = 0; w < SORTED_WIDTH; w++)
+    if (columns >> w & 1) CopyColumn(cells, cells->sorted + w * cells->count, 0, cells->near + w * cells->stride);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SortedCellsCollectSingle(SortedCells *cells, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
+                                        PetscInt *m)
+{
+  PetscInt n, cell[DIM];
+
+  PetscFunctionBegin;
+  CellCoordinates(cells->grid.n, c, cell);
+  n  = FindLines(cells, cell, SortedRadius(cells, c));
+  *m = (n + KERNEL_LANES - 1) / KERNEL_LANES * KERNEL_LANES;
+  if (*m + VECTOR > cells->single_stride) {
+    cells->single_stride = *m + (*m / 4 + VECTOR) / KERNEL_LANES * KERNEL_LANES + KERNEL_LANES;
+    PetscCall(PetscFree(cells->single));
+    PetscCall(PetscMalloc1(SORTED_WIDTH * cells->single_stride, &cells->single));
+  }
+  for (PetscInt w = 0; w < SORTED_WIDTH; w++) {
+    float *column = cells->single + w * cells->single_stride;
+
+    if (!(columns >> w & 1)) continue;
+    NarrowColumn(cells, cells->sorted + w * cells->count, w < DIM ? origin[w] : 0, column);
+    for (PetscInt k = n; k < *m; k++) column[k] = w < DIM ? (float)(FAR_AWAY * cells->support) : 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SortedCellsReset(SortedCells *cells)
+{
+  PetscFunctionBegin;
+  PetscCall(CellGridReset(&cells->grid));
+  PetscCall(PetscFree(cells->sorted));
+  PetscCall(PetscFree(cells->near));
+  PetscCall(PetscFree(cells->single));
+  PetscCall(PetscFree(cells->index));
+  PetscCall(PetscFree(cells->largest));
+  PetscCall(PetscMemzero(cells, sizeof(*cells)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

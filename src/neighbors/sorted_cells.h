@@ -1,0 +1,70 @@
+/* Some of the particles sorted into cells, and what is within a radius of a cell in columns, over which the compiler
+   can vectorise. A particle has a place in the sorted order and a local index in the cloud. */
+#ifndef ISPH_SORTED_CELLS_H
+#define ISPH_SORTED_CELLS_H
+
+#include "cloud.h"
+
+#define SORTED_WIDTH 10 /* columns: x, y, z, then whatever a pass sums over */
+#define SORTED_REACH 5  /* cells that lines reach at most */
+
+/* Particles that stand one behind the other in the sorted order. */
+typedef struct {
+  PetscInt begin, length;
+} SortedLine;
+
+/* Begin with a zeroed one. */
+typedef struct {
+  CellGrid   grid;
+  PetscInt   count, capacity, stride, single_stride;
+  PetscInt  *index;   /* [count] local index of each particle, by place */
+  PetscReal *sorted;  /* [SORTED_WIDTH][count] the columns of all particles, by place */
+  PetscReal  support; /* m: what is within it of a cell is collected, of a particle of size 1 */
+  PetscReal *largest; /* [cells] the supports of a cell's particles are so many times that; NULL: 1 */
+  PetscReal  radius;  /* m, for which the table is */
+  PetscInt   reach, along[SORTED_REACH + 1][SORTED_REACH + 1]; /* cells within it: see CellsWithin */
+  PetscInt   lines;                                            /* of SortedCellsLines */
+  SortedLine line[PetscSqr(2 * SORTED_REACH + 1)];             /* [lines] */
+  PetscReal *near;   /* [SORTED_WIDTH][stride] the columns of the particles that SortedCellsCollect found */
+  float     *single; /* [SORTED_WIDTH][single_stride] those that SortedCellsCollectSingle found */
+} SortedCells;
+
+/* SortedCellsBuild - sorts the particles with the 'count' local indices 'of' into cells of at least this size (m), a
+   SORTED_REACH-th of the support (m) or more. SortedCellsLoad - fills 'width' columns from 'column' on with the values
+   of a field ([n_total][width]). Not collective. */
+PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count, const PetscInt of[], PetscReal size,
+                                PetscReal support);
+void           SortedCellsLoad(SortedCells *cells, PetscInt column, PetscInt width, const PetscReal field[]);
+PetscErrorCode SortedCellsReset(SortedCells *cells);
+
+/* SortedCellsCollect - copies the columns whose bits are set (COLUMNS) of all particles within the support of cell c to
+   near; there are *n of them. near has room for 'copies' times as many. SortedCellsCollectSingle - the same in single
+   precision, to 'single', positions relative to 'origin' (m); *m: how many, with those beyond all reach that fill up
+   the last vector (KERNEL_LANES). Not collective. */
+#define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
+PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
+PetscErrorCode SortedCellsCollectSingle(SortedCells *cells, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
+                                        PetscInt *m);
+
+/* SortedCellsLines - sets the lines of the particles in cells within a radius (m), at most the support, of that of x
+   (m), which may be outside all cells. SortedCellsWithin - whether one of the particles is within that radius of x.
+   Not collective. */
+void      SortedCellsLines(SortedCells *cells, const PetscReal x[DIM], PetscReal radius);
+PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscReal radius);
+
+/* SortedCell - the cell of the particle at a place. SortedRadius - the support (m) of the particles of a cell.
+   SortedPosition - x (m) of the particle at a place. Not collective. */
+static inline PetscInt SortedCell(const SortedCells *cells, PetscInt place)
+{
+  return cells->grid.of_point[cells->grid.order[place]];
+}
+static inline PetscReal SortedRadius(const SortedCells *cells, PetscInt cell)
+{
+  return cells->support * (cells->largest ? cells->largest[cell] : 1);
+}
+static inline void SortedPosition(const SortedCells *cells, PetscInt place, PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) x[d] = cells->sorted[d * cells->count + place];
+}
+
+#endif

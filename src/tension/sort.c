@@ -1,0 +1,116 @@
+/* Which particles have sums made for them, and the liquid that these sums need, sorted into cells. Each level of sizes
+   of graded particles has cells of its own, and looks at the liquid around its own particles only. */
+#include "tension_impl.h"
+
+/* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
+   that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells, of graded
+   particles at least 3, because more are around the larger ones. */
+#define CELL         1.6
+#define CELLS_LEAST  2
+#define CELLS_GRADED 3
+#define CELLS_MOST   4
+#define AROUND_CELLS 2 /* cells in the radius of LiquidAround */
+
+PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[], PetscInt bits)
+{
+  const PetscReal support = KernelSupport(tension->kernel);
+  const PetscInt  across  = (PetscInt)(support / (CELL * cloud->domain->spacing)),
+                 cells    = PetscMax(cloud->size ? CELLS_GRADED : CELLS_LEAST, PetscMin(CELLS_MOST, across));
+  SortedCells *liquid     = TensionLevel(tension, level);
+  PetscInt    *of, count = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cloud->n_total, &of));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if (cloud->integer[INT_LAYER][a] == 0 && (!keep || keep[a] & bits)) of[count++] = a;
+  PetscCall(SortedCellsBuild(liquid, cloud, count, of, tension->largest[level] * support / cells, support));
+  PetscCall(PetscFree(of));
+  if (cloud->size) {
+    PetscCall(PetscFree(liquid->largest));
+    PetscCall(PetscCalloc1(liquid->grid.count, &liquid->largest));
+    for (PetscInt p = 0; p < liquid->count; p++) {
+      PetscReal *largest = &liquid->largest[SortedCell(liquid, p)];
+
+      if (CloudLevel(cloud, liquid->index[p]) == level) *largest = PetscMax(*largest, cloud->size[liquid->index[p]]);
+    }
+  }
+  if (cloud->weight) SortedCellsLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
+  if (tension->solid.count) SortedCellsLoad(liquid, SOLID_COLUMN, 1, tension->solid.index);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LiquidAround(Cloud cloud, PetscReal radius, PetscInt count, const PetscInt of[], unsigned char keep[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  CellMask         mask;
+
+  PetscFunctionBegin;
+  PetscCall(CellMaskCreate(PETSC_COMM_SELF, cloud->domain->dim, cloud->domain->lower, radius / AROUND_CELLS, radius,
+                           count, of, x, &mask));
+  for (PetscInt a = 0; a < cloud->n_total; a++) keep[a] = CellMaskHas(&mask, x + DIM * a);
+  PetscCall(CellMaskDestroy(&mask));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt bits, PetscInt of[],
+                           PetscInt *count)
+{
+  PetscFunctionBegin;
+  *count = 0;
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    if ((cloud->integer[INT_SURFACE][a] == 1 || (tension->also && tension->also[a])) &&
+        cloud->integer[INT_LAYER][a] == 0 && (!keep || keep[a] & bits))
+      of[(*count)++] = a;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sorts the surface particles for TensionNear of a level. of: [n_total] of work. */
+static PetscErrorCode SortSurface(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[],
+                                  PetscInt bits, PetscInt of[])
+{
+  const PetscReal reach = tension->largest[level] * TensionSurfaceReach(tension);
+  PetscInt        count;
+
+  PetscFunctionBegin;
+  PetscCall(SurfaceList(tension, cloud, keep, bits, of, &count));
+  PetscCall(SortedCellsBuild(&tension->surface[level], cloud, count, of, reach, reach));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* TensionSort of a level of graded particles. of: [n_total] of work. */
+static PetscErrorCode SortLevel(Tension tension, Cloud cloud, PetscInt level, PetscInt of[])
+{
+  const PetscReal largest = tension->largest[level];
+  PetscInt        count   = 0;
+  unsigned char  *keep;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cloud->n_total, &keep));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (CloudLevel(cloud, a) == level) of[count++] = a;
+  PetscCall(LiquidAround(cloud, largest * TensionSurfaceReach(tension), count, of, keep));
+  PetscCall(SortSurface(tension, cloud, level, keep, 1, of));
+  count = 0;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (CloudLevel(cloud, a) == level && TensionNear(tension, cloud, level, a)) of[count++] = a;
+  PetscCall(LiquidAround(cloud, largest * KernelSupport(tension->kernel), count, of, keep));
+  PetscCall(LiquidSort(tension, cloud, level, keep, 1));
+  PetscCall(PetscFree(keep));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TensionSort(Tension tension, Cloud cloud)
+{
+  const unsigned char *keep = tension->phase ? tension->phases : NULL;
+  PetscInt            *of;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(cloud->n_total, &of));
+  for (PetscInt l = 0; l < tension->levels && tension->graded; l++) PetscCall(SortLevel(tension, cloud, l, of));
+  if (!tension->graded) {
+    PetscCall(SortSurface(tension, cloud, 0, keep, tension->phase, of));
+    PetscCall(LiquidSort(tension, cloud, 0, keep, tension->phase));
+  }
+  PetscCall(PetscFree(of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
