@@ -78,7 +78,6 @@ PetscErrorCode PackingSetFromOptions(Packing packing)
                                "PackingSetFromOptions", packing->cache, packing->cache, sizeof(packing->cache), NULL));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(PackingList, type, ReadPackingType, packing));
-  if (packing->ops.check) PetscCall(packing->ops.check(packing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -40,7 +40,6 @@ typedef struct {
 typedef struct {
   /* Reads the options of the type, inside a block. */
   PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
-  PetscErrorCode (*check)(Packing packing);                        /* refuses a scene that the type cannot fill */
   PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
   SampleSource visit; /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */

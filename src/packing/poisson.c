@@ -27,22 +27,6 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Check_Poisson(Packing packing)
-{
-  PetscFunctionBegin;
-  PetscCheckUser(!SceneSolidCount(packing->cloud->scene) && !SceneEmits(packing->cloud->scene), packing->cloud->comm,
-                 "-packing_type poisson knows neither -solids nor emitters; use -packing_type lattice");
-  PetscCheckUser(!SceneBodiesOverlap(packing->cloud->scene), packing->cloud->comm,
-                 "-packing_type poisson cannot fill bodies that overlap; use -packing_type lattice");
-  PetscCheckUser(!packing->cloud->domain->rings, packing->cloud->comm,
-                 "-packing_type poisson cannot be used with -dimension axisymmetric: it counts the particles of a body "
-                 "by one volume that all have, and rings do not; use -packing_type lattice");
-  PetscCheckUser(!packing->cloud->domain->graded, packing->cloud->comm,
-                 "-packing_type poisson cannot be used with -spacing_coarse: its particles have one size; use "
-                 "-packing_type lattice, which fills the grading between two lattices");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
 {
   Poisson        *p         = (Poisson *)packing->data;
@@ -125,7 +109,6 @@ PetscErrorCode PackingCreate_Poisson(Packing packing)
   p->tolerance                = TOLERANCE;
   packing->data               = p;
   packing->ops.setfromoptions = SetFromOptions_Poisson;
-  packing->ops.check          = Check_Poisson;
   packing->ops.setup          = SetUp_Poisson;
   packing->ops.visit          = Visit_Poisson;
   packing->ops.improve        = Improve_Poisson;

@@ -186,30 +186,6 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureCheckGraded(Pressure pressure)
-{
-  PetscFunctionBegin;
-  PetscCheckUser(pressure->source == SourceDivergence, pressure->cloud->comm,
-                 "-pressure_source " SOURCE_DENSITY " cannot be used with -spacing_coarse yet; " SOURCE_DIVERGENCE
-                 " can");
-  PetscCheckUser(pressure->gradient != GradientConserved, pressure->cloud->comm,
-                 "-pressure_gradient " GRADIENT_CONSERVED
-                 " cannot be used with -spacing_coarse yet; " GRADIENT_CORRECTED " can");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PressureCheckRings(Pressure pressure)
-{
-  PetscFunctionBegin;
-  PetscCheckUser(pressure->source == SourceDivergence, pressure->cloud->comm,
-                 "-pressure_source " SOURCE_DENSITY " cannot be used with -dimension axisymmetric: the density jumps "
-                 "where rings join or split, and it would take that back within one step; " SOURCE_DIVERGENCE " can");
-  PetscCheckUser(pressure->gradient != GradientConserved, pressure->cloud->comm,
-                 "-pressure_gradient " GRADIENT_CONSERVED " cannot be used with -dimension axisymmetric: it keeps the "
-                 "sums of momentum of a plane, which rings do not have; " GRADIENT_CORRECTED " can");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscBool PressureGradientCorrected(Pressure pressure)
 {
   return (PetscBool)(pressure->gradient == GradientCorrected);

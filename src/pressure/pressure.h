@@ -50,11 +50,6 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
-/* PressureCheckGraded - refuses (UserError) types that were not tried with particles of different sizes. Collective. */
-PetscErrorCode PressureCheckGraded(Pressure pressure);
-/* PressureCheckRings - refuses (UserError) types that have no form for rings. Collective. */
-PetscErrorCode PressureCheckRings(Pressure pressure);
-
 /* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
    ghosts; the former pressure is the start value. Reads FIELD_DENSITY (owned and ghosts), FIELD_DIVERGENCE (if
    PressureTakesDivergence), FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the

@@ -154,10 +154,6 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->solver.ksp, &direct, KSPPREONLY, KSPNONE, ""));
-  PetscCheckUser(
-    !direct || !SceneHasFree(cloud->scene), cloud->comm,
-    "-ksp_type preonly and none cannot be used with a solid with a mass: its part of the pressure equation "
-    "is not in the preconditioner; -ksp_type cg can");
   if (direct) pressure->kept_steps = 1; /* the preconditioner is all there is: it must be that of this step */
   if (gamg) {
     PetscReal threshold = DEFAULT_GAMG_DROP;

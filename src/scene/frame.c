@@ -30,9 +30,6 @@ PetscErrorCode FrameCheck(Scene scene)
   const MPI_Comm comm   = domain->comm;
 
   PetscFunctionBegin;
-  PetscCheckUser(!domain->rings || scene->frame_rates == 0, comm,
-                 "-frame_rotation_rate cannot be used with -dimension axisymmetric: rings have no velocity around the "
-                 "axis, which the turning gives them as soon as they move");
   PetscCall(RateCheck(domain, "frame_", scene->frame_rates, scene->frame_rate));
   if (!SceneFrameTurns(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheckUser(AlongAxis(scene, scene->gravity) && AlongAxis(scene, scene->amplitude), comm,

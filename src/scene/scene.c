@@ -179,7 +179,7 @@ static PetscErrorCode CheckRings(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses half a grading, and what particles of several sizes cannot do yet. */
+/* Refuses half a grading. */
 static PetscErrorCode CheckGrading(Scene scene)
 {
   const Domain domain = scene->domain;
@@ -189,14 +189,6 @@ static PetscErrorCode CheckGrading(Scene scene)
                  "-spacing_coarse and -fine belong together: %s is missing%s",
                  domain->graded ? "-fine, the names of the regions that have the fine spacing," : "-spacing_coarse (m)",
                  OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
-  if (!domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheckUser(!scene->overlap, domain->comm, "-bodies_overlap cannot be used with -spacing_coarse yet");
-  PetscCheckUser(scene->interface_tension == 0, domain->comm,
-                 "-interface_tension cannot be used with -spacing_coarse yet");
-  PetscCheckUser(!SceneSolidsMove(scene), domain->comm,
-                 "solids that move cannot be used with -spacing_coarse yet: they would leave what is fine");
-  PetscCheckUser(!SceneViscosityVaries(scene), domain->comm,
-                 "a viscosity that depends on the shear rate cannot be used with -spacing_coarse yet");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

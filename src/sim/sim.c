@@ -123,13 +123,16 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(ReadOwnOptions(sim));
   PetscCall(DomainCreate(comm, &sim->domain));
   PetscCall(DomainSetFromOptions(sim->domain));
+  PetscCall(RefuseCombinations(sim));
   PetscCall(KernelCreate(comm, sim->domain->dim, &sim->kernel));
   PetscCall(KernelSetFromOptions(sim->kernel, sim->domain->spacing));
   PetscCall(SceneCreate(sim->domain, &sim->scene));
   PetscCall(SceneSetFromOptions(sim->scene));
+  PetscCall(RefuseCombinations(sim));
   if (HelpWanted()) PetscCall(SceneHelp(comm));
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
+  PetscCall(RefuseCombinations(sim));
   PetscCall(ParticlesCreate(sim->domain, SceneViscosityVaries(sim->scene), &sim->particles));
   PetscCall(ParticlesBalanceSurface(sim->particles, (PetscBool)(TensionReach(sim->tension) > 0)));
   PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles,
@@ -154,11 +157,9 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
                  "neither -time_end (s) nor -steps_max says when the run ends");
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
-  PetscCheckUser(
-    sim->relaxation_time == 0 || !SceneDriven(sim->scene), comm,
-    "-packing_relaxation_time cannot be used with solids that move: they would during the relaxation, too");
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
   PetscCall(DumpFinish(sim));
+  if (*stop) PetscCall(RefusalsHelp(comm));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE, OwnNames));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

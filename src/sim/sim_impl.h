@@ -57,6 +57,10 @@ PetscErrorCode MonitorDestroy(Sim sim);
    freed by free, empty but on rank 0. Collective. */
 PetscErrorCode HelpCatch(void);
 PetscErrorCode HelpCaught(char **text);
+/* RefuseCombinations - refuses (UserError) features that cannot be used together, of those parts of sim that have read
+   their options; before more is made of them. RefusalsHelp - lists them, for -help. Collective. */
+PetscErrorCode RefuseCombinations(Sim sim);
+PetscErrorCode RefusalsHelp(MPI_Comm comm);
 /* DumpStart - with -dump_options, from here on the help texts of all options are kept instead of printed; DumpFinish -
    they are written to the file. Collective. */
 PetscErrorCode DumpStart(Sim sim);

@@ -105,12 +105,6 @@ static PetscErrorCode CheckConsistent(Stepper stepper)
 
   PetscFunctionBegin;
   scheme->divergence_offset = stepper->force_time;
-  PetscCheckUser(!scheme->shifting.conserved || !stepper->cloud->domain->graded, stepper->cloud->comm,
-                 "-shifting_conserved cannot be used with -spacing_coarse yet");
-  PetscCheckUser(
-    !scheme->shifting.conserved || !stepper->cloud->domain->rings, stepper->cloud->comm,
-    "-shifting_conserved cannot be used with -dimension axisymmetric: it keeps the sums of momentum and of "
-    "angular momentum of a plane, which rings do not have");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

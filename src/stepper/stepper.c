@@ -158,71 +158,6 @@ static PetscErrorCode SetTrialFromOptions(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses schemes that have no form for rings. Weakly compressible, tried with the gradient of a plane, that of rings
-   that takes the energy which the divergence gives, and one between: a drop of 16 spacings swings at 0.98 to 1.16 of
-   its frequency and loses up to nine times what it should, or clumps, and sound stays on the axis. */
-static PetscErrorCode CheckRings(Stepper s)
-{
-  const MPI_Comm comm = s->cloud->comm;
-  PetscBool      printed, compressible;
-
-  PetscFunctionBegin;
-  if (!s->cloud->domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscStrcmp(s->scheme_type, SCHEME_DENSITY_INVARIANT, &printed));
-  PetscCall(PetscStrcmp(s->scheme_type, SCHEME_WEAKLY_COMPRESSIBLE, &compressible));
-  PetscCheckUser(!printed, comm,
-                 "-scheme " SCHEME_DENSITY_INVARIANT " cannot be used with -dimension axisymmetric: its pressure "
-                 "gradient, Eq. (9), throws rings next to the axis out; " SCHEME_CONSISTENT " can");
-  PetscCheckUser(!compressible, comm,
-                 "-scheme " SCHEME_WEAKLY_COMPRESSIBLE " cannot be used with -dimension axisymmetric: sound runs "
-                 "together at the axis and stays there; " SCHEME_CONSISTENT " can");
-  PetscCall(PressureCheckRings(s->pressure));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Solids move with the liquid's positions, half way and at the end of a step; frames that turn were tried with this
-   scheme alone. */
-static PetscErrorCode CheckSolids(Stepper s)
-{
-  PetscBool consistent;
-
-  PetscFunctionBegin;
-  PetscCall(PetscStrcmp(s->scheme_type, SCHEME_CONSISTENT, &consistent));
-  PetscCheckUser(!SceneSolidsMove(s->cloud->scene) || (consistent && s->force_time > 0), s->cloud->comm,
-                 "a solid of the scene moves, which needs -scheme " SCHEME_CONSISTENT " with -time_centered, the "
-                 "default");
-  PetscCheckUser(!SceneHasFree(s->cloud->scene) || PressureTakesDivergence(s->pressure), s->cloud->comm,
-                 "a solid with a mass needs -pressure_source " SOURCE_DIVERGENCE ", the default");
-  PetscCheckUser(!SceneHasFree(s->cloud->scene) || SceneOneDensity(s->cloud->scene), s->cloud->comm,
-                 "a solid with a mass cannot be used with bodies of different -<body>_density yet");
-  PetscCheckUser(!SceneHasFree(s->cloud->scene) || !SceneFrameTurns(s->cloud->scene), s->cloud->comm,
-                 "a solid with a mass cannot be used with -frame_rotation_rate yet");
-  PetscCheckUser(!DomainWallsSwing(s->cloud->domain) || (consistent && s->force_time > 0), s->cloud->comm,
-                 "a wall of the box swings, which needs -scheme " SCHEME_CONSISTENT
-                 " with -time_centered, the default");
-  PetscCheckUser(!SceneFrameTurns(s->cloud->scene) || consistent, s->cloud->comm,
-                 "-frame_rotation_rate needs -scheme " SCHEME_CONSISTENT ", the default");
-  PetscCheckUser(!TensionSticks(s->tension) || consistent, s->cloud->comm,
-                 "a contact angle with hysteresis needs -scheme " SCHEME_CONSISTENT ", the default");
-  PetscCheckUser(SceneInterfaceTension(s->cloud->scene) == 0 || consistent, s->cloud->comm,
-                 "-interface_tension needs -scheme " SCHEME_CONSISTENT ", the default");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses what was not tried with particles of different sizes. */
-static PetscErrorCode CheckGraded(Stepper s)
-{
-  PetscBool consistent;
-
-  PetscFunctionBegin;
-  if (!s->cloud->domain->graded) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscStrcmp(s->scheme_type, SCHEME_CONSISTENT, &consistent));
-  PetscCheckUser(consistent, s->cloud->comm,
-                 "-scheme %s cannot be used with -spacing_coarse yet; " SCHEME_CONSISTENT " can", s->scheme_type);
-  PetscCall(PressureCheckGraded(s->pressure));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode StepperSetFromOptions(Stepper s)
 {
   PetscReal velocity;
@@ -235,9 +170,6 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
     if ((*edge)->options) PetscCall((*edge)->options(s));
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
-  PetscCall(CheckRings(s));
-  PetscCall(CheckSolids(s));
-  PetscCall(CheckGraded(s));
   s->reference_velocity = velocity = StepperReferenceVelocity(s);
   if (s->ops.check) PetscCall(s->ops.check(s));
   if (velocity > 0)

@@ -242,7 +242,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
 {
   Cloud            cloud   = stepper->cloud;
   Viscous         *viscous = &stepper->viscous;
-  const PetscInt64 pairs = OperatorsViscosityRoom(cloud);
+  const PetscInt64 pairs   = OperatorsViscosityRoom(cloud);
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));

@@ -80,3 +80,8 @@ PetscBool TensionSticks(Tension tension)
 {
   return (PetscBool)(tension->active && tension->sticks);
 }
+
+PetscBool TensionHasAngles(Tension tension)
+{
+  return (PetscBool)(tension->slanted || tension->sticks);
+}

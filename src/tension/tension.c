@@ -101,8 +101,6 @@ static PetscErrorCode ReadModel(void *object, const char type[])
 
 PetscErrorCode TensionSetFromOptions(Tension tension)
 {
-  PetscBool same, curvature;
-
   PetscFunctionBegin;
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
   PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
@@ -111,25 +109,7 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
                        &tension->ratio));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(TensionList, tension->type, ReadModel, tension));
-  PetscCall(PetscStrcmp(tension->type, TENSION_CAHN_HILLIARD, &same));
-  PetscCheckUser(!same || !tension->rings, tension->comm,
-                 "-tension_type " TENSION_CAHN_HILLIARD
-                 " cannot be used with -dimension axisymmetric: its sums over a plane do not know how the surface "
-                 "curves around the axis; " TENSION_CURVATURE " can");
-  PetscCall(PetscStrcmp(tension->type, TENSION_CURVATURE, &curvature));
-  PetscCheckUser(curvature || tension->solid.count == 0, tension->comm,
-                 "-tension_type %s knows no contact angles, but a solid has one; " TENSION_CURVATURE " does",
-                 tension->type);
-  PetscCheckUser(curvature || !tension->interface, tension->comm,
-                 "-interface_tension cannot be used with -tension_type %s; " TENSION_CURVATURE " can", tension->type);
-  PetscCheckUser((!tension->slanted && !tension->sticks) || !tension->interface, tension->comm,
-                 "-interface_tension cannot be used with contact angles other than 90 degrees or hysteresis yet: the "
-                 "interface would have another one than the free surface");
   if (!tension->apply) tension->active = PETSC_FALSE;
-  PetscCheckUser(!same || !tension->graded, tension->comm,
-                 "-tension_type " TENSION_CAHN_HILLIARD
-                 " cannot be used with -spacing_coarse: its sums know particles of "
-                 "one size only; " TENSION_CURVATURE " can");
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active && tension->setup) PetscCall(tension->setup(tension));

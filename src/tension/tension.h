@@ -40,10 +40,11 @@ PetscReal TensionStepLimit(Tension tension);
    otherwise). Only near a surface particle is anything evaluated. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 /* TensionHold - what contact lines that stick (-wall_contact_hysteresis) take in dt (s) from the velocities v
-   ([n_fluid][3], m/s) after the pressure has acted; adds its work (J) to *work. TensionSticks - whether any does. Not
-   collective. */
+   ([n_fluid][3], m/s) after the pressure has acted; adds its work (J) to *work. TensionSticks - whether any does.
+   TensionHasAngles - whether any is not of 90 degrees, or sticks. Not collective. */
 PetscErrorCode TensionHold(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
 PetscBool      TensionSticks(Tension tension);
+PetscBool      TensionHasAngles(Tension tension);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""options/README.md lists every option as ./isph -help knows it. Without arguments a test that it does; --write
-writes the list (make options-reference)."""
+"""options/README.md lists every option, and what cannot be used together, as ./isph -help knows them. Without
+arguments a test that it does; --write writes the lists (make options-reference)."""
 import os
 import re
 import sys
@@ -10,6 +10,8 @@ import runs  # noqa: E402
 
 README = os.path.join(runs.ROOT, "options", "README.md")
 MARKS = "<!-- options -->", "<!-- /options -->"
+REFUSALS = "What cannot be used together"  # a group of -help that has no options
+FEATURE = r"(?<!\S)(-[\w<>]+(?: (?!cannot|needs|yet)[\w<>]+)?)"
 UNITS = ("1", "s", "m", "m/s", "m/s2", "1/s", "rad/s", "Hz", "kg/m3", "Pa s", "N/m", "N", "degrees", "spacings")
 UNIT = rf"(?<!Eq\.) \(({'|'.join(map(re.escape, UNITS))})\)|, ([ms])(?=;|$)"  # 'Density (kg/m3)', 'Level, m; ...'
 PETSC = ("PetscDevice", "Root Petsc", "Preconditioner (PC)")  # groups of PETSc's own options
@@ -76,7 +78,10 @@ def groups(text):
 
 def reference(text):
     """The list in markdown."""
-    lines = []
+    lines = [f"## {REFUSALS}", ""]
+    for refusal in text.split(REFUSALS + ":\n")[1].split("\n-----")[0].strip().splitlines():
+        lines.append("* " + re.sub(FEATURE, r"`\1`", refusal.strip()))
+    lines.append("")
     for title, rows in groups(text).items():
         lines += ["## " + re.sub(r"(-\S+ \S+)$", r"`\1`", title), "", "| " + " | ".join(COLUMNS) + " |",
                   "|---" * len(COLUMNS) + "|"]

@@ -185,7 +185,7 @@ def scenes():
     refused("contact_angle_of_free_body", FLOAT + "-part_contact_angle 60", ["-part_contact_angle", "-part_mass"])
     refused("contact_angle_of_open_face", GOOD + "-box_xmin_contact_angle 60", ["-box_xmin_contact_angle", "open"])
     refused("contact_angle_of_solid_with_cahn_hilliard", PLANE + "-part_contact_angle 60 -tension_type cahn_hilliard",
-            ["cahn_hilliard", "curvature"])
+            ["-<solid>_contact_angle", "curvature"])
     refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
     refused("view_of_the_swarm", GOOD + "-dm_view", ["-dm_view", "DMSwarm", "-snapshot_interval"])
     refused("entries_of_no_matrix", GOOD + "-ksp_view_mat binary:entries", ["-ksp_view_mat", "-mat_type aij"])
@@ -304,15 +304,17 @@ def folders():
     for name, meant in (("-scheme weakly_compressible", "-scheme weakly_compressible"),
                         ("-scheme density_invariant", "-scheme density_invariant"),
                         ("-shifting_conserved", "-shifting_conserved"), ("-pressure_gradient conserved", "conserved"),
-                        ("-spectrum", "-spectrum")):
-        refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse yet"])
+                        ("-spectrum", "-spectrum"), ("-packing_type poisson", "-packing_type poisson"),
+                        ("-tension_type cahn_hilliard", "-tension_type cahn_hilliard"),
+                        ("-solids b -b_upper 1,1,1 -b_velocity 1,0,0", "a solid that moves")):
+        refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse"])
     refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
     refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
     for name, more, words in (("swing without a frequency", "-box_zmin_velocity_amplitude 1,0,0",
                                ["needs -box_zmin_velocity_f"]),
                               ("swing with a scheme that cannot", "-scheme weakly_compressible "
                                "-box_zmin_velocity_amplitude 1,0,0 -box_zmin_velocity_frequency 1",
-                               ["a wall of the box swings, which needs -scheme consistent"]),
+                               ["a wall of the box that swings needs -scheme consistent"]),
                               ("swing of a mirror", "-box_x symmetry -box_xmin_velocity_amplitude 0,1,0",
                                ["the face is symmetry"]),
                               ("swing into the box", "-box_zmin_velocity_amplitude 0,0,1",

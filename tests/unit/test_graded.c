@@ -651,11 +651,8 @@ int main(int argc, char **argv)
   Refused("-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower 0,0 -box_upper 9,9 -bodies a ", "-fine");
   Refused("-dimension 2 -spacing 1 -fine c -box_lower 0,0 -box_upper 9,9 -bodies a ", "-spacing_coarse (m) is missing");
   Refused(FLAT "-solids b -b_shape sphere -b_radius 3 -b_center 0,5 ", "the solid b must lie in a region of -fine");
-  Refused(FLAT SOLID "-b_velocity 1,0 ", "solids that move cannot be used with -spacing_coarse");
   Refused(FLAT "-bodies film,e -e_type emitter -e_velocity 0,-1 -e_lower -2,17 -e_upper 2,19 ",
           "the emitter e must lie in a region of -fine");
-  Refused(FLAT "-film_tension 1 -tension_type cahn_hilliard ", "cahn_hilliard cannot be used with");
-  Refused(FLAT "-packing_type poisson ", "poisson cannot be used with -spacing_coarse");
   Refused(FLAT "-box_lower -1.4,0 -box_upper 1.4,20 -box_x wall -film_lower -1.4,0 -film_upper 1.4,16 ",
           "does not fit the box");
   PetscCall(PetscOptionsClear(NULL));
