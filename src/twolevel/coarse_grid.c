@@ -1,26 +1,26 @@
-/* A grid under a set of points: the interpolation, from each point's cell and place in it instead of a matrix, and the
-   Laplacian on the grid. */
+/* A grid under a set of points, the interpolation between both, and the Laplacian on the grid. The interpolation needs
+   no matrix: it uses each point's cell and position in the cell. */
 #include "coarse_grid.h"
 
 struct _p_CoarseGrid {
   MPI_Comm   comm;
-  PetscInt   dim, n, n_cells, n_nodes; /* points; cells that hold one; their nodes, the local ones */
+  PetscInt   dim, n, n_cells, n_nodes; /* n: points; n_cells: cells that hold a point; n_nodes: local nodes of these */
   PetscInt   cells[DIM];               /* of the whole grid */
   PetscReal  lower[DIM], h[DIM];       /* m */
   PetscBool  periodic[DIM];
-  PetscInt  *cell;   /* [n] cell of the point, -1: skipped */
-  PetscReal *t;      /* [n][3] place in the cell, 0..1 */
-  PetscInt  *corner; /* [n_cells][8] local nodes; bit d of the corner's number: upper end in direction d */
-  PetscReal *fill;   /* [n_cells] points of this rank, by weight */
-  PetscReal *share;  /* [n_cells] points of all ranks, by weight */
-  PetscInt  *key;    /* [n_nodes] place in the whole grid, periodic images united */
-  PetscInt  *number; /* [n_nodes] row of the coarse matrix */
+  PetscInt  *cell;       /* [n] cell of the point, -1: skipped */
+  PetscReal *t;          /* [n][3] position in the cell, 0..1 */
+  PetscInt  *corner;     /* [n_cells][8] local nodes; bit d of the corner's number: upper end in direction d */
+  PetscReal *own_points; /* [n_cells] sum of the weights of this rank's points */
+  PetscReal *points;     /* [n_cells] sum of the weights of all ranks' points */
+  PetscInt  *key;        /* [n_nodes] number in the whole grid; periodic images have one number */
+  PetscInt  *number;     /* [n_nodes] row of the coarse matrix */
   PetscInt   n_own;
   PetscReal *value; /* [n_nodes] work */
   PetscSF    sf;    /* local nodes -> owned nodes */
 };
 
-/* Range of the grid: the box in periodic directions, all points in the others. */
+/* Sets the extent of the grid: the box in periodic directions, all points in the others. */
 static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscBool skip[], PetscReal width,
                                  const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
@@ -58,13 +58,13 @@ static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscB
   }
   PetscCheckUser(nodes < PETSC_MAX_INT, g->comm,
                  "the grid of the two-level preconditioner would have %.3g nodes, more than this build of PETSc can "
-                 "number: take a larger -pc_twolevel_ratio, or a PETSc configured with 64-bit indices",
+                 "index: take a larger -pc_twolevel_ratio, or a PETSc configured with 64-bit indices",
                  (double)nodes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cell and place of each point: cell[a] becomes the cell's number in the box first..first+size of cells of this rank.
- */
+/* Finds each point's cell and position in the cell. cell[a]: the cell's index in this rank's box of cells, which starts
+   at 'first' and has 'size' cells. */
 static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const PetscBool skip[], PetscInt first[DIM],
                                    PetscInt size[DIM])
 {
@@ -99,8 +99,8 @@ static PetscErrorCode LocatePoints(CoarseGrid g, const PetscReal x[], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers the cells that hold a point, x fastest, in cell[a] too; place[c] is where cell c is in this rank's box of
-   'count' cells. */
+/* Numbers the cells that hold a point, x fastest; cell[a] becomes this number. place[c]: index of cell c in this rank's
+   box of 'count' cells. */
 static PetscErrorCode NumberCells(CoarseGrid g, const PetscReal weight[], PetscInt count, PetscInt **place)
 {
   PetscInt  *number;
@@ -115,20 +115,20 @@ static PetscErrorCode NumberCells(CoarseGrid g, const PetscReal weight[], PetscI
   for (PetscInt a = 0; a < g->n; a++)
     if (g->cell[a] >= 0) g->cell[a] = number[g->cell[a]];
   PetscCall(PetscMalloc1(g->n_cells, place));
-  PetscCall(PetscMalloc1(g->n_cells, &g->fill));
-  PetscCall(PetscMalloc1(g->n_cells, &g->share));
+  PetscCall(PetscMalloc1(g->n_cells, &g->own_points));
+  PetscCall(PetscMalloc1(g->n_cells, &g->points));
   for (PetscInt k = 0; k < count; k++) {
     if (number[k] < 0) continue;
-    (*place)[number[k]] = k;
-    g->fill[number[k]]  = points[k];
+    (*place)[number[k]]      = k;
+    g->own_points[number[k]] = points[k];
   }
   PetscCall(PetscFree(number));
   PetscCall(PetscFree(points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The local node at corner m of the cell 'at' of this rank's box, numbered if it is new; node: those of the box's
-   nodes, -1 where there is none yet, nx times ny in a layer. */
+/* The local node at corner m of the cell 'at' of this rank's box; a new node gets the next number. node: numbers of the
+   box's nodes, nx times ny in a layer; -1: no number yet. */
 static PetscInt CornerNode(CoarseGrid g, const PetscInt first[DIM], const PetscInt at[DIM], PetscInt m, PetscInt nx,
                            PetscInt ny, PetscInt node[])
 {
@@ -137,7 +137,7 @@ static PetscInt CornerNode(CoarseGrid g, const PetscInt first[DIM], const PetscI
   for (PetscInt d = 0; d < DIM; d++) {
     i[d]     = at[d] + (d < g->dim ? m >> d & 1 : 0);
     whole[d] = first[d] + i[d];
-    if (g->periodic[d] && whole[d] == g->cells[d]) { /* the image of the first node, which may be here too */
+    if (g->periodic[d] && whole[d] == g->cells[d]) { /* the image of the first node; this rank may have both */
       whole[d] = 0;
       if (first[d] == 0) i[d] = 0;
     }
@@ -175,7 +175,8 @@ static PetscErrorCode FindNodes(CoarseGrid g, const PetscReal weight[], const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives all ranks that know a node the combination of their values of it; root holds the starting values. */
+/* Combines the values of each node over the ranks that have the node, and gives all of them the result. root: start
+   values. */
 static PetscErrorCode Combine(PetscSF meet, MPI_Datatype type, MPI_Op op, void *value, void *root)
 {
   PetscFunctionBegin;
@@ -186,7 +187,7 @@ static PetscErrorCode Combine(PetscSF meet, MPI_Datatype type, MPI_Op op, void *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The row of each node: nodes belong to the lowest rank that knows them, and those of a rank follow each other. */
+/* Numbers the rows of the nodes. A node belongs to the lowest rank that has it; the rows of a rank are consecutive. */
 static PetscErrorCode NumberNodes(CoarseGrid g, PetscSF meet, PetscInt n_roots)
 {
   PetscMPIInt rank, size;
@@ -212,23 +213,23 @@ static PetscErrorCode NumberNodes(CoarseGrid g, PetscSF meet, PetscInt n_roots)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points that all ranks have in each cell; they are added up at its lower node. */
-static PetscErrorCode ShareCells(CoarseGrid g, PetscSF meet, PetscInt n_roots)
+/* Sums the points of each cell over all ranks, at the cell's lower node. */
+static PetscErrorCode SumPoints(CoarseGrid g, PetscSF meet, PetscInt n_roots)
 {
   PetscReal *sum;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(n_roots, &sum));
   PetscCall(PetscArrayzero(g->value, g->n_nodes));
-  for (PetscInt c = 0; c < g->n_cells; c++) g->value[g->corner[GRID_CORNERS * c]] += g->fill[c];
+  for (PetscInt c = 0; c < g->n_cells; c++) g->value[g->corner[GRID_CORNERS * c]] += g->own_points[c];
   PetscCall(Combine(meet, MPIU_REAL, MPIU_SUM, g->value, sum));
-  for (PetscInt c = 0; c < g->n_cells; c++) g->share[c] = g->value[g->corner[GRID_CORNERS * c]];
+  for (PetscInt c = 0; c < g->n_cells; c++) g->points[c] = g->value[g->corner[GRID_CORNERS * c]];
   PetscCall(PetscFree(sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ranks meet at the nodes of the whole grid, which are spread over all of them, and learn there which nodes they
-   share. */
+/* Finds the nodes that ranks share: all ranks exchange the owners of their nodes through the nodes of the whole grid,
+   which are distributed over the ranks. */
 static PetscErrorCode Connect(CoarseGrid g)
 {
   PetscSF     meet;
@@ -240,7 +241,7 @@ static PetscErrorCode Connect(CoarseGrid g)
   PetscCall(PetscSFCreate(g->comm, &meet));
   PetscCall(PetscSFSetGraphLayout(meet, whole, g->n_nodes, NULL, PETSC_COPY_VALUES, g->key));
   PetscCall(NumberNodes(g, meet, whole->n));
-  PetscCall(ShareCells(g, meet, whole->n));
+  PetscCall(SumPoints(g, meet, whole->n));
   PetscCall(PetscSFDestroy(&meet));
   PetscCall(PetscLayoutDestroy(&whole));
   PetscCall(PetscLayoutCreateFromSizes(g->comm, g->n_own, PETSC_DETERMINE, 1, &owned));
@@ -282,8 +283,8 @@ PetscErrorCode CoarseGridDestroy(CoarseGrid *grid)
   PetscCall(PetscFree(g->cell));
   PetscCall(PetscFree(g->t));
   PetscCall(PetscFree(g->corner));
-  PetscCall(PetscFree(g->fill));
-  PetscCall(PetscFree(g->share));
+  PetscCall(PetscFree(g->own_points));
+  PetscCall(PetscFree(g->points));
   PetscCall(PetscFree(g->key));
   PetscCall(PetscFree(g->number));
   PetscCall(PetscFree(g->value));
@@ -300,7 +301,7 @@ PetscErrorCode CoarseGridSizes(CoarseGrid g, PetscInt *local, PetscInt *global)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Weights of the eight corners at place t. */
+/* Weights w of the eight corners at the position t. */
 static inline void CornerWeights(const PetscReal *restrict t, PetscReal *restrict w)
 {
   const PetscReal x = t[0], y = t[1], z = t[2], xy = x * y, a = 1 - x - y + xy, b = x - xy, c = y - xy;
@@ -366,15 +367,14 @@ PetscErrorCode CoarseGridProlongAdd(CoarseGrid g, Vec coarse, Vec fine)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the stencil of corner i, which is this node, holds corner j. */
+/* Index of corner j in the stencil of 'node', which is corner i of the same cell. */
 static inline PetscInt64 StencilPlace(PetscInt node, PetscInt i, PetscInt j)
 {
   return (PetscInt64)GRID_STENCIL * node + ((j >> 2 & 1) - (i >> 2 & 1) + 1) * 9 +
          ((j >> 1 & 1) - (i >> 1 & 1) + 1) * 3 + (j & 1) - (i & 1) + 1;
 }
 
-/* What cell c, which holds so many points, adds to the stencils. Each of its 2^(dim-1) edges in a direction stands for
-   its share of the cell. */
+/* Adds cell c with its points to the stencils. Each of the 2^(dim-1) edges in a direction carries an equal part. */
 static void AddCell(CoarseGrid g, PetscInt c, PetscReal points, PetscReal energy, PetscReal stencil[], PetscInt node[])
 {
   const PetscInt *corner = g->corner + GRID_CORNERS * c;
@@ -390,15 +390,15 @@ static void AddCell(CoarseGrid g, PetscInt c, PetscReal points, PetscReal energy
     }
 }
 
-/* stencil ([n_nodes][27]) and the node each entry belongs to (same shape). */
+/* Computes the stencils ([n_nodes][27]), and the node of each entry (same shape). */
 static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal surplus[],
                          PetscReal stencil[], PetscInt node[])
 {
-  PetscReal capacity = 1 / volume; /* points that fit a cell */
+  PetscReal capacity = 1 / volume; /* points in a full cell */
 
   for (PetscInt d = 0; d < g->dim; d++) capacity *= g->h[d];
   for (PetscInt c = 0; c < g->n_cells; c++)
-    AddCell(g, c, g->fill[c] * PetscMin(1, capacity / g->share[c]), energy, stencil, node);
+    AddCell(g, c, g->own_points[c] * PetscMin(1, capacity / g->points[c]), energy, stencil, node);
   for (PetscInt a = 0; a < g->n; a++) {
     const PetscInt *corner;
     PetscReal       w[GRID_CORNERS];
@@ -424,7 +424,7 @@ PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal 
   PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL,
                          GRID_STENCIL, NULL, A));
   PetscCall(
-    MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may go beyond the guess */
+    MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may exceed the guess */
   for (PetscInt k = 0; k < g->n_nodes; k++) {
     const PetscInt64 first = (PetscInt64)GRID_STENCIL * k;
     PetscScalar      values[GRID_STENCIL];

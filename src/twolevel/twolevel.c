@@ -2,54 +2,54 @@
 
      M r = omega D^-1 r + P C P^T r,   D the diagonal of A.
 
-   Rows have some 80 entries, so each pass over them is expensive: algebraic coarsening multiplies such rows with each
-   other, and a multigrid cycle multiplies with A twice or more. But the matrix is a Laplacian on points whose places
-   are known, so its coarse form is known beforehand.
+   A row has some 80 entries, so each product with A is expensive. Algebraic coarsening multiplies these rows with each
+   other, and a multigrid cycle has two products or more. But A is a Laplacian on points with known positions, so its
+   coarse form is known beforehand.
 
-   P interpolates (bi/tri)linearly from a background grid, its cells 8/3 particle spacings wide, to the points. C is
-   one cycle of an inner solver (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type; by default one V-cycle of
-   algebraic multigrid with SOR smoothing, a direct solver for grids in the plane and tiny ones) for the REDISCRETISED
-   problem: the 5/7-point Laplacian, each cell weighted with its fill by particles and no more than full, plus P^T S P
-   with S the surplus of the diagonal over the row's pair sum (what the closure at the free surface added). For smooth
-   functions that is the Galerkin product P^T A P, without the product. Edges of the fill are natural Neumann
-   boundaries, so walls and symmetry faces need nothing, and a free surface enters through S alone.
+   P interpolates (bi/tri)linearly to the points from a background grid, whose cells are 8/3 spacings wide. C is one
+   cycle of an inner solver (-twolevel_coarse_ksp_type, -twolevel_coarse_pc_type) for the rediscretised problem.
+   Default: one V-cycle of algebraic multigrid with SOR smoothing; a direct solver for plane and for tiny grids. The
+   problem is the 5/7-point Laplacian, each cell weighted with the fraction of it that particles fill, at most 1, plus
+   P^T S P. S is the surplus of the diagonal over the row's pair sum; the closure at the free surface causes it. For
+   smooth functions this is the Galerkin product P^T A P, at no cost. The edges of the filled cells are natural Neumann
+   boundaries: walls and symmetry faces need no treatment, and the free surface enters through S alone.
 
-   Why it works: the kernel's Fourier transform is close to nothing at wavelengths below two cells, so D^-1 A is nearly
-   the identity there and Jacobi needs no second sweep; the grid takes the long waves. Both parts simply add (Bramble,
-   Pasciak, Xu, Math. Comp. 55, 1990): M is then symmetric and positive for every omega > 0, and an iteration multiplies
-   with A once, in the Krylov method, not in M. The form with a sweep before and after a correction of the residual
-   needs two thirds to three quarters of the iterations but three products in each. Set-up costs three products and the
-   grid, in time about five iterations.
+   Why it works: at wavelengths below two cells the kernel's Fourier transform is almost zero, so D^-1 A is nearly the
+   identity, and one Jacobi sweep suffices. The grid reduces the errors of long wavelength. Both parts are added
+   (Bramble, Pasciak, Xu, Math. Comp. 55, 1990): M is symmetric and positive for every omega > 0, and an iteration has
+   one product with A, in the Krylov method. The multiplicative form, a sweep before and after the coarse correction,
+   needs two thirds to three quarters of the iterations, but three products in each. The set-up has three products and
+   the grid; it takes the time of about five iterations.
 
-   Rows without a pair (isolated particles) have no part in the grid. If A has the constant null space, so has the
-   coarse matrix. A must be symmetric and approximate c * (-laplacian) with one c inside the liquid; how its rows are
-   scaled is measured, not assumed. */
+   Rows without pairs (isolated particles) do not enter the grid. If A has the constant null space, so has the coarse
+   matrix. A must be symmetric and approximate c * (-laplacian) with one c inside the liquid; the set-up measures c. */
 #include <petsc/private/pcimpl.h>
 
 #include "coarse_grid.h"
 #include "twolevel.h"
 
-#define OMEGA 1.4      /* an impact at 0.8 mm takes 5.4 iterations, 5.6 with 1, 5.5 with 2 */
-#define RATIO (8 / 3.) /* spacings; with 2 it takes 5.3 and more than twice the nodes, with 4 6.8 */
-/* Nodes up to which the coarse problem is solved directly, by every rank for itself: in the plane a factorisation costs
-   less than what a cycle of multigrid takes to set up, and saves an iteration or two. */
+#define OMEGA 1.4      /* an impact at 0.8 mm takes 5.4 iterations; with 1, 5.6; with 2, 5.5 */
+#define RATIO (8 / 3.) /* spacings; with 2 it takes 5.3 iterations and more than twice the nodes; with 4, 6.8 */
+/* Largest numbers of nodes for a direct coarse solver, which each rank runs for itself. In the plane a factorisation
+   costs less than the set-up of a multigrid cycle, and saves an iteration or two. */
 #define DIRECT_PLANE 20000
 #define DIRECT_SPACE 500
-#define NO_PAIR      1e-10 /* part of the diagonal below which a row's pairs count as none */
-#define FULL_ROW     0.75  /* part of the largest pair sum above which a row counts as inside the liquid */
-#define WAVELENGTH   20.   /* spacings, of the wave that measures the matrix */
+#define NO_PAIR      1e-10 /* of the diagonal: a row with a smaller pair sum has no pairs */
+#define FULL_ROW     0.75  /* of the largest pair sum: a row with a larger pair sum is inside the liquid */
+#define WAVELENGTH   20.   /* spacings, of the wave that measures c */
 
 typedef struct {
   PetscReal  spacing, lower[DIM], upper[DIM];
   PetscBool  periodic[DIM];
-  PetscInt   dim, n; /* n: points given */
-  PetscReal *x;      /* [n][dim] m */
-  PetscReal *volume; /* [n] over spacing^dim, 1; NULL: all are 1 */
-  PetscReal  most;   /* largest spacing, m */
+  PetscInt   dim, n;       /* n: points */
+  PetscReal *x;            /* [n][dim] m */
+  PetscReal *volume;       /* [n] relative volumes, see PCTwoLevelSetVolumes; NULL: all 1 */
+  PetscReal  spacing_most; /* largest spacing, m */
   CoarseGrid grid;
-  PetscReal  point_energy;               /* [A] m2 */
-  Vec        weight, coarse_b, coarse_x; /* weight: omega D^-1 */
-  Mat        A;                          /* coarse */
+  PetscReal  point_energy; /* c of a point, [A] m2 */
+  Vec        jacobi;       /* omega D^-1 */
+  Vec        coarse_b, coarse_x;
+  Mat        A; /* coarse */
   KSP        ksp;
 } TwoLevel;
 
@@ -59,7 +59,7 @@ static PetscErrorCode PCReset_TwoLevel(PC pc)
 
   PetscFunctionBegin;
   PetscCall(CoarseGridDestroy(&two->grid));
-  PetscCall(VecDestroy(&two->weight));
+  PetscCall(VecDestroy(&two->jacobi));
   PetscCall(VecDestroy(&two->coarse_b));
   PetscCall(VecDestroy(&two->coarse_x));
   PetscCall(MatDestroy(&two->A));
@@ -90,7 +90,7 @@ static PetscErrorCode PCTwoLevelSetGrid_TwoLevel(PC pc, PetscReal spacing, const
   TwoLevel *two = (TwoLevel *)pc->data;
 
   PetscFunctionBegin;
-  two->spacing = two->most = spacing;
+  two->spacing = two->spacing_most = spacing;
   for (PetscInt d = 0; d < DIM; d++) {
     two->lower[d]    = lower[d];
     two->upper[d]    = upper[d];
@@ -113,7 +113,7 @@ static PetscErrorCode PCTwoLevelSetVolumes_TwoLevel(PC pc, PetscReal most, Petsc
   TwoLevel *two = (TwoLevel *)pc->data;
 
   PetscFunctionBegin;
-  two->most = most;
+  two->spacing_most = most;
   PetscCall(PetscFree(two->volume));
   PetscCall(PetscMalloc1(n, &two->volume));
   PetscCall(PetscArraycpy(two->volume, volume, n));
@@ -127,26 +127,26 @@ PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal most, PetscInt n, const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pairs' sum of a row of the size of a point of the given spacing: it grows with the volume over the square of the
-   spacing. */
+/* The pair sum of row a, converted to that of a point of relative volume 1. Pair sums grow with the volume over the
+   square of the spacing. */
 static PetscReal RowSize(const TwoLevel *two, PetscInt a, PetscReal sum)
 {
   return two->volume ? sum * PetscPowReal(two->volume[a], 2. / two->dim - 1) : sum;
 }
 
-/* surplus ([n]) of the diagonal over the row's pairs; skip ([n]) rows without pairs; the largest pair sum of all rows;
- * sets the weight to the diagonal. */
+/* Splits the diagonal of A, which it copies to two->jacobi. surplus: [n] diagonal minus pair sum; skip: [n] whether the
+   row has no pairs; largest: the largest pair sum of all ranks. */
 static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], PetscBool skip[], PetscReal *largest)
 {
   const PetscScalar *diagonal, *sum;
   Vec                ones, sums;
 
   PetscFunctionBegin;
-  PetscCall(MatGetDiagonal(pc->pmat, two->weight));
+  PetscCall(MatGetDiagonal(pc->pmat, two->jacobi));
   PetscCall(MatCreateVecs(pc->pmat, &ones, &sums));
   PetscCall(VecSet(ones, 1));
   PetscCall(MatMult(pc->pmat, ones, sums));
-  PetscCall(VecGetArrayRead(two->weight, &diagonal));
+  PetscCall(VecGetArrayRead(two->jacobi, &diagonal));
   PetscCall(VecGetArrayRead(sums, &sum));
   *largest = 0;
   for (PetscInt a = 0; a < two->n; a++) {
@@ -156,7 +156,7 @@ static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], P
     skip[a]    = (PetscBool)(d - s <= NO_PAIR * d);
     *largest   = PetscMax(*largest, RowSize(two, a, d - s));
   }
-  PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
+  PetscCall(VecRestoreArrayRead(two->jacobi, &diagonal));
   PetscCall(VecRestoreArrayRead(sums, &sum));
   PetscCall(VecDestroy(&ones));
   PetscCall(VecDestroy(&sums));
@@ -164,7 +164,8 @@ static PetscErrorCode SplitDiagonal(PC pc, TwoLevel *two, PetscReal surplus[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The wave vector: along the longest direction, WAVELENGTH spacings if the box allows. Returns the direction; 1/m. */
+/* The wave that measures c: returns its direction, the longest of the box; k: wave number, 1/m. Its length is about
+   WAVELENGTH spacings, if the box allows. */
 static PetscInt WaveDirection(const TwoLevel *two, PetscReal *k)
 {
   PetscInt  direction = 0;
@@ -173,14 +174,14 @@ static PetscInt WaveDirection(const TwoLevel *two, PetscReal *k)
   for (PetscInt d = 1; d < two->dim; d++)
     if (two->upper[d] - two->lower[d] > two->upper[direction] - two->lower[direction]) direction = d;
   length = two->upper[direction] - two->lower[direction];
-  waves  = PetscMax(1, PetscFloorReal(length / (WAVELENGTH * two->most)));
+  waves  = PetscMax(1, PetscFloorReal(length / (WAVELENGTH * two->spacing_most)));
   *k     = 2 * PETSC_PI * waves / length;
   return direction;
 }
 
-/* What a point adds to the energy p'Ap = sum c |grad p|^2: from the symbol of A. With u = exp(ikx), Re(conj(u) A u) -
-   surplus = sum_b K_ab (1 - cos k x_ab) = c k^2 for small k: row by row from two products, for any type of matrix,
-   however its rows are scaled. Average over rows inside the liquid. */
+/* Measures c, the energy p'Ap = sum c |grad p|^2 of a point, by the symbol of A. With u = exp(ikx), row a gives
+   Re(conj(u) A u) - surplus = sum_b K_ab (1 - cos k x_ab) = c k^2 for small k. Two products give this for any type of
+   matrix and any scaling of rows. c is the mean over the rows inside the liquid. */
 static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplus[], PetscReal largest)
 {
   Vec                wave, product;
@@ -206,13 +207,13 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
     PetscCall(VecRestoreArrayRead(product, &Au));
     PetscCall(VecRestoreArray(wave, &u));
   }
-  PetscCall(VecGetArrayRead(two->weight, &diagonal));
+  PetscCall(VecGetArrayRead(two->jacobi, &diagonal));
   for (PetscInt a = 0; a < two->n; a++) {
     if (RowSize(two, a, PetscRealPart(diagonal[a]) - surplus[a]) < FULL_ROW * largest) continue;
     sum[0] += energy[a] - surplus[a];
     sum[1] += two->volume ? two->volume[a] : 1;
   }
-  PetscCall(VecRestoreArrayRead(two->weight, &diagonal));
+  PetscCall(VecRestoreArrayRead(two->jacobi, &diagonal));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)pc)));
   two->point_energy = sum[1] > 0 ? sum[0] / (sum[1] * k * k) : 0;
   PetscCall(PetscFree(energy));
@@ -221,7 +222,8 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the options of the inner solver that the user did not, while it is set up: its levels read no others. */
+/* Sets up the inner solver. Its levels read their defaults from the options database only, so the defaults are there
+   during the set-up. */
 static PetscErrorCode SetUpCoarseSolver(KSP ksp)
 {
   const char *const defaults[][2] = {{"mg_levels_ksp_type", KSPRICHARDSON},
@@ -235,7 +237,7 @@ static PetscErrorCode SetUpCoarseSolver(KSP ksp)
   PetscCall(KSPGetOptionsPrefix(ksp, &prefix));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(defaults); k++) {
     PetscCall(PetscSNPrintf(option[k], sizeof(option[k]), "-%s%s", prefix, defaults[k][0]));
-    PetscCall(PetscOptionsHasName(NULL, NULL, option[k], &set[k])); /* it is read: not every grid has levels */
+    PetscCall(PetscOptionsHasName(NULL, NULL, option[k], &set[k])); /* counts as read, even if the grid has no levels */
     if (!set[k]) PetscCall(PetscOptionsSetValue(NULL, option[k], defaults[k][1]));
   }
   PetscCall(KSPSetFromOptions(ksp));
@@ -289,12 +291,12 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
              n);
   PetscCheck(two->spacing > 0, PetscObjectComm((PetscObject)pc), PETSC_ERR_ORDER,
              "PC type " PCTWOLEVEL " needs PCTwoLevelSetGrid");
-  PetscCall(MatCreateVecs(pc->pmat, &two->weight, NULL));
+  PetscCall(MatCreateVecs(pc->pmat, &two->jacobi, NULL));
   PetscCall(PetscMalloc1(n, &surplus));
   PetscCall(PetscMalloc1(n, &skip));
   PetscCall(SplitDiagonal(pc, two, surplus, skip, &largest));
   PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, two->volume, skip,
-                             PetscMax(RATIO * two->spacing, two->most), two->lower, two->upper, two->periodic,
+                             PetscMax(RATIO * two->spacing, two->spacing_most), two->lower, two->upper, two->periodic,
                              &two->grid));
   PetscCall(CoarseGridSizes(two->grid, &local, &nodes));
   if (nodes > 0) {
@@ -306,8 +308,8 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
   }
   PetscCall(PetscFree(surplus));
   PetscCall(PetscFree(skip));
-  PetscCall(VecReciprocal(two->weight));
-  PetscCall(VecScale(two->weight, OMEGA));
+  PetscCall(VecReciprocal(two->jacobi));
+  PetscCall(VecScale(two->jacobi, OMEGA));
   PetscCall(PetscInfo(pc, "%" PetscInt_FMT " nodes, point energy %g\n", nodes, (double)two->point_energy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -318,7 +320,7 @@ static PetscErrorCode PCApply_TwoLevel(PC pc, Vec r, Vec x)
   MatNullSpace constant;
 
   PetscFunctionBegin;
-  PetscCall(VecPointwiseMult(x, two->weight, r));
+  PetscCall(VecPointwiseMult(x, two->jacobi, r));
   if (!two->A) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CoarseGridRestrict(two->grid, r, two->coarse_b));
   PetscCall(MatGetNullSpace(two->A, &constant));

@@ -1,5 +1,5 @@
-/* Floor 1: the PC type "twolevel", a preconditioner for Laplacians on points whose places are known: see twolevel.c. It
-   knows a matrix, the places of its rows and the spacing of the points, nothing of particles. */
+/* Floor 1: the PC type "twolevel", a preconditioner for Laplacians on points with known positions: see twolevel.c. It
+   uses the matrix, the positions of its rows and the spacing of the points, and knows nothing of particles. */
 #ifndef ISPH_TWOLEVEL_H
 #define ISPH_TWOLEVEL_H
 
@@ -7,16 +7,16 @@
 
 #define PCTWOLEVEL "twolevel"
 
-/* PCTwoLevelRegister - makes the type known to PETSc, for -pc_type twolevel. Not collective; may be called repeatedly.
- */
+/* PCTwoLevelRegister - registers the type with PETSc, for -pc_type twolevel. Repeated calls are allowed. Not
+   collective. */
 PetscErrorCode PCTwoLevelRegister(void);
-/* PCTwoLevelSetGrid - the spacing of the points (m), the corners of the box (m) and which directions are periodic. The
-   places of the rows come by PCSetCoordinates before each set-up. Does nothing to a PC of another type. Collective. */
+/* PCTwoLevelSetGrid - sets the spacing of the points (m), the corners of the box (m) and the periodic directions.
+   PCSetCoordinates sets the positions of the rows before each set-up. No effect on a PC of another type. Collective. */
 PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[DIM], const PetscReal upper[DIM],
                                  const PetscBool periodic[DIM]);
-/* PCTwoLevelSetVolumes - where points differ in size, after PCTwoLevelSetGrid: the largest spacing (m), and the volumes
-   of the n points over that of one of the spacing given there ([n], 1), with which the rows of the matrix are
-   multiplied. Does nothing to a PC of another type. Collective. */
+/* PCTwoLevelSetVolumes - for points of different sizes, after PCTwoLevelSetGrid: sets the largest spacing (m) and the
+   relative volumes of the n points ([n], 1). A relative volume is the volume over spacing^dim; the rows of the matrix
+   are multiplied by it. No effect on a PC of another type. Collective. */
 PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal spacing_most, PetscInt n, const PetscReal volume[]);
 
 #endif
