@@ -3,9 +3,9 @@
 
 #define SUBSPACE 40 /* dimension of the Krylov space */
 
-/* SLEPc's monitor. */
-static PetscErrorCode Watch(EPS eps, PetscInt iterations, PetscInt converged, PetscScalar *real, PetscScalar *imaginary,
-                            PetscReal *errors, PetscInt count, void *context)
+/* A monitor of SLEPc: shows the progress. */
+static PetscErrorCode ShowIteration(EPS eps, PetscInt iterations, PetscInt converged, PetscScalar *real,
+                                    PetscScalar *imaginary, PetscReal *errors, PetscInt count, void *context)
 {
   PetscFunctionBegin;
   PetscCall(
@@ -29,7 +29,7 @@ PetscErrorCode SpectrumExtreme(Mat A, EPSProblemType type, EPSWhich which, Petsc
   PetscCall(EPSSetDimensions(eps, 1, PetscMin(SUBSPACE, n), PETSC_DEFAULT));
   PetscCall(EPSSetTolerances(eps, tolerance, PETSC_DEFAULT));
   if (deflated) PetscCall(EPSSetDeflationSpace(eps, 1, &deflated));
-  PetscCall(EPSMonitorSet(eps, Watch, NULL, NULL));
+  PetscCall(EPSMonitorSet(eps, ShowIteration, NULL, NULL));
   PetscCall(EPSSetOptionsPrefix(eps, "spectrum_"));
   PetscCall(EPSSetFromOptions(eps));
   PetscCall(EPSSolve(eps));

@@ -1,10 +1,10 @@
-/* The explicit terms: the largest step at which they are stable. */
+/* The explicit terms: their largest stable time steps. */
 #include "spectrum_impl.h"
 
 #define TOLERANCE    1e-3 /* relative, of eigenvalues */
-#define DISPLACEMENT 1e-3 /* spacings: of the finite difference of the surface tension */
+#define DISPLACEMENT 1e-3 /* spacings, of the finite difference of the surface tension */
 
-/* y = - the viscous acceleration of the velocity x, 1/s times m/s. */
+/* y = -(viscous acceleration of the velocity x). */
 static PetscErrorCode ApplyViscosity(Mat shell, Vec x, Vec y)
 {
   Spectrum           s;
@@ -29,13 +29,14 @@ static PetscErrorCode ApplyViscosity(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Surface tension at positions place + scale displacement: its acceleration, capillary pressure and slope. */
-static PetscErrorCode Displaced(Spectrum s, const PetscReal displacement[], PetscReal scale)
+/* Acceleration, capillary pressure and its slope, by surface tension at the positions s->position + scale displacement.
+ */
+static PetscErrorCode DisplacedTension(Spectrum s, const PetscReal displacement[], PetscReal scale)
 {
   Cloud cloud = s->cloud;
 
   PetscFunctionBegin;
-  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->place, DIM * cloud->n_owned));
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->position, DIM * cloud->n_owned));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->field[FIELD_POSITION][k] += scale * displacement[k];
   PetscCall(CloudMoved(cloud));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
@@ -45,7 +46,7 @@ static PetscErrorCode Displaced(Spectrum s, const PetscReal displacement[], Pets
 
 PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], PetscReal acceleration[])
 {
-  const FieldId fields[] = {FIELD_ACCELERATION, FIELD_CAPILLARY_SLOPE, FIELD_CAPILLARY}; /* the last is a scalar */
+  const FieldId fields[] = {FIELD_ACCELERATION, FIELD_CAPILLARY_SLOPE, FIELD_CAPILLARY}; /* vector, vector, scalar */
   Cloud         cloud    = s->cloud;
   PetscReal     largest  = 0, scale, *before[3];
   PetscScalar  *rhs;
@@ -57,21 +58,21 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
   for (PetscInt a = 0; a < cloud->n_fluid; a++) largest = PetscMax(largest, Norm(displacement + DIM * a));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   scale = DISPLACEMENT * cloud->domain->spacing / PetscMax(largest, PETSC_SMALL * cloud->domain->spacing);
-  PetscCall(Displaced(s, displacement, -scale));
+  PetscCall(DisplacedTension(s, displacement, -scale));
   for (PetscInt f = 0; f < 3; f++) {
     PetscCall(PetscMalloc1(DIM * cloud->n_owned, &before[f]));
     PetscCall(PetscArraycpy(before[f], cloud->field[fields[f]], (f < 2 ? DIM : 1) * cloud->n_owned));
   }
-  PetscCall(Displaced(s, displacement, scale));
+  PetscCall(DisplacedTension(s, displacement, scale));
   for (PetscInt f = 0; f < 3; f++) {
     PetscReal *now = cloud->field[fields[f]];
 
     for (PetscInt k = 0; k < (f < 2 ? DIM : 1) * cloud->n_owned; k++) now[k] = (now[k] - before[f][k]) / (2 * scale);
     PetscCall(PetscFree(before[f]));
   }
-  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->place, DIM * cloud->n_owned));
+  PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], s->position, DIM * cloud->n_owned));
   PetscCall(CloudMoved(cloud));
-  /* the pressure that answers the change of that on the free surface */
+  /* the change of pressure in the fluid, from that on the free surface */
   PetscCall(PressureSolver(s->pressure, &ksp, &b));
   PetscCall(VecDuplicate(b, &p));
   PetscCall(VecGetArrayWrite(b, &rhs));
@@ -87,7 +88,7 @@ PetscErrorCode CapillaryResponse(Spectrum s, const PetscReal displacement[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* y = - the acceleration by the displacement x: eigenvalues are squares of frequencies, 1/s2. */
+/* y = -(acceleration by the displacement x). Eigenvalues are squares of angular frequencies, 1/s2. */
 static PetscErrorCode ApplyCapillary(Mat shell, Vec x, Vec y)
 {
   Spectrum           s;
@@ -105,8 +106,9 @@ static PetscErrorCode ApplyCapillary(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The eigenvalue that 'which' names of an operator on the fluid's vectors; NAN if it was not found. */
-static PetscErrorCode Largest(Spectrum s, PetscErrorCode (*apply)(Mat, Vec, Vec), EPSWhich which, PetscReal *value)
+/* The eigenvalue that 'which' selects, of an operator on vectors of the fluid; NAN: not found. */
+static PetscErrorCode FindEigenvalue(Spectrum s, PetscErrorCode (*apply)(Mat, Vec, Vec), EPSWhich which,
+                                     PetscReal *value)
 {
   Mat       shell;
   PetscBool found;
@@ -120,14 +122,14 @@ static PetscErrorCode Largest(Spectrum s, PetscErrorCode (*apply)(Mat, Vec, Vec)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* nu: the largest kinematic viscosity, m2/s. */
+/* nu: largest kinematic viscosity, m2/s. */
 static PetscErrorCode PrintViscosity(Spectrum s, PetscReal nu, PetscReal dt)
 {
   const PetscReal d2 = PetscSqr(s->cloud->domain->spacing);
   PetscReal       value;
 
   PetscFunctionBegin;
-  PetscCall(Largest(s, ApplyViscosity, EPS_LARGEST_MAGNITUDE, &value));
+  PetscCall(FindEigenvalue(s, ApplyViscosity, EPS_LARGEST_MAGNITUDE, &value));
   PetscCall(PetscPrintf(s->cloud->comm,
                         "    viscosity  largest eigenvalue %.5g 1/s = %.4g nu/d0^2: stable up to 2/lambda = %.4g s, "
                         "%.3g times the step\n",
@@ -135,18 +137,18 @@ static PetscErrorCode PrintViscosity(Spectrum s, PetscReal nu, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Positive eigenvalues are squares of frequencies. A negative one is minus the square of the rate at which a
-   displacement grows by itself, as surface tension makes liquid meet or part: the flow does it, not the step. */
+/* A positive eigenvalue is the square of an angular frequency. A negative eigenvalue is minus the square of a growth
+   rate: surface tension makes liquid coalesce or break up. That is physics, not an instability of the time step. */
 static PetscErrorCode PrintTension(Spectrum s, PetscReal dt)
 {
   PetscReal largest, value;
 
   PetscFunctionBegin;
-  PetscCall(Largest(s, ApplyCapillary, EPS_LARGEST_MAGNITUDE, &largest));
+  PetscCall(FindEigenvalue(s, ApplyCapillary, EPS_LARGEST_MAGNITUDE, &largest));
   value = largest;
-  if (largest < 0) PetscCall(Largest(s, ApplyCapillary, EPS_LARGEST_REAL, &value));
+  if (largest < 0) PetscCall(FindEigenvalue(s, ApplyCapillary, EPS_LARGEST_REAL, &value));
   if (value <= 0)
-    PetscCall(PetscPrintf(s->cloud->comm, "    tension    nothing oscillates: stable with any step\n"));
+    PetscCall(PetscPrintf(s->cloud->comm, "    tension    no oscillation: stable with any step\n"));
   else {
     const PetscReal omega = PetscSqrtReal(value);
 
@@ -157,8 +159,8 @@ static PetscErrorCode PrintTension(Spectrum s, PetscReal dt)
   }
   if (largest < 0)
     PetscCall(PetscPrintf(s->cloud->comm,
-                          "               liquid meets or parts: a displacement grows at %.5g 1/s, by %.3g %% in the "
-                          "step\n",
+                          "               liquid coalesces or breaks up: a displacement grows at %.5g 1/s, by %.3g %% "
+                          "per step\n",
                           (double)PetscSqrtReal(-largest),
                           (double)(100 * (PetscExpReal(dt * PetscSqrtReal(-largest)) - 1))));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -181,7 +183,7 @@ PetscErrorCode SpectrumLimits(Spectrum s, PetscReal dt)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &nu, 1, MPIU_REAL, MPIU_MAX, s->cloud->comm));
   if (nu > 0) PetscCall(PrintViscosity(s, nu, dt));
   if (SceneInterfaceTension(s->cloud->scene) > 0)
-    PetscCall(PetscPrintf(s->cloud->comm, "    tension    not looked for with an interface between liquids\n"));
+    PetscCall(PetscPrintf(s->cloud->comm, "    tension    no limit is computed with an interface between liquids\n"));
   else if (TensionReach(s->tension) > 0)
     PetscCall(PrintTension(s, dt));
   PetscFunctionReturn(PETSC_SUCCESS);

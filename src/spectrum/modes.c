@@ -1,17 +1,17 @@
-/* The oscillation modes of a free drop (Rayleigh 1879; Lamb, Hydrodynamics, section 275): omega^2 = n (n-1)(n+2)
-   sigma/(rho R^3) of degree n, 2n + 1 of them.
+/* The oscillation modes of a free drop (Rayleigh 1879; Lamb, Hydrodynamics, section 275): the 2n + 1 modes of degree n
+   have omega^2 = n (n-1)(n+2) sigma/(rho R^3).
 
-   The displacements of an ideal drop are gradients of the solid harmonics r^n Y_nm. On the space of those up to a
-   degree, two more than asked for, the capillary operator of the program (CapillaryResponse) becomes a small matrix
-   (Rayleigh-Ritz), whose eigenvalues SLEPc gives. The whole operator's are out of reach of a Krylov method: it has all
-   displacements that leave the surface alone for a kernel, and the frequencies wanted are its smallest others. */
+   The displacements of an ideal drop are gradients of the solid harmonics r^n Y_nm. The Rayleigh-Ritz method projects
+   CapillaryResponse onto these displacements, up to two degrees above the highest reported degree; SLEPc solves the
+   small problem. A Krylov method cannot find the modes of the whole operator: its kernel holds all displacements that
+   leave the surface as it is, and the wanted eigenvalues are the smallest outside the kernel. */
 #include "spectrum_impl.h"
 
-#define EXTRA   2    /* degrees beyond those reported */
-#define STEP    1e-4 /* R, of the difference that gives the gradient of a harmonic */
-#define DEGREES 8    /* at most, with the extra ones; see -spectrum_modes */
+#define EXTRA   2    /* degrees above the highest reported degree */
+#define STEP    1e-4 /* R, of the finite difference for the gradient of a harmonic */
+#define DEGREES 8    /* highest degree, extra degrees included; see -spectrum_modes */
 
-/* r^n P_nm(cos theta) cos(m phi), sin(m phi) for m < 0, at x over R. */
+/* r^n P_nm(cos theta) cos(m phi) at x (over R); sin(m phi) for m < 0. */
 static PetscReal SolidHarmonic(PetscInt n, PetscInt m, const PetscReal x[DIM])
 {
   const PetscInt  order = PetscAbsInt(m);
@@ -34,7 +34,7 @@ static PetscReal SolidHarmonic(PetscInt n, PetscInt m, const PetscReal x[DIM])
   return value;
 }
 
-/* Centre of mass (m), and radius (m) from the volume; of all ranks. */
+/* Centre of mass (m) and radius (m, from the volume) of the drop. */
 static PetscErrorCode MeasureDrop(Cloud cloud, PetscReal centre[DIM], PetscReal *radius)
 {
   PetscReal sum[4] = {0, 0, 0, 0};
@@ -50,7 +50,7 @@ static PetscErrorCode MeasureDrop(Cloud cloud, PetscReal centre[DIM], PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the scene is one drop with tension in three dimensions that nothing touches. */
+/* Whether the scene is a single drop with tension, in three dimensions and an open box. */
 static PetscBool IsFreeDrop(Spectrum s)
 {
   const Domain domain = s->cloud->domain;
@@ -61,7 +61,7 @@ static PetscBool IsFreeDrop(Spectrum s)
   return PETSC_TRUE;
 }
 
-/* The displacements, basis[k] ([n_fluid][3]), of degrees 1 to 'most'. */
+/* Displacements basis[k] ([n_fluid][3]) of the degrees 1 to 'most'. */
 static PetscErrorCode HarmonicDisplacements(Spectrum s, const PetscReal centre[DIM], PetscReal radius, PetscInt most,
                                             PetscReal *basis[])
 {
@@ -75,7 +75,7 @@ static PetscErrorCode HarmonicDisplacements(Spectrum s, const PetscReal centre[D
       for (PetscInt a = 0; a < cloud->n_fluid; a++) {
         PetscReal x[DIM];
 
-        for (PetscInt d = 0; d < DIM; d++) x[d] = (s->place[DIM * a + d] - centre[d]) / radius;
+        for (PetscInt d = 0; d < DIM; d++) x[d] = (s->position[DIM * a + d] - centre[d]) / radius;
         for (PetscInt d = 0; d < DIM; d++) {
           PetscReal above[DIM] = {x[0], x[1], x[2]}, below[DIM] = {x[0], x[1], x[2]};
 
@@ -88,7 +88,7 @@ static PetscErrorCode HarmonicDisplacements(Spectrum s, const PetscReal centre[D
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Products of all with one of the basis: row[j] = basis_j . v over the ranks. */
+/* row[j] = basis_j . v, over all ranks. */
 static PetscErrorCode BasisProducts(Cloud cloud, PetscInt count, PetscReal *basis[], const PetscReal v[],
                                     PetscReal row[])
 {
@@ -101,7 +101,7 @@ static PetscErrorCode BasisProducts(Cloud cloud, PetscInt count, PetscReal *basi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The two small matrices, K and M of K x = omega^2 M x, the same on every rank. */
+/* The small matrices K and M of K x = omega^2 M x, the same on every rank. */
 static PetscErrorCode ProjectOperator(Spectrum s, PetscInt count, PetscReal *basis[], Mat *K, Mat *M)
 {
   Cloud        cloud = s->cloud;
@@ -127,7 +127,7 @@ static PetscErrorCode ProjectOperator(Spectrum s, PetscInt count, PetscReal *bas
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The degree whose part of an eigenvector has the largest norm. */
+/* The degree with the largest part of the eigenvector x, in the norm of M. */
 static PetscInt DegreeOf(PetscInt most, const PetscScalar x[], Mat M)
 {
   PetscReal          best   = -1;
@@ -150,7 +150,7 @@ static PetscInt DegreeOf(PetscInt most, const PetscScalar x[], Mat M)
   return degree;
 }
 
-/* Solves the small problem: of each degree the number of eigenvalues, their sum, smallest and largest. */
+/* Solves K x = omega^2 M x: number, sum, smallest and largest of the eigenvalues of each degree. */
 static PetscErrorCode SolveModes(Mat K, Mat M, PetscInt most, PetscInt number[], PetscReal sum[], PetscReal low[],
                                  PetscReal high[])
 {
@@ -194,14 +194,14 @@ static PetscErrorCode SolveModes(Mat K, Mat M, PetscInt most, PetscInt number[],
 
 PetscErrorCode SpectrumModes(Spectrum s)
 {
-  const PetscInt  most = s->degrees + EXTRA, count = (most + 1) * (most + 1) - 1;
+  const PetscInt  most = s->highest_degree + EXTRA, count = (most + 1) * (most + 1) - 1;
   const Material *m = BodyMaterial(SceneBody(s->cloud->scene, 0));
   PetscReal     **basis, centre[DIM], radius = 0, unit, sum[DEGREES + 1], low[DEGREES + 1], high[DEGREES + 1];
   PetscInt        number[DEGREES + 1];
   Mat             K, M;
 
   PetscFunctionBegin;
-  if (s->degrees < 1 || !IsFreeDrop(s)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->highest_degree < 1 || !IsFreeDrop(s)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MeasureDrop(s->cloud, centre, &radius));
   unit = m->tension / (m->density * radius * radius * radius);
   PetscCall(PetscMalloc1(count, &basis));
@@ -211,7 +211,7 @@ PetscErrorCode SpectrumModes(Spectrum s)
   PetscCall(PetscPrintf(s->cloud->comm,
                         "  modes of the drop, R = %.4g m = %.3g d0: omega^2 over sigma/(rho R^3) = %.5g 1/s2\n",
                         (double)radius, (double)(radius / s->cloud->domain->spacing), (double)unit));
-  for (PetscInt n = 1; n <= s->degrees; n++)
+  for (PetscInt n = 1; n <= s->highest_degree; n++)
     PetscCall(PetscPrintf(s->cloud->comm,
                           "    degree %" PetscInt_FMT "  mean %7.3f (theory %3" PetscInt_FMT
                           "), from %7.3f to %7.3f, %" PetscInt_FMT " modes (theory %" PetscInt_FMT ")\n",

@@ -1,33 +1,33 @@
-/* The pressure operator: its extreme eigenvalues alone and under the preconditioner. */
+/* The pressure operator: its extreme eigenvalues, plain and preconditioned. */
 #include "spectrum_impl.h"
 
-#define TOLERANCE  1e-4  /* relative, of eigenvalues; of the preconditioned operator 10 times that */
-#define INNER_RTOL 1e-10 /* of the solves with the operator */
-#define WAVES      8     /* wave numbers a direction up to pi/d0 at which the lattice's symbol is taken */
+#define TOLERANCE  1e-4  /* relative, of eigenvalues of A; 10 times this for the preconditioned operator */
+#define INNER_RTOL 1e-10 /* of the solves with A */
+#define WAVES      8     /* wave numbers per direction, up to pi/d0, that sample the symbol of the lattice */
 
-/* The pressure operator A and what is made of it. */
+/* The pressure operator A. */
 typedef struct {
-  Mat       A, watched, inverse, preconditioned; /* the last three as shells; watched: A with lines of progress */
-  KSP       ksp;                                 /* solves with A, tightly */
-  Vec       b;                                   /* a right side, borrowed */
-  Vec       constant;                            /* of the null space, times root; NULL: there is none */
-  Vec       root;                                /* of rings: see Unweigh; NULL: all 1 */
-  PCType    preconditioner;                      /* its name */
-  PetscReal rtol;                                /* of the run's own solves */
+  Mat       A;
+  Mat       plain, inverse, preconditioned; /* shells: A and A^-1, scaled by 'root'; M^-1 A */
+  KSP       ksp;                            /* solves with A to INNER_RTOL */
+  Vec       b;                              /* the run's right-hand side, borrowed */
+  Vec       constant;                       /* null space, times root; NULL: none */
+  Vec       root;                           /* D^1/2 of rings, see Scaled; NULL: all 1 */
+  PCType    preconditioner;                 /* its name */
+  PetscReal rtol;                           /* of the run's solves */
 } Operators;
 
-/* What was found. */
 typedef struct {
-  PetscReal largest, smallest;     /* eigenvalues of A */
-  PetscReal most, least;           /* of the preconditioned one */
-  PetscReal seen_most, seen_least; /* of the preconditioned one, by CG's Lanczos process */
-  PetscInt  iterations;            /* from zero to the run's tolerance */
-  PetscBool converged;             /* all of them */
+  PetscReal largest, smallest;                               /* eigenvalues of A */
+  PetscReal preconditioned_largest, preconditioned_smallest; /* of the preconditioned operator */
+  PetscReal cg_largest, cg_smallest;                         /* the same, by the Lanczos process of CG */
+  PetscInt  iterations;                                      /* of CG, from zero to the run's tolerance */
+  PetscBool converged;                                       /* all eigenvalues */
 } Extremes;
 
-/* The rows of rings are those of the Laplacian times their volumes V over V_0. With D = V/V_0, D^-1/2 A D^-1/2 is
-   symmetric and has the Laplacian's eigenvalues: divides x by D^1/2, or multiplies. A copy, to be destroyed. */
-static PetscErrorCode Unweigh(const Operators *o, PetscBool divide, Vec x, Vec *out)
+/* A ring's row of A is that of the Laplacian times its volume V over V_0. With D = V/V_0, D^-1/2 A D^-1/2 is symmetric
+   and has the eigenvalues of the Laplacian. out: a copy of x, divided by D^1/2 or multiplied; destroy it. */
+static PetscErrorCode Scaled(const Operators *o, PetscBool divide, Vec x, Vec *out)
 {
   PetscFunctionBegin;
   PetscCall(VecDuplicate(x, out));
@@ -38,7 +38,7 @@ static PetscErrorCode Unweigh(const Operators *o, PetscBool divide, Vec x, Vec *
 }
 
 /* y = A x */
-static PetscErrorCode ApplyWatched(Mat shell, Vec x, Vec y)
+static PetscErrorCode ApplyOperator(Mat shell, Vec x, Vec y)
 {
   Operators *o;
   Vec        in;
@@ -46,7 +46,7 @@ static PetscErrorCode ApplyWatched(Mat shell, Vec x, Vec y)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(shell, &o));
   PetscCall(ProgressWork(PetscObjectComm((PetscObject)shell), -1, "a product of the pressure operator"));
-  PetscCall(Unweigh(o, PETSC_TRUE, x, &in));
+  PetscCall(Scaled(o, PETSC_TRUE, x, &in));
   PetscCall(MatMult(o->A, in, y));
   PetscCall(VecDestroy(&in));
   if (o->root) PetscCall(VecPointwiseDivide(y, y, o->root));
@@ -61,7 +61,7 @@ static PetscErrorCode ApplyInverse(Mat shell, Vec x, Vec y)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(shell, &o));
-  PetscCall(Unweigh(o, PETSC_FALSE, x, &in));
+  PetscCall(Scaled(o, PETSC_FALSE, x, &in));
   PetscCall(VecSet(y, 0));
   PetscCall(KSPSolve(o->ksp, in, y));
   PetscCall(VecDestroy(&in));
@@ -87,8 +87,8 @@ static PetscErrorCode ApplyPreconditioned(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* sum_b c_b (1 - cos k.r_b) over a full lattice, 1/m2, with c_b as in Eq. (8) of Kuri et al. and V = d0^dim; wave: k in
-   units of pi/(WAVES d0). */
+/* The symbol of a full lattice, sum_b c_b (1 - cos k.r_b), 1/m2, with c_b of Eq. (8) of Kuri et al. and V = d0^dim.
+   wave: k in units of pi/(WAVES d0). */
 static PetscReal LatticeSymbol(Cloud cloud, const PetscInt wave[DIM])
 {
   const PetscInt reach = (PetscInt)(KernelSupport(cloud->kernel) / cloud->domain->spacing) + 1,
@@ -110,8 +110,8 @@ static PetscReal LatticeSymbol(Cloud cloud, const PetscInt wave[DIM])
   return sum;
 }
 
-/* The largest eigenvalue of a full lattice times density, 1/m2: the maximum of the symbol over the wave numbers;
-   3.53/d0^2 for the cubic spline with h = 1.3 d0. */
+/* The largest eigenvalue of a full lattice times density, 1/m2: the maximum of the symbol. It is 3.53/d0^2 for the
+   cubic spline with h = 1.3 d0. */
 static PetscReal LatticeLargest(Cloud cloud)
 {
   const PetscInt first[DIM] = {0, 0, 0}, last[DIM] = {WAVES, WAVES, cloud->domain->dim == DIM ? WAVES : 0};
@@ -119,14 +119,14 @@ static PetscReal LatticeLargest(Cloud cloud)
   PetscReal      largest   = 0;
 
   do {
-    if (wave[0] < wave[1] || wave[1] < wave[2]) continue; /* by symmetry no other than its mirror images */
+    if (wave[0] < wave[1] || wave[1] < wave[2]) continue; /* the symbol is symmetric in the directions */
     largest = PetscMax(largest, LatticeSymbol(cloud, wave));
   } while (CellNext(first, last, wave));
   return largest;
 }
 
-/* What theory says of the smallest eigenvalue times density (1/m2), 0 where it says nothing: (pi/2H)^2 of a layer of
-   depth H on a wall, (2 pi/L)^2 of a full periodic box. */
+/* The smallest eigenvalue times density in theory, 1/m2: (pi/2H)^2 for a layer of depth H on a wall, (2 pi/L)^2 for a
+   full periodic box, 0 (unknown) for other scenes. */
 static PetscErrorCode SmallestInTheory(Cloud cloud, PetscBool free, PetscReal *value, char words[], size_t length)
 {
   const Domain   domain = cloud->domain;
@@ -167,8 +167,8 @@ static PetscErrorCode CreateShell(Operators *o, PetscErrorCode (*apply)(Mat, Vec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A monitor of CG. */
-static PetscErrorCode Watch(KSP ksp, PetscInt iterations, PetscReal residual, void *context)
+/* A monitor of CG: shows the progress. */
+static PetscErrorCode ShowIteration(KSP ksp, PetscInt iterations, PetscReal residual, void *context)
 {
   PetscFunctionBegin;
   PetscCall(ProgressWork(PetscObjectComm((PetscObject)ksp), -1,
@@ -176,7 +176,7 @@ static PetscErrorCode Watch(KSP ksp, PetscInt iterations, PetscReal residual, vo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CG with the preconditioner of the run, tight, watching its Lanczos process. */
+/* CG to INNER_RTOL, with the run's preconditioner; CG keeps its Lanczos process. */
 static PetscErrorCode CreateTightSolver(KSP model, KSP *ksp)
 {
   Mat A, P;
@@ -192,12 +192,13 @@ static PetscErrorCode CreateTightSolver(KSP model, KSP *ksp)
   PetscCall(KSPSetNormType(*ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetTolerances(*ksp, INNER_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 100000));
   PetscCall(KSPSetComputeSingularValues(*ksp, PETSC_TRUE));
-  PetscCall(KSPMonitorSet(*ksp, Watch, NULL, NULL));
+  PetscCall(KSPMonitorSet(*ksp, ShowIteration, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The iterations from zero to the run's tolerance, and extreme singular values seen on the way to a tight one. */
-static PetscErrorCode WatchLanczos(const Operators *o, Extremes *e)
+/* Counts CG's iterations from zero to the run's tolerance, then solves to INNER_RTOL for the extreme singular values.
+ */
+static PetscErrorCode SolveTightly(const Operators *o, Extremes *e)
 {
   const KSP ksp = o->ksp;
   Vec       x;
@@ -210,12 +211,12 @@ static PetscErrorCode WatchLanczos(const Operators *o, Extremes *e)
   PetscCall(KSPSetTolerances(ksp, INNER_RTOL, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   PetscCall(VecSet(x, 0));
   PetscCall(KSPSolve(ksp, o->b, x));
-  PetscCall(KSPComputeExtremeSingularValues(ksp, &e->seen_most, &e->seen_least));
+  PetscCall(KSPComputeExtremeSingularValues(ksp, &e->cg_largest, &e->cg_smallest));
   PetscCall(VecDestroy(&x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The square root of each row's volume over V_0. */
+/* D^1/2 of Scaled: the square root of each row's volume over V_0. */
 static PetscErrorCode CreateRoot(Spectrum s, Vec like, Vec *root)
 {
   const Cloud  cloud = s->cloud;
@@ -233,7 +234,7 @@ static PetscErrorCode CreateRoot(Spectrum s, Vec like, Vec *root)
 
 static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
 {
-  KSP          model; /* of the run */
+  KSP          model; /* the run's solver */
   PC           pc;
   MatNullSpace null;
   PetscInt     vectors;
@@ -252,12 +253,12 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
     PetscCall(VecDuplicate(o->b, &o->constant));
     PetscCall(VecSet(o->constant, 1));
     PetscCall(MatNullSpaceGetVecs(null, NULL, &vectors, &vector));
-    if (vectors) PetscCall(VecCopy(vector[0], o->constant)); /* some rows have no part in it */
+    if (vectors) PetscCall(VecCopy(vector[0], o->constant)); /* zero in rows outside the null space */
     PetscCall(MatNullSpaceRemove(null, o->b));
     if (o->root) PetscCall(VecPointwiseMult(o->constant, o->constant, o->root));
   }
   PetscCall(CreateTightSolver(model, &o->ksp));
-  PetscCall(CreateShell(o, ApplyWatched, &o->watched));
+  PetscCall(CreateShell(o, ApplyOperator, &o->plain));
   PetscCall(CreateShell(o, ApplyInverse, &o->inverse));
   PetscCall(CreateShell(o, ApplyPreconditioned, &o->preconditioned));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -266,7 +267,7 @@ static PetscErrorCode CreateOperators(Spectrum s, Operators *o)
 static PetscErrorCode DestroyOperators(Operators *o)
 {
   PetscFunctionBegin;
-  PetscCall(MatDestroy(&o->watched));
+  PetscCall(MatDestroy(&o->plain));
   PetscCall(MatDestroy(&o->inverse));
   PetscCall(MatDestroy(&o->preconditioned));
   PetscCall(KSPDestroy(&o->ksp));
@@ -281,19 +282,19 @@ static PetscErrorCode FindExtremes(const Operators *o, Extremes *e)
   PetscBool found[4];
 
   PetscFunctionBegin;
-  PetscCall(SpectrumExtreme(o->watched, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &e->largest, &found[0]));
+  PetscCall(SpectrumExtreme(o->plain, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &e->largest, &found[0]));
   PetscCall(SpectrumExtreme(o->inverse, EPS_HEP, EPS_LARGEST_REAL, TOLERANCE, o->constant, &inverse, &found[1]));
   e->smallest = 1 / inverse;
-  PetscCall(
-    SpectrumExtreme(o->preconditioned, EPS_NHEP, EPS_LARGEST_REAL, 10 * TOLERANCE, o->constant, &e->most, &found[2]));
-  PetscCall(
-    SpectrumExtreme(o->preconditioned, EPS_NHEP, EPS_SMALLEST_REAL, 10 * TOLERANCE, o->constant, &e->least, &found[3]));
-  PetscCall(WatchLanczos(o, e));
+  PetscCall(SpectrumExtreme(o->preconditioned, EPS_NHEP, EPS_LARGEST_REAL, 10 * TOLERANCE, o->constant,
+                            &e->preconditioned_largest, &found[2]));
+  PetscCall(SpectrumExtreme(o->preconditioned, EPS_NHEP, EPS_SMALLEST_REAL, 10 * TOLERANCE, o->constant,
+                            &e->preconditioned_smallest, &found[3]));
+  PetscCall(SolveTightly(o, e));
   e->converged = (PetscBool)(found[0] && found[1] && found[2] && found[3]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The operator alone, beside theory. */
+/* Prints the plain operator beside theory. */
 static PetscErrorCode PrintOperator(Cloud cloud, const Operators *o, const Extremes *e, PetscInt rows)
 {
   const PetscReal density = BodyMaterial(SceneBody(cloud->scene, 0))->density, d0 = cloud->domain->spacing;
@@ -314,26 +315,26 @@ static PetscErrorCode PrintOperator(Cloud cloud, const Operators *o, const Extre
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The operator under the preconditioner, beside the iterations. */
+/* Prints the preconditioned operator beside the iterations. */
 static PetscErrorCode PrintPreconditioned(Cloud cloud, const Operators *o, const Extremes *e, PetscInt iterations)
 {
-  const PetscReal condition = e->most / e->least; /* and the bound on CG's iterations that follows from it */
-  const PetscReal bound =
+  const PetscReal condition = e->preconditioned_largest / e->preconditioned_smallest;
+  const PetscReal bound     = /* on the iterations of CG with this condition */
     PetscCeilReal(0.5 * PetscSqrtReal(condition) * PetscLogReal(2 * PetscSqrtReal(e->largest / e->smallest) / o->rtol));
 
   PetscFunctionBegin;
-  PetscCall(PetscPrintf(cloud->comm,
-                        "  with -pc_type %s\n"
-                        "    largest    %.5g, smallest %.5g, condition %.5g\n"
-                        "    CG saw     %.5g, %.5g, %.5g (KSPSetComputeSingularValues)\n"
-                        "    iterations %" PetscInt_FMT
-                        " from zero to %.0e; at most %.0f by that condition; %" PetscInt_FMT
-                        " in the last step, from the former pressure\n",
-                        o->preconditioner, (double)e->most, (double)e->least, (double)condition, (double)e->seen_most,
-                        (double)e->seen_least, (double)(e->seen_most / e->seen_least), e->iterations, (double)o->rtol,
-                        (double)bound, iterations));
+  PetscCall(
+    PetscPrintf(cloud->comm,
+                "  with -pc_type %s\n"
+                "    largest    %.5g, smallest %.5g, condition %.5g\n"
+                "    CG saw     %.5g, %.5g, %.5g (KSPSetComputeSingularValues)\n"
+                "    iterations %" PetscInt_FMT " from zero to %.0e; at most %.0f by that condition; %" PetscInt_FMT
+                " in the last step, from the former pressure\n",
+                o->preconditioner, (double)e->preconditioned_largest, (double)e->preconditioned_smallest,
+                (double)condition, (double)e->cg_largest, (double)e->cg_smallest,
+                (double)(e->cg_largest / e->cg_smallest), e->iterations, (double)o->rtol, (double)bound, iterations));
   if (!e->converged)
-    PetscCall(PetscPrintf(cloud->comm, "    nan: not converged; -spectrum_eps_max_it, -spectrum_eps_ncv help\n"));
+    PetscCall(PetscPrintf(cloud->comm, "    nan: not converged; increase -spectrum_eps_max_it or -spectrum_eps_ncv\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,14 +1,14 @@
-/* The class: options, and the reports one after the other. */
+/* The class: its options and its reports. */
 #include "spectrum_impl.h"
 
 PetscErrorCode SpectrumCreate(Cloud cloud, Tension tension, Pressure pressure, Spectrum *spectrum)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(spectrum));
-  (*spectrum)->cloud    = cloud;
-  (*spectrum)->tension  = tension;
-  (*spectrum)->pressure = pressure;
-  (*spectrum)->degrees  = 4;
+  (*spectrum)->cloud          = cloud;
+  (*spectrum)->tension        = tension;
+  (*spectrum)->pressure       = pressure;
+  (*spectrum)->highest_degree = 4;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -17,13 +17,13 @@ PetscErrorCode SpectrumSetFromOptions(Spectrum s)
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Spectrum", "Spectrum");
   PetscCall(PetscOptionsBool("-spectrum",
-                             "at the end of the run, report eigenvalues and condition of the pressure operator and the "
-                             "stability limits of the explicit terms",
+                             "report eigenvalues and condition of the pressure operator and the stability limits of "
+                             "the explicit terms at the end of the run",
                              "SpectrumSetFromOptions", s->wanted, &s->wanted, NULL));
   PetscCall(
     OptionInt("-spectrum_modes",
-              "highest degree of the modes of oscillation that -spectrum gives of a single free drop (1); 0: none",
-              "[0, 6]", &s->degrees));
+              "highest degree of the oscillation modes that -spectrum reports of a single free drop (1); 0: none",
+              "[0, 6]", &s->highest_degree));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -40,15 +40,15 @@ PetscErrorCode SpectrumRun(Spectrum s, const SpectrumStep *step)
   PetscFunctionBegin;
   s->viscosity = step->viscosity;
   PetscCall(SlepcInitialize(NULL, NULL, NULL, NULL));
-  PetscCall(PetscMalloc1(DIM * cloud->n_owned, &s->place));
-  PetscCall(PetscArraycpy(s->place, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
+  PetscCall(PetscMalloc1(DIM * cloud->n_owned, &s->position));
+  PetscCall(PetscArraycpy(s->position, cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
   PetscCall(PetscPrintf(cloud->comm, "Spectrum\n"));
   ProgressBegin("the spectrum", "the run before it is complete");
   PetscCall(PressureSetUp(s->pressure, step->dt));
   PetscCall(SpectrumPoisson(s, step->iterations));
   PetscCall(SpectrumLimits(s, step->dt));
   PetscCall(SpectrumModes(s));
-  PetscCall(PetscFree(s->place));
+  PetscCall(PetscFree(s->position));
   PetscCall(PressureReset(s->pressure));
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,6 @@
-/* Floor 6: what SLEPc knows of the operators, -spectrum: extreme eigenvalues and condition number of the pressure
-   operator, plain and preconditioned, beside what theory and the iterations say; the time steps at which the explicit
-   viscosity and surface tension become unstable; the oscillation modes of a free drop. */
+/* Floor 6: -spectrum reports, by SLEPc: extreme eigenvalues and condition number of the pressure operator, plain and
+   preconditioned, beside theory and the iterations of CG; the largest stable time steps of explicit viscosity and
+   surface tension; the oscillation modes of a free drop. */
 #ifndef ISPH_SPECTRUM_H
 #define ISPH_SPECTRUM_H
 
@@ -10,22 +10,22 @@
 
 typedef struct _p_Spectrum *Spectrum;
 
-/* The step that the operators are of. */
+/* The step in which the operators are analysed. */
 typedef struct {
   PetscReal        dt;         /* s */
-  PetscInt         iterations; /* of its pressure solver */
+  PetscInt         iterations; /* of the step's pressure solver */
   const Viscosity *viscosity;
 } SpectrumStep;
 
-/* SpectrumCreate - borrows all three. Collective. */
+/* SpectrumCreate - borrows cloud, tension and pressure. Collective. */
 PetscErrorCode SpectrumCreate(Cloud cloud, Tension tension, Pressure pressure, Spectrum *spectrum);
-/* SpectrumSetFromOptions - -spectrum, -spectrum_modes; the eigenvalue solvers read -spectrum_eps_* when they are used.
+/* SpectrumSetFromOptions - reads -spectrum and -spectrum_modes. The eigenvalue solvers read -spectrum_eps_* later.
    Collective. */
 PetscErrorCode SpectrumSetFromOptions(Spectrum spectrum);
 /* SpectrumWanted - whether -spectrum was given. Not collective. */
 PetscBool SpectrumWanted(Spectrum spectrum);
-/* SpectrumRun - prints the report on the state of the cloud, after stage one of a step (StepperPredict). The cloud's
-   fields are not worth anything afterwards; the swarm is untouched. Collective. */
+/* SpectrumRun - prints the report on the state of the cloud, after stage one of a step (StepperPredict). It destroys
+   the cloud's fields and leaves the swarm as it is. Collective. */
 PetscErrorCode SpectrumRun(Spectrum spectrum, const SpectrumStep *step);
 PetscErrorCode SpectrumDestroy(Spectrum *spectrum);
 

@@ -58,7 +58,7 @@ static PetscErrorCode GridExtent(CoarseGrid g, const PetscReal x[], const PetscB
   }
   PetscCheckUser(nodes < PETSC_MAX_INT, g->comm,
                  "the grid of the two-level preconditioner would have %.3g nodes, more than this build of PETSc can "
-                 "index: take a larger -pc_twolevel_ratio, or a PETSc configured with 64-bit indices",
+                 "index: take a larger -spacing, or a PETSc configured with 64-bit indices",
                  (double)nodes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
