@@ -1,18 +1,18 @@
-/* Joining. A ring with too small a share proposes to its nearest neighbour, a graded particle that is alone among
-   larger ones to the nearest of these. That one accepts the nearest of those who propose to it, unless it has itself
-   proposed to a third; of two that propose to each other the one with the smaller id stays. Ids and places decide, so
-   all ranks agree. */
+/* Joining. A ring with too small an area proposes to its nearest neighbour; a graded particle without others of its
+   size proposes to its nearest larger neighbour. A particle accepts the nearest proposer, unless it has proposed to a
+   third particle. If two particles propose to each other, the smaller id stays. Ids and positions decide, so all ranks
+   agree. */
 #include "resampling_impl.h"
 
-#define NOBODY   (-1)
-#define LEAST    0.6  /* ring area over spacing^2 below which rings join */
-#define TOGETHER 1.3  /* that of two that join, at most */
-#define REACH    1.25 /* spacings between two that join, at most ... */
-#define PATH     0.45 /* ... and over the smaller share: 0.75 for one of 0.6; a tiny one may go further */
-#define LARGER   1.5  /* times the size of a particle that is alone among such particles */
-#define TOUCHES  1.5  /* mean spacings of a pair: what is farther apart does not join */
+#define NOBODY      (-1)
+#define LEAST       0.6  /* ring area over spacing^2: a smaller ring joins */
+#define JOINED_MOST 1.3  /* largest ring area over spacing^2 after joining */
+#define REACH       1.25 /* spacings, largest distance of two rings that join */
+#define PATH        0.45 /* spacings, largest distance times the smaller area: 0.75 spacings for an area of 0.6 */
+#define LARGER      1.5  /* ratio of sizes from which a neighbour is larger */
+#define TOUCHES     1.5  /* mean spacings of a pair: largest distance of graded particles that join */
 
-/* Whether particle b may join with another: liquid, and not an image behind a face of the box. */
+/* Whether particle b may join: it is liquid and no image behind a face of the box. */
 static PetscBool MayJoin(Cloud cloud, PetscInt b)
 {
   const Domain     domain = cloud->domain;
@@ -32,7 +32,7 @@ static PetscReal Distance2(Cloud cloud, PetscInt a, PetscInt b)
   return Dot(r, r);
 }
 
-/* The size of a and b as one: the mean of theirs, by volume. */
+/* The size of a and b joined: the mean of their sizes, weighted by volume. */
 static PetscReal JoinedSize(Cloud cloud, PetscInt a, PetscInt b)
 {
   const PetscReal *V = cloud->volume, *size = cloud->size;
@@ -40,16 +40,16 @@ static PetscReal JoinedSize(Cloud cloud, PetscInt a, PetscInt b)
   return (V[a] * size[a] + V[b] * size[b]) / (V[a] + V[b]);
 }
 
-/* The share of a and b as one. */
-static PetscReal JoinedShare(Cloud cloud, const PetscReal share[], PetscInt a, PetscInt b)
+/* The ring area of a and b joined, over V_0. */
+static PetscReal JoinedArea(Cloud cloud, const PetscReal area[], PetscInt a, PetscInt b)
 {
   const PetscReal *size = cloud->size;
 
-  if (!size) return share[a] + share[b];
-  return (share[a] * PetscSqr(size[a]) + share[b] * PetscSqr(size[b])) / PetscSqr(JoinedSize(cloud, a, b));
+  if (!size) return area[a] + area[b];
+  return (area[a] * PetscSqr(size[a]) + area[b] * PetscSqr(size[b])) / PetscSqr(JoinedSize(cloud, a, b));
 }
 
-/* Whether a particle of body k may join with one of body l: it is the same liquid. */
+/* Whether the bodies k and l are the same liquid. */
 static PetscBool SameLiquid(Scene scene, PetscInt k, PetscInt l)
 {
   const Material *m, *n;
@@ -61,19 +61,19 @@ static PetscBool SameLiquid(Scene scene, PetscInt k, PetscInt l)
                      SceneLiquid(scene, k) == SceneLiquid(scene, l) && !SceneViscosityVaries(scene));
 }
 
-/* Whether two rings at the square d2 (m2) of their distance may join: of one body, close enough, and together not too
-   large. */
-static PetscBool RingsFit(Cloud cloud, const Resampling *resampling, const PetscReal share[], PetscInt a, PetscInt b,
+/* Whether the rings a and b may join: they belong to one body, are close, and make no ring that is too large. d2:
+   square of their distance, m2. */
+static PetscBool RingsFit(Cloud cloud, const Resampling *resampling, const PetscReal area[], PetscInt a, PetscInt b,
                           PetscReal d2)
 {
   const PetscReal spacing = CloudSize(cloud, a) * cloud->domain->spacing;
 
   return (PetscBool)(d2 <= PetscSqr(REACH * spacing) && cloud->integer[INT_BODY][a] == cloud->integer[INT_BODY][b] &&
-                     JoinedShare(cloud, share, a, b) <= TOGETHER &&
-                     PetscMin(share[a], share[b]) * PetscSqrtReal(d2) <= PATH * spacing);
+                     JoinedArea(cloud, area, a, b) <= JOINED_MOST &&
+                     PetscMin(area[a], area[b]) * PetscSqrtReal(d2) <= PATH * spacing);
 }
 
-/* The same of graded particles that are no rings. */
+/* Whether the graded particles a and b, no rings, may join. */
 static PetscBool SizesFit(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
 {
   const PetscReal *size = cloud->size, V = cloud->volume[a] + cloud->volume[b];
@@ -84,9 +84,9 @@ static PetscBool SizesFit(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
                      SameLiquid(cloud->scene, cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]));
 }
 
-/* The nearest neighbour of a that fits; with proposal ([n_total], NULL: any) only among those that have proposed to a.
-   The local index, or NOBODY. Of two equally near the smaller id. */
-static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscReal share[], PetscInt a,
+/* Local index of the nearest neighbour that may join a, or NOBODY. At equal distances the smaller id decides. proposal:
+   [n_total], the neighbour must have proposed to a; NULL: any neighbour. */
+static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscReal area[], PetscInt a,
                         const PetscInt proposal[])
 {
   const PetscInt *id    = cloud->integer[INT_ID];
@@ -99,15 +99,14 @@ static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscRe
 
     if (d2 > least || (d2 == least && id[b] > id[best])) continue;
     if (id[b] == id[a] || !MayJoin(cloud, b) || (proposal && proposal[b] != id[a])) continue;
-    if (!(cloud->domain->rings ? RingsFit(cloud, resampling, share, a, b, d2) : SizesFit(cloud, a, b, d2))) continue;
+    if (!(cloud->domain->rings ? RingsFit(cloud, resampling, area, a, b, d2) : SizesFit(cloud, a, b, d2))) continue;
     least = d2;
     best  = b;
   }
   return best;
 }
 
-/* Whether there is little liquid of its own size around particle a: it takes no part in what the larger ones compute,
-   which only push it about. */
+/* Whether little liquid of its own size surrounds particle a. */
 static PetscBool IsAlone(Cloud cloud, const Resampling *resampling, PetscInt a)
 {
   const PetscReal R = cloud->size[a] * KernelSupport(cloud->kernel);
@@ -118,8 +117,8 @@ static PetscBool IsAlone(Cloud cloud, const Resampling *resampling, PetscInt a)
   return (PetscBool)(V < resampling->alone * PETSC_PI * R * R * (cloud->domain->dim == 3 ? 4 * R / 3 : 1));
 }
 
-/* Particle b takes a up. */
-static void TakeUp(Cloud cloud, PetscInt b, PetscInt a, Change *change, ResamplingReport *report)
+/* Particle b absorbs a. */
+static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, ResamplingReport *report)
 {
   const PetscReal *V = cloud->volume, sum = V[a] + V[b], of_a = V[a] / sum, of_b = V[b] / sum;
   const PetscReal *u = cloud->field[FIELD_VELOCITY] + DIM * a, *v = cloud->field[FIELD_VELOCITY] + DIM * b;
@@ -148,18 +147,18 @@ PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *chan
     PetscBool small = PETSC_FALSE;
 
     if (a < cloud->n_fluid && MayJoin(cloud, a))
-      small = cloud->domain->rings ? (PetscBool)(change->share[a] < LEAST) : IsAlone(cloud, resampling, a);
-    chosen[a]   = small ? Nearest(cloud, resampling, change->share, a, NULL) : NOBODY;
+      small = cloud->domain->rings ? (PetscBool)(change->area[a] < LEAST) : IsAlone(cloud, resampling, a);
+    chosen[a]   = small ? Nearest(cloud, resampling, change->area, a, NULL) : NOBODY;
     proposal[a] = chosen[a] == NOBODY ? NOBODY : id[chosen[a]];
   }
   PetscCall(CloudUpdateIntArray(cloud, proposal));
   for (PetscInt b = 0; b < cloud->n_owned; b++) {
     PetscInt a = NOBODY;
 
-    if (b < cloud->n_fluid && MayJoin(cloud, b)) a = Nearest(cloud, resampling, change->share, b, proposal);
+    if (b < cloud->n_fluid && MayJoin(cloud, b)) a = Nearest(cloud, resampling, change->area, b, proposal);
     if (a != NOBODY && proposal[b] != NOBODY && (proposal[b] != id[a] || id[b] > id[a])) a = NOBODY;
     accepted[b] = a == NOBODY ? NOBODY : id[a];
-    if (a != NOBODY) TakeUp(cloud, b, a, change, report);
+    if (a != NOBODY) Absorb(cloud, b, a, change, report);
   }
   PetscCall(CloudUpdateIntArray(cloud, accepted));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {

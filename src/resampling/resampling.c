@@ -1,9 +1,9 @@
-/* Which particles change, and how the swarm becomes what they are then. */
+/* Resampling: options, the time of a resampling, and the change of the swarm. */
 #include "resampling_impl.h"
 
 #define INTERVAL 10
-#define RUSH     2     /* times the largest share: a ring that runs onto the axis grows so fast that it cannot wait */
-#define ALONE    0.125 /* about nine of the particles that a support holds in three dimensions */
+#define AT_ONCE  2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
+#define ALONE    0.125 /* about nine particles in three dimensions */
 
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
@@ -12,30 +12,29 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
   PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings, joining of graded particles", "Resampling");
   if (cloud->domain->rings || cloud->domain->graded || HelpWanted())
     PetscCall(OptionInt("-resampling_interval",
-                        "steps from one joining and splitting to the next, sooner if a ring is twice too fat (1); 0: "
-                        "never",
-                        "[0, inf)", &r->interval));
+                        "steps between two resamplings, sooner if a ring grows too large (1); 0: never", "[0, inf)",
+                        &r->interval));
   else
     r->interval = 0;
   if ((cloud->domain->graded && !cloud->domain->rings) || HelpWanted())
     PetscCall(OptionReal("-resampling_alone",
-                         "share of liquid of its own size in a graded particle's support below which it joins with a "
-                         "larger neighbour (1); 0: none does",
+                         "a graded particle joins a larger neighbour if liquid of its own size fills less than this "
+                         "part of its support (1); 0: never",
                          "[0, 1)", &r->alone));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal ResamplingShare(Cloud cloud, PetscInt a)
+PetscReal ResamplingArea(Cloud cloud, PetscInt a)
 {
-  const PetscReal share = cloud->volume[a] / (CloudRingLength(cloud, a) * cloud->domain->volume);
+  const PetscReal area = cloud->volume[a] / (CloudRingLength(cloud, a) * cloud->domain->volume);
 
-  return cloud->size ? share / PetscSqr(cloud->size[a]) : share;
+  return cloud->size ? area / PetscSqr(cloud->size[a]) : area;
 }
 
 PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
 {
-  return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > RUSH * MOST));
+  return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > AT_ONCE * MOST));
 }
 
 static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
@@ -43,19 +42,19 @@ static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
   PetscFunctionBegin;
   *change = (Change){.split = 0};
   PetscCall(
-    PetscMalloc3(cloud->n_owned, &change->keep, cloud->n_owned, &change->changed, cloud->n_total, &change->share));
+    PetscMalloc3(cloud->n_owned, &change->keep, cloud->n_owned, &change->changed, cloud->n_total, &change->area));
   PetscCall(PetscMalloc2(cloud->n_fluid, &change->parent, DIM * cloud->n_fluid, &change->at));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     change->keep[a]    = PETSC_TRUE;
     change->changed[a] = PETSC_FALSE;
   }
-  for (PetscInt a = 0; a < cloud->n_total && cloud->domain->rings; a++) change->share[a] = ResamplingShare(cloud, a);
+  for (PetscInt a = 0; a < cloud->n_total && cloud->domain->rings; a++) change->area[a] = ResamplingArea(cloud, a);
   PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ids of the new particles ([split]): behind all there are, but for those of emitters, in the order of their parents'
-   ids over all ranks. */
+/* Ids of the new particles ([split]). They follow the largest id of the scene, emitted particles aside, in the order of
+   the parents' ids over all ranks. */
 static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[])
 {
   PetscInt    last = 0, *own, *all;
@@ -87,7 +86,7 @@ static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the new halves behind the n particles of this rank that are left. */
+/* Appends the new halves behind the n particles that stay on this rank. */
 static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, const PetscInt id[])
 {
   ParticleArrays arrays;
@@ -118,7 +117,7 @@ static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The swarm after the change; what is in the cloud is that of before until CloudResync. */
+/* Changes the swarm. The cloud holds the state before until CloudResync. */
 static PetscErrorCode Apply(Cloud cloud, Change *change)
 {
   PetscInt n, *id;
@@ -156,7 +155,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   report->split  = done[1];
   if (done[0] + done[1] > 0) PetscCall(Apply(cloud, &change));
   PetscCall(PetscFree2(change.parent, change.at));
-  PetscCall(PetscFree3(change.keep, change.changed, change.share));
+  PetscCall(PetscFree3(change.keep, change.changed, change.area));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESAMPLING), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

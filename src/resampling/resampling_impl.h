@@ -4,27 +4,26 @@
 
 #include "resampling.h"
 
-/* The ring area over spacing^2 above which rings split. Chosen for rings, no reference: the largest becomes two of 0.8;
-   joined, two of the smallest are 1.2 at most (join.c). */
+/* Ring area over spacing^2: a larger ring splits. Chosen, no reference: the largest ring splits into halves of 0.8; two
+   of the smallest (join.c) join to 1.2. */
 #define MOST 1.6
 
-/* The particles as they will be: the swarm's arrays, in which those that stay are changed; which of them stay; and new
-   ones. The cloud keeps the state before. */
+/* The particles after resampling. The cloud keeps the state before. */
 typedef struct {
-  ParticleArrays arrays;
-  PetscBool     *keep;           /* [n_owned] */
-  PetscBool     *changed;        /* [n_owned] has joined with another: is not split as well */
-  PetscReal     *share;          /* [n_total] of rings, over V_0, at the end of the step */
-  PetscInt       split, *parent; /* [split] local indices of those that became two */
-  PetscReal *at; /* [split][3] m, from the parent's old place to the new particle's; the parent goes the other way */
+  ParticleArrays arrays;         /* of the swarm, with the new values of the particles that stay */
+  PetscBool     *keep;           /* [n_owned] whether the particle stays */
+  PetscBool     *changed;        /* [n_owned] whether the particle has absorbed another; then it does not split */
+  PetscReal     *area;           /* [n_total] of rings, over V_0, at the end of the step */
+  PetscInt       split, *parent; /* [split] local indices of the particles that split */
+  PetscReal     *at;             /* [split][3] m, displacement of the new half; the parent moves by -at */
 } Change;
 
-/* JoinSmall - joins particles with too small shares with their nearest neighbours. Collective. */
+/* JoinSmall - joins small particles with their nearest neighbours. Collective. */
 PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report);
-/* SplitLarge - chooses the particles to split and where their halves go, and moves the halves that keep their place in
-   the swarm. Not collective. */
+/* SplitLarge - chooses the particles that split and the positions of their halves, and moves the parents. Not
+   collective. */
 PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report);
-/* SplitVelocity - by how much (m/s) the velocity of the liquid differs at the distance at (m) from particle a. Not
+/* SplitVelocity - change dv (m/s) of the liquid's velocity over the displacement at (m) from particle a. Not
    collective. */
 void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal dv[DIM]);
 

@@ -1,14 +1,14 @@
-/* Splitting: in two halves of the same volume, so far apart as two particles of half the share are, in the direction in
-   which they stay farthest from all neighbours. A particle on the surface is split along it if
+/* Splitting. A ring splits into two halves of equal volume. Their distance is about the spacing of rings of half the
+   area; their direction keeps them farthest from all neighbours. A ring on the free surface splits along the surface if
    there is room. */
 #include "resampling_impl.h"
 
-#define DIRECTIONS 8    /* tried, of half a turn */
-#define APART      0.6  /* of the halves, over the square root of the share and the spacing */
-#define ALONG      (-1) /* the direction along the surface */
-#define NEARER     3    /* distances tried, each half of the one before */
-#define AXIS_LEAST 0.25 /* spacings: no half comes nearer to the axis or to a wall or mirror of the box */
-#define CLEARLY    1e-6 /* spacings: a direction is better by more than rounding */
+#define DIRECTIONS 8    /* tried within half a turn */
+#define APART      0.6  /* distance of the halves, over the spacing and the square root of the area */
+#define ALONG      (-1) /* the direction along the free surface */
+#define NEARER     3    /* distances tried, each half the last */
+#define AXIS_LEAST 0.25 /* spacings: least distance of a half from the axis, and from walls and mirrors of the box */
+#define CLEARLY    1e-6 /* spacings, beyond rounding: a direction is better from this on */
 
 void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal dv[DIM])
 {
@@ -20,7 +20,7 @@ void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal d
     dv[d] = cloud->field[FIELD_LAMBDA][a] > MOMENT_MINIMUM ? Dot(G + DIM * d, along) : 0;
 }
 
-/* How far (m) a point x is from all neighbours of a; negative where no half may be. */
+/* Distance (m) of the point x from the nearest neighbour of a; negative: no half may be there. */
 static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
   const Domain    domain  = cloud->domain;
@@ -42,8 +42,8 @@ static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
   return PetscSqrtReal(least2);
 }
 
-/* Where the halves of particle a go, each at a distance (m) from it: at (m) and the other way, along the surface if
-   there is room. False if there is none. */
+/* Finds the displacement at of a half of particle a; the other half moves by -at. distance: |at|, m. A ring on the free
+   surface splits along the surface if there is room. False: no room in any direction. */
 static PetscBool FindDirection(Cloud cloud, PetscInt a, PetscReal distance, PetscReal at[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *n = cloud->field[FIELD_NORMAL] + DIM * a;
@@ -69,10 +69,10 @@ static PetscBool FindDirection(Cloud cloud, PetscInt a, PetscReal distance, Pets
   return (PetscBool)(best > 0);
 }
 
-/* The same, as far apart as two particles of half the share are, or nearer where there is no room for that. */
-static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal share, PetscReal at[DIM])
+/* Finds the displacement at the spacing of rings of half the area; without room there, nearer. */
+static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal area, PetscReal at[DIM])
 {
-  PetscReal distance = 0.5 * APART * PetscSqrtReal(share) * CloudSize(cloud, a) * cloud->domain->spacing;
+  PetscReal distance = 0.5 * APART * PetscSqrtReal(area) * CloudSize(cloud, a) * cloud->domain->spacing;
 
   for (PetscInt k = 0; k < NEARER; k++, distance *= 0.5)
     if (FindDirection(cloud, a, distance, at)) return PETSC_TRUE;
@@ -87,8 +87,8 @@ PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *cha
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal *at = change->at + DIM * change->split, dv[DIM];
 
-    if (change->share[a] <= MOST || !change->keep[a] || change->changed[a]) continue;
-    if (!FindPlace(cloud, a, change->share[a], at)) continue;
+    if (change->area[a] <= MOST || !change->keep[a] || change->changed[a]) continue;
+    if (!FindPlace(cloud, a, change->area[a], at)) continue;
     SplitVelocity(cloud, a, at, dv);
     change->parent[change->split++] = a;
     arrays->real[FIELD_VOLUME][a] *= 0.5;

@@ -14,7 +14,7 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impul
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid && cloud->domain->rings; a++)
-    trial->largest[LARGEST_SHARE] = PetscMax(trial->largest[LARGEST_SHARE], ResamplingShare(cloud, a));
+    trial->largest[LARGEST_SHARE] = PetscMax(trial->largest[LARGEST_SHARE], ResamplingArea(cloud, a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

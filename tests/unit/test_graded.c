@@ -456,8 +456,8 @@ static void SumRings(Cloud cloud, PetscReal share[2], PetscReal sum[2])
   share[0] = PETSC_MAX_REAL;
   share[1] = sum[0] = sum[1] = 0;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    share[0] = PetscMin(share[0], ResamplingShare(cloud, a));
-    share[1] = PetscMax(share[1], ResamplingShare(cloud, a));
+    share[0] = PetscMin(share[0], ResamplingArea(cloud, a));
+    share[1] = PetscMax(share[1], ResamplingArea(cloud, a));
     sum[0] += cloud->volume[a] * cloud->field[FIELD_POSITION][DIM * a + 1];
     sum[1] += cloud->volume[a];
   }

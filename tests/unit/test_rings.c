@@ -476,7 +476,7 @@ static PetscErrorCode TestNarrow(void)
   PetscCall(SetupMoments(&s));
   PetscCall(SetupDivergence(&s));
   PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  CHECK(ResamplingDue(&resampling, 1, SetupMax(s.cloud->n_owned ? ResamplingShare(s.cloud, 0) : 0)),
+  CHECK(ResamplingDue(&resampling, 1, SetupMax(s.cloud->n_owned ? ResamplingArea(s.cloud, 0) : 0)),
         "resampling_does_not_wait_for_a_ring_that_is_far_too_fat");
   PetscCall(Resample(s.cloud, &resampling, &report));
   CHECK(report.split == 1, "resampling_splits_where_there_is_little_room");
