@@ -1,13 +1,14 @@
-/* Where free bodies are and how they move: columns of the series. */
+/* Position and motion of free bodies: columns of the series. */
 #include "gauges_impl.h"
 
-/* Columns of one body: its centre, velocity, and in a plane one number of each, in space three, for its turning. */
-typedef enum { COLUMN_PLACE, COLUMN_VELOCITY, COLUMN_TURN, COLUMN_RATE, COLUMN_KINDS } Kind;
+/* Columns of a body: centre, velocity, angle and angular velocity. The last two have one component in two dimensions,
+   three in three. */
+typedef enum { COLUMN_CENTER, COLUMN_VELOCITY, COLUMN_TURN, COLUMN_RATE, COLUMN_KINDS } Kind;
 
 static const char *const KindNames[] = {"", "velocity_", "turn_", "rate_"};
 static const char *const KindUnits[] = {"m", "m/s", "rad", "rad/s"};
 
-/* The directions of a kind of column: from 'first' on. */
+/* Returns the number of components of a kind of column; 'first' is the first component. */
 static PetscInt Directions(Domain domain, Kind kind, PetscInt *first)
 {
   const PetscBool turning = (PetscBool)(kind >= COLUMN_TURN);
@@ -20,7 +21,7 @@ static PetscInt Directions(Domain domain, Kind kind, PetscInt *first)
   return turning && domain->dim == 2 ? 1 : domain->dim;
 }
 
-/* The index of free body number k of -solids; -1: there are no more. */
+/* The index in -solids of free body number k; -1: no such body. */
 static PetscInt FreeBody(Scene scene, PetscInt k)
 {
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
@@ -48,12 +49,12 @@ static PetscErrorCode Name_Bodies(Gauges gauges, PetscInt column, char name[], s
 {
   const Domain   domain = gauges->cloud->domain;
   const PetscInt each = ColumnsEach(domain), body = FreeBody(gauges->cloud->scene, column / each);
-  PetscInt       place = column % each, kind = 0, first;
+  PetscInt       index = column % each, kind = 0, first;
 
   PetscFunctionBegin;
-  while (place >= Directions(domain, (Kind)kind, &first)) place -= Directions(domain, (Kind)kind++, &first);
+  while (index >= Directions(domain, (Kind)kind, &first)) index -= Directions(domain, (Kind)kind++, &first);
   PetscCall(PetscSNPrintf(name, length, "%s_%s%c_%s", BodyName(SceneSolid(gauges->cloud->scene, body)), KindNames[kind],
-                          AxisName(first + place), KindUnits[kind]));
+                          AxisName(first + index), KindUnits[kind]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,5 @@
-/* Which liquid hangs together, particle by particle: chains of neighbours closer than -gauge_connection. The cells of
-   crater_grid.c are too coarse for the crown, whose rim sheds drops a spacing or two away. */
+/* Connected pieces of liquid: chains of neighbours closer than -gauge_connection connect their particles. The cells of
+   crater_grid.c are too coarse for the crown, whose rim sheds drops at a distance of one or two spacings. */
 #include "gauges_impl.h"
 
 PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[])
@@ -10,9 +10,9 @@ PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[])
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(PetscMalloc1(cloud->n_total, &parent));
-  OperatorsJoin(cloud, gauges->connection * cloud->domain->spacing, parent);
+  OperatorsConnect(cloud, gauges->connection * cloud->domain->spacing, parent);
   for (PetscInt a = 0; a < cloud->n_owned; a++) label[a] = (PetscReal)cloud->integer[INT_ID][a]; /* exact as reals */
-  PetscCall(OperatorsSpreadLeast(cloud, parent, 1, label));
+  PetscCall(OperatorsComponentMinimum(cloud, parent, 1, label));
   PetscCall(PetscFree(parent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

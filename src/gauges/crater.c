@@ -1,28 +1,28 @@
-/* Crown, crater and jet of an impact as figure 2 of Kuri et al. (2014) plots them, measured on the particles. A
-   particle stands for a cube of one spacing, so a surface lies half a spacing beyond the outermost particles.
+/* Crown, crater and jet of an impact, as in figure 2 of Kuri et al. (2014). A particle fills a cube of one spacing, so
+   the free surface lies half a spacing beyond the outermost particles.
 
-   Depth of the crater: in each column of cells the surface is the highest liquid below the lowest air that is open to
-   the sky, so that neither voids nor overhanging crowns nor spray count. The depth is the mean over the few lowest
-   patches of two by two columns.
+   Depth of the crater: in each column of cells, the surface is the highest liquid below the lowest air that is open to
+   the sky. Voids, overhanging crowns and spray thus do not count. The depth is the mean over the few lowest patches of
+   two by two columns.
 
-   Diameter of the crater: in the layer of one spacing below the level, the share of each ring around the axis that
-   liquid fills. Going outwards, the crater's wall is where liquid begins again behind the first gap.
+   Diameter of the crater: liquid fills a fraction of each ring around the axis, in the layer of one spacing below the
+   level. The crater's wall is the first filled ring outside the first gap.
 
-   tests/unit/test_gauges.c measures shapes cut out of a lattice: with the numbers below, depth and diameter of a bowl
-   are right to 0.6 spacings, also where particles are displaced by a quarter of a spacing. */
+   tests/unit/test_gauges.c measures shapes cut out of a lattice. With the constants below, depth and diameter of a bowl
+   are right to 0.6 spacings, even if particles are displaced by a quarter of a spacing. */
 #include "gauges_impl.h"
 
 #define LOWEST_3D  5   /* patches averaged for the depth; half as many for each mirror through the axis */
 #define LOWEST_2D  3   /* the same in two dimensions */
-#define SECTORS    8   /* around the axis, to tell which share of a ring is in the box */
+#define SECTORS    8   /* around the axis: they sample the fraction of a ring that is in the box */
 #define RING       0.5 /* width of a ring, spacings */
-#define FILLED     0.5 /* a ring with a larger share of liquid than this is liquid */
-#define GAP        6   /* so many rings without liquid make a crater: three spacings, no hole between particles */
-#define MARGIN     4   /* rings to each side of the wall within which its roughness is averaged */
-#define RINGS_MOST ((PetscInt)1 << 21) /* a bound of the memory */
-#define SKIRT      2.0 /* the undisturbed level is measured further from the axis than this many jet radii */
+#define FILLED     0.5 /* fraction of liquid from which a ring is filled */
+#define GAP        6   /* rings without liquid that make a crater: three spacings, wider than holes between particles */
+#define MARGIN     4   /* rings on each side of the wall that average its roughness */
+#define RINGS_MOST ((PetscInt)1 << 21) /* bounds the memory */
+#define SKIRT      2.0                 /* jet radii: the level is measured farther from the axis than this */
 
-/* Horizontal vector from the axis to the point x, m; through periodic faces by the shortest way. */
+/* Horizontal vector r (m) from the axis to the nearest periodic image of the point x. */
 static inline void FromAxis(Gauges gauges, const PetscReal x[], PetscReal r[2])
 {
   const Domain domain = gauges->cloud->domain;
@@ -38,15 +38,16 @@ static inline void FromAxis(Gauges gauges, const PetscReal x[], PetscReal r[2])
   }
 }
 
-/* A particle of the pool: its distance from the axis and height (m), of a larger one that of the highest of the fine
-   ones it could be divided into; how many of these would be in one layer, of a ring how many particles its share of the
-   sums is; the columns that it covers, and the layer of its cell. */
+/* A particle of the pool. Graded spacing: a particle larger than the finest spacing counts as the fine particles that
+   it could be divided into. */
 typedef struct {
-  PetscReal radius, height, count;
-  PetscInt  first[2], last[2], layer;
+  PetscReal radius, height;    /* m: distance from the axis; height of the highest fine particle */
+  PetscReal count;             /* fine particles in one layer; of a ring, cross-section over V_0 */
+  PetscInt  first[2], last[2]; /* columns that the particle covers */
+  PetscInt  layer;             /* of its cell */
 } PoolParticle;
 
-/* The pool's liquid on this rank: n particles, in an array to be freed. */
+/* The pool's n particles on this rank; free the array. */
 static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, const CraterGrid *grid, PetscInt *n,
                                PoolParticle **pool)
 {
@@ -68,7 +69,7 @@ static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, cons
     (void)CraterGridReach(grid, x, size, domain->spacing, first, last);
     (*pool)[(*n)++] = (PoolParticle){.radius = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]),
                                      .height = x[up] + 0.5 * (size - 1) * domain->spacing,
-                                     .count  = ParticleShare(domain, arrays, a) / (size * domain->volume),
+                                     .count  = ParticleSumVolume(domain, arrays, a) / (size * domain->volume),
                                      .first  = {first[0], first[1]},
                                      .last   = {last[0], last[1]},
                                      .layer  = index[2]};
@@ -76,7 +77,7 @@ static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Centre x (m) of a column in the components of the position; the vertical one is untouched. */
+/* Sets the horizontal components of x (m) to the centre of a column. */
 static void ColumnCentre(const CraterGrid *grid, PetscInt column, PetscReal x[DIM])
 {
   const PetscInt along = column % grid->n[0], across = column / grid->n[0];
@@ -85,12 +86,11 @@ static void ColumnCentre(const CraterGrid *grid, PetscInt column, PetscReal x[DI
   x[grid->component[1]] = grid->lower[1] + (across - 0.5) * grid->size;
 }
 
-/* The surface of the pool that the sky sees: for each column its distance from the axis (m), whether it is inside the
-   crater radius, and the height (m) of its highest particle below the lowest open air; -PETSC_MAX_REAL where there is
-   none. */
+/* The pool's surface below the open sky, [columns]. */
 typedef struct {
-  PetscReal *radius, *top;
-  PetscBool *inside;
+  PetscReal *radius; /* m, distance of the column from the axis */
+  PetscReal *top;    /* m, height of the highest particle below the lowest open air; -PETSC_MAX_REAL: none */
+  PetscBool *inside; /* the crater radius */
 } SkyMap;
 
 static PetscErrorCode SkyMapCreate(Gauges gauges, CraterGrid *grid, PetscInt n, const PoolParticle pool[], SkyMap *map)
@@ -133,8 +133,8 @@ static PetscErrorCode SkyMapDestroy(SkyMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Height (m) of the undisturbed surface: the mean around the place of the impact; without liquid there, the top of the
-   pool's body. */
+/* Height (m) of the undisturbed free surface: the mean outside the impact. Without liquid there, the top of the pool's
+   body. */
 static PetscReal MeasureLevel(Gauges gauges, const CraterGrid *grid, const SkyMap *map)
 {
   const PetscReal half = 0.5 * gauges->cloud->domain->spacing;
@@ -152,7 +152,7 @@ static PetscReal MeasureLevel(Gauges gauges, const CraterGrid *grid, const SkyMa
   return upper[gauges->cloud->domain->dim - 1];
 }
 
-/* The surface of a column, m; the bottom of the pool's body where it has run dry. False outside the pool. */
+/* The height z (m) of a column's surface. A dry column has the bottom of the pool's body. False: outside the pool. */
 static PetscBool ColumnSurface(Gauges gauges, const CraterGrid *grid, const SkyMap *map, PetscInt column, PetscReal *z)
 {
   const PetscReal half   = 0.5 * gauges->cloud->domain->spacing;
@@ -169,7 +169,8 @@ static PetscBool ColumnSurface(Gauges gauges, const CraterGrid *grid, const SkyM
   return BodyContains(SceneBody(gauges->cloud->scene, gauges->crater.pool), x);
 }
 
-/* Mean surface (m) of the patch of two columns a side that begins with this one. False unless all are of the pool. */
+/* Mean height (m) of the patch of two columns a side that begins with this column. False: not all columns lie in the
+   pool. */
 static PetscBool PatchSurface(Gauges gauges, const CraterGrid *grid, const SkyMap *map, PetscInt column,
                               PetscReal *mean)
 {
@@ -205,7 +206,7 @@ static PetscReal CraterDepth(Gauges gauges, const CraterGrid *grid, const SkyMap
   return n ? gauges->level - sum / n : NAN;
 }
 
-/* Whether a sector lies in the box: a mirror scene has only some. */
+/* Whether a sector lies in the box. Mirrors through the axis cut sectors off. */
 static PetscBool SectorExists(Gauges gauges, PetscInt sector)
 {
   const Domain    domain = gauges->cloud->domain;
@@ -221,7 +222,7 @@ static PetscBool SectorExists(Gauges gauges, PetscInt sector)
 }
 
 /* Share of a ring around the axis that lies in the box. */
-static PetscReal RingShare(Gauges gauges)
+static PetscReal RingFraction(Gauges gauges)
 {
   PetscInt sectors = 0, all = gauges->cloud->domain->dim == 2 ? 2 : SECTORS;
 
@@ -235,22 +236,22 @@ static PetscReal RingArea(PetscInt dim, PetscReal inner, PetscReal outer)
   return dim == 2 ? 2 * (outer - inner) : PETSC_PI * (outer * outer - inner * inner);
 }
 
-/* Radius (m) of the crater's wall, from the share of rings of width w (m) that liquid fills. The wall is at the first
-   filled ring behind a gap; its radius is interpolated from the area that is missing in the rings around that one, as
-   if all of it were missing inside one radius. 0 without a gap, negative without liquid. */
-static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const PetscReal share[])
+/* Radius (m) of the crater's wall; liquid fills fraction[k] of ring k, whose width is w (m). The wall is the first
+   filled ring outside a gap. The radius is that of a sharp wall with the same empty area in the rings around this ring.
+   0: no gap; negative: no liquid. */
+static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const PetscReal fraction[])
 {
   PetscInt  gap     = 0, wall, first, last;
   PetscReal missing = 0;
 
   for (wall = 0; wall < rings; wall++) {
-    if (share[wall] >= FILLED && gap >= GAP) break;
-    gap = share[wall] < FILLED ? gap + 1 : 0;
+    if (fraction[wall] >= FILLED && gap >= GAP) break;
+    gap = fraction[wall] < FILLED ? gap + 1 : 0;
   }
   if (wall == rings) return gap == rings ? -1 : 0;
   first = PetscMax(wall - MARGIN, 0);
   last  = PetscMin(wall + MARGIN, rings - 1);
-  for (PetscInt k = first; k <= last; k++) missing += (1 - share[k]) * RingArea(dim, k * w, (k + 1) * w);
+  for (PetscInt k = first; k <= last; k++) missing += (1 - fraction[k]) * RingArea(dim, k * w, (k + 1) * w);
   return dim == 2 ? first * w + missing / 2 : PetscSqrtReal(PetscSqr(first * w) + missing / PETSC_PI);
 }
 
@@ -260,26 +261,26 @@ static PetscErrorCode CraterDiameter(Gauges gauges, PetscInt n, const PoolPartic
   const Domain    domain = gauges->cloud->domain;
   const PetscReal d0 = domain->spacing, w = RING * d0, reach = PetscMin(2 * gauges->crater.radius, RINGS_MOST * w);
   const PetscInt  rings = (PetscInt)PetscCeilReal(reach / w) + 1;
-  const PetscReal full  = RingShare(gauges) * d0 / domain->volume; /* particles an area of a full ring */
-  PetscReal      *share, radius;
+  const PetscReal full  = RingFraction(gauges) * d0 / domain->volume; /* particles per area of a full ring */
+  PetscReal      *fraction, radius;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(rings, &share));
+  PetscCall(PetscCalloc1(rings, &fraction));
   for (PetscInt a = 0; a < n; a++) {
     const PetscInt ring = pool[a].radius < rings * w ? (PetscInt)(pool[a].radius / w) : rings;
 
     if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0)
-      share[ring] += pool[a].count;
+      fraction[ring] += pool[a].count;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, gauges->comm));
-  for (PetscInt k = 0; k < rings; k++) share[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);
-  radius = WallRadius(domain->dim, rings, w, share);
-  PetscCall(PetscFree(share));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, fraction, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, gauges->comm));
+  for (PetscInt k = 0; k < rings; k++) fraction[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);
+  radius = WallRadius(domain->dim, rings, w, fraction);
+  PetscCall(PetscFree(fraction));
   *diameter = radius >= 0 ? 2 * radius : NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Heights of crown and jet: the highest particles that hang together with the pool. */
+/* Heights of crown and jet: the highest particles connected with the pool. */
 static PetscErrorCode CrownAndJet(Gauges gauges, CraterValues *values)
 {
   const Cloud      cloud  = gauges->cloud;

@@ -1,13 +1,13 @@
-/* Cells over the fluid: which liquid hangs together with the pool, and which surface the sky sees. */
+/* Cells over the fluid: the liquid connected with the pool, and the surface below the open sky. */
 #include "gauges_impl.h"
 
 #define SKY_LAYERS 3         /* of empty cells on top of the fluid, where the sky starts */
-#define SKY_GAP    2         /* the sky enters gaps of so many cells a side: a hole between particles is no crater */
-#define MAX_CELLS  (1 << 25) /* if there were more, cells are made larger: a bound of the memory */
-#define COARSENING 1.25      /* by this factor at a time */
+#define SKY_GAP    2         /* cells a side of a gap that the sky enters: holes between particles are narrower */
+#define MAX_CELLS  (1 << 25) /* bounds the memory: a scene with more gets larger cells */
+#define COARSENING 1.25      /* factor of one enlargement */
 #define NEIGHBORS  26        /* cells that touch a cell, at corners too */
 
-/* Ends of the fluid of all ranks along the grid's axes, m: minus the lower ones, then the upper ones. */
+/* Bounds of the fluid of all ranks along the grid's axes, m: minus the lower bounds, then the upper bounds. */
 static PetscErrorCode FluidBounds(Gauges gauges, const ParticleArrays *arrays, const PetscInt component[],
                                   PetscReal bounds[2 * DIM])
 {
@@ -57,8 +57,8 @@ static PetscErrorCode SetSizes(Gauges gauges, const ParticleArrays *arrays, Crat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Visits all liquid that is connected with a cell: queue[start .. end) in the end, which is returned. body: how many of
-   these cells hold liquid of the pool's body. The rim is empty, so no step leaves the grid. */
+/* Visits all liquid connected with the cell 'seed': afterwards queue[start .. end) holds its cells. Returns 'end'.
+   body: number of these cells with liquid of the pool's body. The rim is empty, so no step leaves the grid. */
 static PetscInt Flood(CraterGrid *grid, const PetscInt step[NEIGHBORS], PetscInt seed, PetscInt start, PetscInt *body)
 {
   PetscInt end = start;
@@ -141,7 +141,7 @@ PetscErrorCode CraterGridDestroy(CraterGrid *grid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Blocks of SKY_GAP cells a side, named by their first cell. */
+/* A block of SKY_GAP cells a side; its first cell identifies it. */
 typedef struct {
   PetscInt cells, offset[SKY_GAP * SKY_GAP * SKY_GAP];
 } Block;
@@ -154,7 +154,8 @@ static void BlockSet(const CraterGrid *grid, PetscInt dim, Block *block)
       for (PetscInt i = 0; i < SKY_GAP; i++) block->offset[block->cells++] = CellIndex(grid->n, i, j, k);
 }
 
-/* Tests a block once: inside the columns, above the bottom rim, and without liquid of the pool. */
+/* Whether the sky may enter block c: the block is inside the columns, above the bottom rim, and without liquid of the
+   pool. True at most once for a block. */
 static PetscBool BlockEnter(CraterGrid *grid, const Block *block, const PetscBool inside[], PetscInt c)
 {
   PetscInt column;

@@ -1,13 +1,13 @@
-/* Where the axis, the pool and the crater of an impact are. */
+/* Options of the crater gauge: axis, pool and crater of an impact. */
 #include "gauges_impl.h"
 
-#define JET_RADIUS                                                                                                     \
-  1.1                   /* default of -gauge_jet_radius, in half widths of the last body: a little wider than the drop \
-                         */
-#define CELL_SIZE  1.25 /* default of -gauge_cell, in spacings: a lattice of particles leaves no such cell empty */
+#define JET_RADIUS 1.1 /* default of -gauge_jet_radius, half widths of the last body: a little wider than the drop */
+#define CELL_SIZE                                                                                                      \
+  1.25 /* default of -gauge_cell, spacings: a lattice of particles leaves no cell of this width empty                  \
+        */
 #define CELL_LEAST 1.0
 #define CELL_MOST  4.0
-#define NEAR       0.5 /* spacings: what is this close to a mirror lies on it */
+#define NEAR       0.5 /* spacings: an axis or a body closer than this to a mirror lies on the mirror */
 
 void GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM])
 {
@@ -20,7 +20,7 @@ void GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscRe
   }
 }
 
-/* Whether an extent from 'lower' to 'upper' (m) reaches the mirror on a side of the box. */
+/* Whether the interval lower..upper (m) reaches a mirror on this side of the box. */
 static PetscBool OnMirror(Domain domain, PetscInt d, PetscInt side, PetscReal lower, PetscReal upper)
 {
   const PetscReal near = NEAR * domain->spacing;
@@ -40,7 +40,7 @@ PetscInt CraterMirrors(Gauges gauges)
   return mirrors;
 }
 
-/* The pool is the first body; axis and jet radius are those of the last one, taken with its mirror images. */
+/* The pool is the first body. Axis and jet radius are those of the last body together with its mirror images. */
 static PetscErrorCode Defaults(Gauges gauges)
 {
   const Domain domain = gauges->cloud->domain;
@@ -65,7 +65,7 @@ static PetscErrorCode Defaults(Gauges gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Half of the distance from the axis to the nearest face of the box that is no mirror through the axis, m. */
+/* Half the distance (m) from the axis to the nearest face of the box, other than mirrors through the axis. */
 static PetscReal CraterRadius(Gauges gauges)
 {
   const Domain     domain = gauges->cloud->domain;
@@ -85,7 +85,7 @@ static PetscReal CraterRadius(Gauges gauges)
 static PetscErrorCode SetFromOptions_Crater(Gauges gauges, OptionItems PetscOptionsObject)
 {
   CraterSetup *crater = &gauges->crater;
-  PetscInt     n      = gauges->cloud->domain->dim; /* one more than wanted, to notice it */
+  PetscInt     n      = gauges->cloud->domain->dim; /* room for one number too many, to refuse it */
   PetscBool    set[5];
 
   PetscFunctionBegin;
@@ -97,21 +97,21 @@ static PetscErrorCode SetFromOptions_Crater(Gauges gauges, OptionItems PetscOpti
                                   "GaugesCrater", crater->axis, &n, &set[1]));
   crater->axis_numbers = set[1] ? n : gauges->cloud->domain->dim - 1;
   PetscCall(PetscOptionsReal("-gauge_jet_radius",
-                             "Liquid within this distance of the axis is jet, not crown, m; default: 1.1 half widths "
-                             "of the last body",
+                             "Radius around the axis that separates jet from crown, m; default: 1.1 half widths of the "
+                             "last body",
                              "GaugesCrater", crater->jet_radius, &crater->jet_radius, &set[2]));
   crater->radius = CraterRadius(gauges);
   PetscCall(PetscOptionsReal("-gauge_crater_radius",
-                             "The crater is looked for within this distance of the axis, m; default: half way to the "
-                             "box",
+                             "Radius around the axis in which the crater is measured, m; default: half the distance to "
+                             "the nearest face of the box",
                              "GaugesCrater", crater->radius, &crater->radius, &set[3]));
   PetscCall(PetscOptionsReal("-gauge_cell",
-                             "Cells that tell liquid from air for the crater's depth and diameter, 1 to 4 (spacings)",
+                             "Width of the cells, liquid or air, that measure the crater, 1 to 4 (spacings)",
                              "GaugesCrater", crater->cell, &crater->cell, &set[4]));
   crater->wanted = (PetscBool)(set[0] || set[1] || set[2] || set[3] || set[4]);
   PetscCall(PetscOptionsBool("-gauge_crater",
-                             "The series holds heights of crown and jet, depth and diameter of the crater; default: "
-                             "whether one of -gauge_pool, _axis, _jet_radius, _crater_radius, _cell is given",
+                             "Write heights of crown and jet, depth and diameter of the crater to the series; default: "
+                             "true if one of -gauge_pool, _axis, _jet_radius, _crater_radius, _cell is given",
                              "GaugesCrater", crater->wanted, &crater->wanted, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,19 +1,19 @@
-/* Droplets: pieces of liquid that hang together by steps shorter than -gauge_connection, but for the largest piece.
-   Four columns of the series, and a row of droplets.csv for each droplet. */
+/* Droplets: all connected pieces of liquid (-gauge_connection), except the largest. They fill four columns of the
+   series, and each droplet a row of droplets.csv. */
 #include "gauges_impl.h"
 #include <stdlib.h>
 
 #define DROPLET_LEAST   2 /* default of -gauge_droplet_least: single particles are spray */
 #define DROPLET_COLUMNS 4 /* of the series */
-#define ROW_COLUMNS     9 /* of droplets.csv: particles, volume, place, velocity, number */
+#define ROW_COLUMNS     9 /* of droplets.csv: particles, volume, centre, velocity, number */
 
-/* A piece of liquid: particles that hang together. All members are reals, to be sent as such. */
+/* A connected piece of liquid. All members are reals, so that MPI sends it as reals. */
 typedef struct {
-  PetscReal label; /* smallest id of its particles */
-  PetscReal particles, volume,
-    number; /* m3 (m2 in two dimensions); number: of pieces like this in the whole that -gauge_multiplicity makes */
-  PetscReal place[DIM], velocity[DIM]; /* means, m and m/s */
-  PetscReal mirror[DIM];               /* -1, 1: it touches the mirror at the box's lower, upper end; 0: none */
+  PetscReal label;                      /* smallest id of its particles */
+  PetscReal particles, volume;          /* volume: m3, in two dimensions m2 */
+  PetscReal number;                     /* copies of this piece in the whole scene (-gauge_multiplicity) */
+  PetscReal center[DIM], velocity[DIM]; /* means, m and m/s */
+  PetscReal mirror[DIM];                /* -1, 1: the piece touches the mirror at the lower, upper face; 0: neither */
 } Piece;
 
 #define PIECE_REALS ((PetscMPIInt)(sizeof(Piece) / sizeof(PetscReal)))
@@ -32,7 +32,8 @@ static int CompareSizes(const void *a, const void *b)
   return x != y ? (x < y) - (x > y) : CompareLabels(a, b);
 }
 
-/* Adds up pieces of one label, in order of labels; returns how many are left. Places and velocities are sums here. */
+/* Sorts the pieces by label and adds up those of one label; returns the number of labels. Centres and velocities are
+   sums here. */
 static PetscInt Merge(PetscInt n, Piece piece[])
 {
   PetscInt count = 0;
@@ -48,7 +49,7 @@ static PetscInt Merge(PetscInt n, Piece piece[])
     to->particles += piece[k].particles;
     to->volume += piece[k].volume;
     for (PetscInt d = 0; d < DIM; d++) {
-      to->place[d] += piece[k].place[d];
+      to->center[d] += piece[k].center[d];
       to->velocity[d] += piece[k].velocity[d];
       if (piece[k].mirror[d] != 0) to->mirror[d] = piece[k].mirror[d];
     }
@@ -56,7 +57,6 @@ static PetscInt Merge(PetscInt n, Piece piece[])
   return count;
 }
 
-/* The pieces that one particle is. */
 static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal touch)
 {
   const Domain domain = cloud->domain;
@@ -65,7 +65,7 @@ static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal x = cloud->field[FIELD_POSITION][DIM * a + d];
 
-    piece.place[d]    = x;
+    piece.center[d]   = x;
     piece.velocity[d] = cloud->field[FIELD_VELOCITY][DIM * a + d];
     if (domain->face[d][0] == FACE_SYMMETRY && x - domain->lower[d] < touch) piece.mirror[d] = -1;
     if (domain->face[d][1] == FACE_SYMMETRY && domain->upper[d] - x < touch) piece.mirror[d] = 1;
@@ -73,15 +73,15 @@ static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal 
   return piece;
 }
 
-/* From sums to means. A piece that touches a mirror hangs together with its image, so the whole piece has twice the
-   particles, its centre on the mirror, and half as many like it are in the whole scene: as far as -gauge_multiplicity
-   says that there is more than the simulated part. */
+/* Divides the sums by the number of particles. A piece that touches a mirror is connected with its image: the whole
+   piece has twice the particles, its centre is on the mirror, and half as many copies are in the whole scene. Without
+   -gauge_multiplicity the image does not count. */
 static void FinishPiece(Gauges gauges, Piece *piece)
 {
   const Domain domain = gauges->cloud->domain;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    piece->place[d] /= piece->particles;
+    piece->center[d] /= piece->particles;
     piece->velocity[d] /= piece->particles;
   }
   piece->number = gauges->multiplicity;
@@ -90,19 +90,19 @@ static void FinishPiece(Gauges gauges, Piece *piece)
     piece->number /= 2;
     piece->particles *= 2;
     piece->volume *= 2;
-    piece->place[d]    = piece->mirror[d] < 0 ? domain->lower[d] : domain->upper[d];
+    piece->center[d]   = piece->mirror[d] < 0 ? domain->lower[d] : domain->upper[d];
     piece->velocity[d] = 0;
   }
 }
 
-/* All pieces, the largest first, on rank 0, to be freed with PetscFree; elsewhere none. Collective. */
+/* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. Collective. */
 static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
 {
   Cloud           cloud = gauges->cloud;
-  const PetscReal touch = 0.5 * gauges->connection * cloud->domain->spacing; /* so near, a particle joins its image */
+  const PetscReal touch = 0.5 * gauges->connection * cloud->domain->spacing; /* half the distance to the image */
   Piece          *own;
   PetscReal      *label;
-  PetscMPIInt     send, *number = NULL, *place = NULL, total = 0;
+  PetscMPIInt     send, *number = NULL, *start = NULL, total = 0;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, 1, &label));
@@ -112,15 +112,15 @@ static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
     own[a] = SingleParticle(cloud, a, label[a], CloudSize(cloud, a) * touch);
   PetscCall(CloudRestoreWork(cloud, &label));
   send = PIECE_REALS * (PetscMPIInt)Merge(cloud->n_fluid, own);
-  PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &place));
+  PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &start));
   PetscCallMPI(MPI_Gather(&send, 1, MPI_INT, number, 1, MPI_INT, 0, gauges->comm));
   for (PetscMPIInt r = 0; r < gauges->size && !gauges->rank; r++) {
-    place[r] = total;
+    start[r] = total;
     total += number[r];
   }
   PetscCall(PetscMalloc1(total / PIECE_REALS, piece));
-  PetscCallMPI(MPI_Gatherv(own, send, MPIU_REAL, *piece, number, place, MPIU_REAL, 0, gauges->comm));
-  PetscCall(PetscFree2(number, place));
+  PetscCallMPI(MPI_Gatherv(own, send, MPIU_REAL, *piece, number, start, MPIU_REAL, 0, gauges->comm));
+  PetscCall(PetscFree2(number, start));
   PetscCall(PetscFree(own));
   *count = Merge(total / PIECE_REALS, *piece);
   for (PetscInt k = 0; k < *count; k++) FinishPiece(gauges, &(*piece)[k]);
@@ -133,8 +133,8 @@ static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOp
   PetscFunctionBegin;
   gauges->droplet_least = DROPLET_LEAST;
   PetscCall(PetscOptionsBool("-gauge_droplets",
-                             "The series holds number and volume of the droplets, droplets.csv lists them at each "
-                             "snapshot: pieces that hang together (-gauge_connection), but for the largest",
+                             "Write number and volume of the droplets to the series, and a row for each to "
+                             "droplets.csv at each snapshot: droplets are all connected pieces but the largest",
                              "GaugesMeasure", gauges->droplets, &gauges->droplets, NULL));
   PetscCall(OptionInt("-gauge_droplet_least", "Particles of the smallest droplet (1); smaller ones are spray",
                       "[1, inf)", &gauges->droplet_least));
@@ -155,8 +155,8 @@ static PetscErrorCode Name_Droplets(Gauges gauges, PetscInt column, char name[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Number and volume (m3; m2 in two dimensions) of the droplets, the largest one's volume, particles of spray; on rank
-   0. */
+/* On rank 0: number of droplets, their volume and that of the largest droplet (m3, in two dimensions m2), number of
+   spray particles. */
 static PetscErrorCode Measure_Droplets(Gauges gauges, PetscReal value[])
 {
   PetscInt count;
@@ -207,7 +207,7 @@ static PetscErrorCode Rows_Droplets(Gauges gauges, PetscInt *count, PetscInt *wi
 
     row[0] = droplet->particles;
     row[1] = droplet->volume;
-    PetscCall(PetscArraycpy(row + 2, droplet->place, DIM));
+    PetscCall(PetscArraycpy(row + 2, droplet->center, DIM));
     PetscCall(PetscArraycpy(row + 2 + DIM, droplet->velocity, DIM));
     row[2 + 2 * DIM] = droplet->number;
   }

@@ -1,11 +1,11 @@
 /* Forces of the liquid on the walls of the box and on solids: columns of the series. */
 #include "gauges_impl.h"
 
-#define TIE 1e-6 /* spacings within which depths are equal */
+#define TIE 1e-6 /* spacings: depths that differ by less are equal */
 
 static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
 
-/* The wall faces of the box in order: direction and side of number 'index'; returns their number. */
+/* Returns the number of wall faces of the box; direction and side are those of wall face 'index', if it exists. */
 static PetscInt WallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side)
 {
   PetscInt count = 0;
@@ -26,22 +26,22 @@ static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOpti
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-gauge_forces",
-                             "The series holds the force of the liquid on each wall of the box and each solid (N), and "
-                             "the pull of surface tension at all lines of contact together; "
-                             "of a solid that moves freely, not exactly the one that moves it",
+                             "Write to the series the force of the liquid on each wall of the box and each solid (N), "
+                             "and the sum of the capillary forces at all contact lines; the force on a free solid "
+                             "differs slightly from the force that moves it",
                              "GaugesMeasure", gauges->forces, &gauges->forces, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many walls and solids there are. */
+/* The number of walls and solids. */
 static PetscInt ReceiverCount(Gauges gauges)
 {
   return WallFace(gauges->cloud->domain, -1, NULL, NULL) + SceneSolidCount(gauges->cloud->scene);
 }
 
-/* How many columns the pull of lines of contact has, and the direction of number 'index': those without a mirror,
-   behind which there is liquid that is not counted, and of rings that along the axis. */
-static PetscInt PullDirection(Gauges gauges, PetscInt index, PetscInt *direction)
+/* Returns the number of columns of the capillary force at contact lines; direction: that of column 'index'. A direction
+   with a mirror has no column, since the liquid behind the mirror does not count. Rings have the axial direction. */
+static PetscInt ContactDirection(Gauges gauges, PetscInt index, PetscInt *direction)
 {
   const Domain domain = gauges->cloud->domain;
   PetscInt     count  = 0;
@@ -58,7 +58,7 @@ static PetscInt PullDirection(Gauges gauges, PetscInt index, PetscInt *direction
 static PetscInt Columns_Forces(Gauges gauges)
 {
   if (!gauges->forces) return 0;
-  return ReceiverCount(gauges) * gauges->cloud->domain->dim + PullDirection(gauges, -1, NULL);
+  return ReceiverCount(gauges) * gauges->cloud->domain->dim + ContactDirection(gauges, -1, NULL);
 }
 
 static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], size_t length)
@@ -69,7 +69,7 @@ static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], s
 
   PetscFunctionBegin;
   if (index >= ReceiverCount(gauges)) {
-    (void)PullDirection(gauges, column - ReceiverCount(gauges) * dim, &d);
+    (void)ContactDirection(gauges, column - ReceiverCount(gauges) * dim, &d);
     PetscCall(PetscSNPrintf(name, length, "force_tension_%c_%s", AxisName(d), GaugeUnit(gauges->cloud->domain, "N")));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -79,8 +79,8 @@ static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which receiver a dummy particle belongs to: its solid, or the wall that it is deepest behind, of equals
-   (behind an edge) the first. */
+/* The receiver of a dummy particle's force: its solid, or the wall behind which the particle lies deepest. Behind an
+   edge of the box, the first of equally deep walls. */
 static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
 {
   const Domain   domain  = gauges->cloud->domain;
@@ -103,8 +103,9 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
   return best;
 }
 
-/* Which wall takes the pressure along direction d of a dummy particle behind an edge: that whose normal it is. */
-static PetscInt Across(Gauges gauges, PetscInt body, PetscInt d, const PetscReal x[DIM], PetscInt receiver)
+/* The receiver of component d of a dummy particle's pressure force. Behind an edge of the box, the wall with the normal
+   d takes this component. */
+static PetscInt PressureReceiver(Gauges gauges, PetscInt body, PetscInt d, const PetscReal x[DIM], PetscInt receiver)
 {
   const Domain   domain = gauges->cloud->domain;
   const PetscInt faces  = WallFace(domain, -1, NULL, NULL);
@@ -118,8 +119,9 @@ static PetscInt Across(Gauges gauges, PetscInt body, PetscInt d, const PetscReal
   return receiver;
 }
 
-/* Adds what the dummy particles, ghosts too, hold of the fluid of this rank ([n_total][3], N) to their receivers. */
-static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal held[], PetscReal force[])
+/* Adds the forces of this rank's fluid on the dummy particles, ghosts too (on_dummy [n_total][3], N), to their
+   receivers. */
+static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal on_dummy[], PetscReal force[])
 {
   Cloud          cloud = gauges->cloud;
   const PetscInt dim   = cloud->domain->dim;
@@ -132,48 +134,48 @@ static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal he
     if (!cloud->integer[INT_LAYER][b]) continue;
     to = Receiver(gauges, body, x);
     for (PetscInt d = 0; d < dim; d++)
-      force[dim * (pressure ? Across(gauges, body, d, x, to) : to) + d] += held[DIM * b + d];
+      force[dim * (pressure ? PressureReceiver(gauges, body, d, x, to) : to) + d] += on_dummy[DIM * b + d];
   }
 }
 
-/* Adds the pull at lines of contact: tension pushes on the free surface, -int sigma kappa n dA, and would not push on
-   liquid as a whole if no solid pulled it by its edge; it pulls the solid back as much. */
-static void AddPull(Gauges gauges, PetscReal pull[])
+/* Adds the capillary force at contact lines. Tension exerts the force -int sigma kappa n dA on the free surface. The
+   integral over a closed surface vanishes, so its value is the force of the solids at the contact lines; the solids
+   receive the opposite force. */
+static void AddContactForce(Gauges gauges, PetscReal force[])
 {
   Cloud            cloud   = gauges->cloud;
-  const PetscInt   columns = PullDirection(gauges, -1, NULL);
+  const PetscInt   columns = ContactDirection(gauges, -1, NULL);
   const PetscReal *normal = cloud->field[FIELD_NORMAL], *capillary = cloud->field[FIELD_CAPILLARY];
 
   for (PetscInt k = 0; k < columns; k++) {
     PetscInt d = 0;
 
-    (void)PullDirection(gauges, k, &d);
-    for (PetscInt a = 0; a < cloud->n_fluid; a++) pull[k] -= 2 * cloud->volume[a] * capillary[a] * normal[DIM * a + d];
+    (void)ContactDirection(gauges, k, &d);
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) force[k] -= 2 * cloud->volume[a] * capillary[a] * normal[DIM * a + d];
   }
 }
 
-/* Force [receivers][dim] of the liquid's pressure and viscosity, and the pull of its tension, N (N/m in two
-   dimensions). */
+/* Force [receivers][dim] of pressure and viscosity, then the capillary force; N, in two dimensions N/m. */
 static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
 {
   Cloud          cloud   = gauges->cloud;
   const PetscInt columns = Columns_Forces(gauges);
-  PetscReal     *held;
+  PetscReal     *on_dummy;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscCall(PetscArrayzero(force, columns));
-  PetscCall(CloudGetWork(cloud, DIM, &held));
-  PetscCall(OperatorsWallForce(cloud, gauges->corrected, held));
-  AddToReceivers(gauges, PETSC_TRUE, held, force);
+  PetscCall(CloudGetWork(cloud, DIM, &on_dummy));
+  PetscCall(OperatorsWallForce(cloud, gauges->corrected, on_dummy));
+  AddToReceivers(gauges, PETSC_TRUE, on_dummy, force);
   if (gauges->viscosity) {
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-    PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, cloud->field[FIELD_VELOCITY], held));
-    AddToReceivers(gauges, PETSC_FALSE, held, force);
+    PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, cloud->field[FIELD_VELOCITY], on_dummy));
+    AddToReceivers(gauges, PETSC_FALSE, on_dummy, force);
   }
-  PetscCall(CloudRestoreWork(cloud, &held));
-  AddPull(gauges, force + ReceiverCount(gauges) * cloud->domain->dim);
+  PetscCall(CloudRestoreWork(cloud, &on_dummy));
+  AddContactForce(gauges, force + ReceiverCount(gauges) * cloud->domain->dim);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)columns, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,12 +1,12 @@
-/* The class: what all gauges share, and the list of their kinds. */
+/* The class: the list of the kinds of gauges, and their common options. */
 #include "gauges_impl.h"
 
-/* Default of -gauge_connection, in spacings: neighbours within a sheet or thread are closer, a drop that has left the
-   rim is not. */
+/* Default of -gauge_connection, spacings. Neighbours in a sheet or thread are closer; a drop that has left the rim is
+   farther away. */
 #define CONNECTION      1.25
 #define CONNECTION_MOST 2.0
 
-/* In the order of their columns in the series; those of the crater have a place of their own there. */
+/* In the order of their columns in the series. The output writes the columns of GaugeCrater. */
 static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
                                          &GaugeBodies, &GaugeDroplets, &GaugeLines};
 
@@ -52,24 +52,24 @@ void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool correc
 PetscErrorCode GaugesSetFromOptions(Gauges gauges)
 {
   PetscFunctionBegin;
-  PetscOptionsBegin(gauges->comm, NULL, "Gauges: what is measured", "Gauges");
+  PetscOptionsBegin(gauges->comm, NULL, "Gauges: measurements", "Gauges");
   PetscCall(PetscOptionsReal("-gauge_level",
-                             "Level of the undisturbed surface (m), from which heights of gauges count; nan: measured "
-                             "at the first state with -gauge_crater, else 0",
+                             "Level of the undisturbed free surface (m): heights count from it; nan: measured at the "
+                             "first state with -gauge_crater, else 0",
                              "GaugesLevel", gauges->level, &gauges->level, NULL));
   PetscCall(PetscOptionsReal("-gauge_multiplicity",
-                             "Copies of the simulated part that make the whole, 4 for a quarter of a symmetric scene: "
-                             "factor of energies, volume and droplets (1)",
+                             "Copies of the simulated part that make the whole scene, 4 for a quarter: factor of "
+                             "energies, volume and droplets (1)",
                              "GaugesTotals", gauges->multiplicity, &gauges->multiplicity, NULL));
   PetscCall(PetscOptionsReal("-gauge_connection",
-                             "Particles closer than this hang together, for crown, jet and droplets (spacings)",
+                             "Largest distance between connected particles, for crown, jet and droplets (spacings)",
                              "GaugesMeasure", gauges->connection, &gauges->connection, NULL));
   for (PetscInt k = 0; k < KINDS; k++)
     if (kinds[k]->setfromoptions) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject));
   PetscOptionsEnd();
   gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
   PetscCheckUser(gauges->connection > 0 && gauges->connection <= CONNECTION_MOST, gauges->comm,
-                 "-gauge_connection is %g spacings; it must lie in (0, %g]", (double)gauges->connection,
+                 "-gauge_connection is %g spacings; it must lie in (0, %g].", (double)gauges->connection,
                  CONNECTION_MOST);
   PetscCheckUser(gauges->multiplicity > 0, gauges->comm, "-gauge_multiplicity is %g; it must be positive.",
                  (double)gauges->multiplicity);
@@ -120,7 +120,7 @@ PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], siz
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums over neighbours for the gauges that read them, where those of the step belong to another order. */
+/* Computes the sums over neighbours anew if a gauge reads them and the particles have changed their order. */
 static PetscErrorCode Refresh(Gauges gauges)
 {
   const Cloud     cloud = gauges->cloud;
@@ -159,7 +159,6 @@ PetscInt GaugesTables(Gauges gauges)
   return tables;
 }
 
-/* The kind that fills a table. */
 static const GaugeKind *TableKind(Gauges gauges, PetscInt table)
 {
   PetscInt k = 0;

@@ -1,8 +1,7 @@
-/* Floor 6: gauges, what is measured on the particles: energies and volume; crown, crater and jet of an impact; pressure
-   and velocity at points and along lines; heights of the surface; forces on walls and solids; droplets.
+/* Floor 6: gauges measure the particles: energies and volume; crown, crater and jet of an impact; pressure and velocity
+   at points and along lines; heights of the free surface; forces on walls and solids; droplets.
 
-   A gauge gives columns of the time series, or rows of a table of its own, or both; who writes them is no concern of
-   the gauges. */
+   A gauge fills columns of the time series, rows of a table of its own, or both. The output writes them. */
 #ifndef ISPH_GAUGES_H
 #define ISPH_GAUGES_H
 
@@ -10,71 +9,70 @@
 
 typedef struct _p_Gauges *Gauges;
 
-/* Sums over the fluid. Energies and volume are those of the simulated part times -gauge_multiplicity, in J and m3 (J/m
-   and m2 in two dimensions). */
+/* Sums over the fluid. Energies and volume are multiplied by -gauge_multiplicity. Units: J and m3, in two dimensions
+   J/m and m2. */
 typedef struct {
   PetscReal kinetic_energy;   /* sum of m v^2/2 */
   PetscReal potential_energy; /* sum of m times the potential of the body force */
-  PetscReal volume;           /* particles times V_0 */
+  PetscReal volume;           /* of all particles */
   PetscReal multiplicity;     /* -gauge_multiplicity */
-  PetscReal highest;          /* m, of the highest liquid over the level (see GaugesLevel); NAN without liquid */
+  PetscReal highest;          /* m, height of the highest liquid over the level (GaugesLevel); NAN without liquid */
   PetscInt  particles;        /* in the simulated part */
 } GaugeTotals;
 
-/* An impact as figure 2 of Kuri et al. (2014) shows it: heights over the level, m, upwards (the last direction of the
-   scene). NAN where there is nothing to measure. */
+/* Crown, crater and jet of an impact as in figure 2 of Kuri et al. (2014). Heights count from the level, m, along the
+   last direction of the scene. NAN: nothing to measure. */
 typedef struct {
-  PetscReal crown_height;    /* of the highest liquid that hangs together with the pool, outside the jet radius */
-  PetscReal crater_depth;    /* of the lowest surface open to the sky inside the crater radius, downwards */
-  PetscReal crater_diameter; /* twice the mean radius where the crater's wall crosses the level; 0: no crater */
-  PetscReal jet_height;      /* of the highest liquid that hangs together with the pool, within the jet radius of the
-                                axis; negative in a crater */
+  PetscReal crown_height;    /* highest liquid connected with the pool, outside the jet radius */
+  PetscReal crater_depth;    /* lowest free surface below the open sky, inside the crater radius; positive downwards */
+  PetscReal crater_diameter; /* twice the mean radius at which the crater's wall crosses the level; 0: no crater */
+  PetscReal jet_height;      /* highest liquid connected with the pool, inside the jet radius; negative in a crater */
 } CraterValues;
 
-/* GaugesCreate - for the particles of a cloud (borrowed), whose scene must know its bodies. Collective. */
+/* GaugesCreate - makes the gauges of a cloud (borrowed). The scene must know its bodies. Collective. */
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
-/* GaugesSetForces - the forces on walls hold those of this viscosity (borrowed), too, and are those of a corrected
-   gradient of pressure, or of pairs; tension: and the pull of surface tension, whose pressure FIELD_CAPILLARY is. Not
-   collective. */
+/* GaugesSetForces - tells how the run computes the forces on walls. viscosity (borrowed): its friction is included.
+   corrected: the pressure gradient is corrected; else it is a sum of pair forces. tension: surface tension sets
+   FIELD_CAPILLARY, and the gauge adds its force at contact lines. Not collective. */
 void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension);
-/* GaugesSetRefresh - what GaugesMeasure calls with its context (borrowed) when a gauge needs sums over neighbours and
-   the cloud's are of another order of its particles: it computes them anew from the stored fields, so that the gauge
-   has the value that the state has in a checkpoint. Not collective. */
+/* GaugesSetRefresh - GaugesMeasure calls refresh(context) (borrowed) when a gauge needs sums over neighbours and the
+   cloud holds sums of another order of the particles. The call computes the sums from the stored fields. The gauge then
+   has the value that a restart from this state would give. Not collective. */
 void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), void *context);
-/* GaugesSetFromOptions - all options -gauge_...; refuses (UserError) values that make no sense. Collective. */
+/* GaugesSetFromOptions - reads all options -gauge_...; refuses (UserError) values out of range. Collective. */
 PetscErrorCode GaugesSetFromOptions(Gauges gauges);
 PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer);
 PetscErrorCode GaugesDestroy(Gauges *gauges);
 
-/* GaugesTotals - from the swarm. Collective. */
+/* GaugesTotals - sums over the particles of the swarm. Collective. */
 PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals);
 /* GaugesHasCrater - whether -gauge_crater is set. Not collective. */
 PetscBool GaugesHasCrater(Gauges gauges);
-/* GaugesCrater - from the swarm and the neighbour lists of the cloud, which must be in step; at the first call also
-   measures the level unless -gauge_level gives it. Collective. */
+/* GaugesCrater - measures the impact on the swarm and the cloud's neighbour lists, which must belong to one state. The
+   first call also measures the level, unless -gauge_level gives it. Collective. */
 PetscErrorCode GaugesCrater(Gauges gauges, CraterValues *values);
-/* GaugesLevel - height (m) of the undisturbed surface: that of -gauge_level; else, with -gauge_crater, as measured at
-   the first state (NAN before); else 0. GaugesSetLevel - that of an earlier start of the run, unless -gauge_level gives
-   it. Not collective. */
+/* GaugesLevel - height (m) of the undisturbed free surface: -gauge_level; else, with -gauge_crater, the level measured
+   at the first state (NAN before); else 0. GaugesSetLevel - sets the level that the run had before a restart, unless
+   -gauge_level gives it. Not collective. */
 PetscReal GaugesLevel(Gauges gauges);
 void      GaugesSetLevel(Gauges gauges, PetscReal level);
 
-/* GaugesColumns - how many columns the gauges other than totals and crater add to the series. GaugesColumnName - the
-   name of one, with its unit. Not collective. GaugesMeasure - their values of the moment, values [GaugesColumns].
+/* GaugesColumns - number of columns that the gauges add to the series, besides totals and crater. GaugesColumnName -
+   name of a column, with its unit. Not collective. GaugesMeasure - measures them now, values [GaugesColumns].
    Collective. */
 PetscInt       GaugesColumns(Gauges gauges);
 PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], size_t length);
 PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[]);
 
 #define GAUGE_TABLES_MOST 2
-/* GaugesTables - how many tables of their own the gauges fill, at most GAUGE_TABLES_MOST. GaugesTableHead - the name of
-   the table's file and the names of its columns, separated by commas. Not collective. GaugesTableRows - the rows of the
-   moment, values [count][width] on rank 0, to be freed with PetscFree; elsewhere none. Collective. */
+/* GaugesTables - number of tables that the gauges fill, at most GAUGE_TABLES_MOST. GaugesTableHead - the table's file
+   name, and its column names separated by commas. Not collective. GaugesTableRows - measures the rows now: values
+   [count][width] on rank 0, none elsewhere; free them with PetscFree. Collective. */
 PetscInt       GaugesTables(Gauges gauges);
 PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length);
 PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscInt *count, PetscInt *width, PetscReal **values);
 
-/* GaugeUnit - a unit of three dimensions in those of the scene: J, N and m3 are J/m, N/m and m2 in two dimensions. Not
+/* GaugeUnit - the unit in the dimensions of the scene: J, N and m3 become J/m, N/m and m2 in two dimensions. Not
    collective. */
 const char *GaugeUnit(Domain domain, const char unit[]);
 

@@ -1,20 +1,20 @@
-/* Heights of the surface above places: columns of the series, by SPH interpolation along verticals. */
+/* Heights of the free surface at horizontal places: columns of the series, by SPH interpolation along verticals. */
 #include "gauges_impl.h"
 
-#define BINS 4   /* sampling points a spacing, along a vertical */
-#define GAP  4   /* a gap in the liquid of more points than this ends what stands there: one spacing */
-#define HALF 0.5 /* share of the space that liquid fills where the surface is */
+#define BINS 4   /* sampling points per spacing, along a vertical */
+#define GAP  4   /* points, one spacing: a longer gap ends the liquid column */
+#define HALF 0.5 /* volume fraction of liquid at the free surface */
 
 static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOptionsObject)
 {
   Places *heights = &gauges->heights;
 
   PetscFunctionBegin;
-  heights->numbers = (PLACES_MOST + 1) * (DIM - 1); /* one more than allowed, to notice it */
+  heights->numbers = (GAUGE_PLACES_MOST + 1) * (DIM - 1); /* room for one place too many, to refuse it */
   PetscCall(
     PetscOptionsRealArray("-gauge_heights",
-                          "Places x,y,x,y,... (in two dimensions x,x,...) where the series holds the height of the "
-                          "liquid that stands there without a gap, m; default: none",
+                          "Places x,y,x,y,... (in two dimensions x,x,...) of liquid columns whose height is written "
+                          "to the series, m; a gap of a spacing ends a column; default: none",
                           "GaugesMeasure", heights->at, &heights->numbers, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -22,8 +22,8 @@ static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOpt
 static PetscErrorCode Check_Heights(Gauges gauges)
 {
   PetscFunctionBegin;
-  PetscCall(
-    PlacesCheck(gauges, "-gauge_heights", "place", gauges->cloud->domain->dim - 1, PLACES_MOST, &gauges->heights));
+  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST,
+                        &gauges->heights));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,14 +39,14 @@ static PetscErrorCode Name_Heights(Gauges gauges, PetscInt column, char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums of V W at the points of a vertical: of the liquid, and of walls and solids. */
+/* Sums of V W at a point: over the liquid, and over walls and solids. */
 typedef struct {
   PetscReal liquid, solid;
-} Share;
+} VolumeFraction;
 
-/* Adds what this rank's particles give to the points lower + k bin of the vertical through an image of a place. */
+/* Adds this rank's particles to the sums at the points lower + k bin of the vertical through an image of a place. */
 static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal bin,
-                        PetscInt bins, Share share[])
+                        PetscInt bins, VolumeFraction fraction[])
 {
   const Domain    domain   = gauges->cloud->domain;
   const Kernel    kernel   = gauges->cloud->kernel;
@@ -67,25 +67,25 @@ static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const Point
       PetscReal       W;
 
       KernelEvaluate(kernel, 1, &r2, &W, NULL);
-      W *= ParticleShare(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
+      W *= ParticleSumVolume(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
       if (arrays->integer[INT_LAYER][a])
-        share[k].solid += W;
+        fraction[k].solid += W;
       else
-        share[k].liquid += W;
+        fraction[k].liquid += W;
     }
   }
 }
 
-/* Height over the lowest point, in bins; -1 without liquid. */
-static PetscReal Top(PetscInt bins, const Share share[])
+/* Height of the liquid column over the lowest point, in bins; -1 without liquid. */
+static PetscReal Top(PetscInt bins, const VolumeFraction fraction[])
 {
   PetscReal before = 0, top = -1;
   PetscInt  last = -1;
 
   for (PetscInt k = 0; k < bins && (last < 0 || k - last <= GAP); k++) {
-    const PetscReal excess = share[k].liquid - HALF * (1 - share[k].solid); /* positive in the liquid */
+    const PetscReal excess = fraction[k].liquid - HALF * (1 - fraction[k].solid); /* positive in the liquid */
 
-    if (excess >= 0 && share[k].liquid > 0) {
+    if (excess >= 0 && fraction[k].liquid > 0) {
       last = k;
       top  = k;
     } else if (last == k - 1 && last >= 0)
@@ -95,9 +95,9 @@ static PetscReal Top(PetscInt bins, const Share share[])
   return top;
 }
 
-/* Height (m) of the liquid that stands on the vertical through each place: going up, where the liquid's share of the
-   space, sum V W over it against 1 - sum V W over walls and solids, falls below a half, unless it comes back within a
-   spacing. The bottom of the box where there is no liquid. */
+/* Height (m) of the liquid column at each place. The column ends where the volume fraction of liquid, sum V W over the
+   fluid divided by 1 - sum V W over walls and solids, stays below a half for a spacing. Without liquid, the bottom of
+   the box. */
 static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
 {
   const Domain    domain = gauges->cloud->domain;
@@ -105,11 +105,11 @@ static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
   const PetscInt  up     = domain->dim - 1;
   const PetscReal bin = domain->spacing / BINS, reach = gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel);
   const PetscInt  bins = (PetscInt)((domain->upper[up] - domain->lower[up]) / bin) + 1;
-  Share          *share; /* [heights][bins] */
+  VolumeFraction *fraction; /* [heights][bins] */
   ParticleArrays  arrays;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(places->count * bins, &share));
+  PetscCall(PetscCalloc1(places->count * bins, &fraction));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   for (PetscInt h = 0; h < places->count; h++) {
     PetscReal  at[DIM] = {0, 0, 0};
@@ -119,14 +119,14 @@ static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
     for (PetscInt d = 0; d < up; d++) at[d] = places->at[up * h + d];
     at[up] = 0.5 * (domain->lower[up] + domain->upper[up]); /* no images through bottom and top */
     images = PointImages(domain, at, PetscMin(reach, 0.5 * (domain->upper[up] - domain->lower[up])), image);
-    for (PetscInt k = 0; k < images; k++) AddVertical(gauges, &arrays, &image[k], bin, bins, share + bins * h);
+    for (PetscInt k = 0; k < images; k++) AddVertical(gauges, &arrays, &image[k], bin, bins, fraction + bins * h);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
   PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, share, (PetscMPIInt)(2 * places->count * bins), MPIU_REAL, MPIU_SUM, gauges->comm));
+    MPI_Allreduce(MPI_IN_PLACE, fraction, (PetscMPIInt)(2 * places->count * bins), MPIU_REAL, MPIU_SUM, gauges->comm));
   for (PetscInt h = 0; h < places->count; h++)
-    height[h] = domain->lower[up] + bin * PetscMax(0, Top(bins, share + bins * h));
-  PetscCall(PetscFree(share));
+    height[h] = domain->lower[up] + bin * PetscMax(0, Top(bins, fraction + bins * h));
+  PetscCall(PetscFree(fraction));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,20 +1,20 @@
-/* Pressure and velocity along lines: rows of lines.csv, a block of them a snapshot. */
+/* Pressure and velocity along lines: a block of rows of lines.csv at each snapshot. */
 #include "gauges_impl.h"
 
 #define LINE_POINTS  50 /* default of -gauge_line_points */
-#define LINE_COLUMNS 8  /* line, place, pressure, velocity */
+#define LINE_COLUMNS 8  /* line, position, pressure, velocity */
 
 static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject)
 {
   Places *lines = &gauges->lines;
 
   PetscFunctionBegin;
-  lines->numbers      = (LINES_MOST + 1) * 2 * DIM; /* one more than allowed, to notice it */
+  lines->numbers      = (GAUGE_LINES_MOST + 1) * 2 * DIM; /* room for one line too many, to refuse it */
   gauges->line_points = LINE_POINTS;
   PetscCall(
     PetscOptionsRealArray("-gauge_lines",
-                          "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four) along which "
-                          "lines.csv holds pressure and velocity at each snapshot, m: nan inside solids; default: "
+                          "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four), m: pressure and "
+                          "velocity along them are written to lines.csv at each snapshot, nan inside solids; default: "
                           "none",
                           "PointsSample", lines->at, &lines->numbers, NULL));
   PetscCall(OptionInt("-gauge_line_points", "Points of a line, ends included", "[2, 10000]", &gauges->line_points));
@@ -24,7 +24,8 @@ static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptio
 static PetscErrorCode Check_Lines(Gauges gauges)
 {
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_lines", "line", 2 * gauges->cloud->domain->dim, LINES_MOST, &gauges->lines));
+  PetscCall(
+    PlacesCheck(gauges, "-gauge_lines", "line", 2 * gauges->cloud->domain->dim, GAUGE_LINES_MOST, &gauges->lines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,12 +6,11 @@ static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOpti
   Places *points = &gauges->points;
 
   PetscFunctionBegin;
-  points->numbers = (PLACES_MOST + 1) * DIM; /* one more than allowed, to notice it */
+  points->numbers = (GAUGE_PLACES_MOST + 1) * DIM; /* room for one point too many, to refuse it */
   PetscCall(
     PetscOptionsRealArray("-gauge_points",
-                          "Points whose pressure and velocity the series holds, x,y,z,x,y,z,... (in two "
-                          "dimensions x,y,x,y,...), m: in air the pressure is 0, inside a solid that moves nan; "
-                          "default: none",
+                          "Points x,y,z,x,y,z,... (in two dimensions x,y,x,y,...), m, whose pressure and velocity are "
+                          "written to the series; in air the pressure is 0, inside a moving solid nan; default: none",
                           "PointsSample", points->at, &points->numbers, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -22,16 +21,16 @@ static PetscErrorCode Check_Points(Gauges gauges)
   const PetscInt dim   = gauges->cloud->domain->dim;
 
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", dim, PLACES_MOST, &gauges->points));
+  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", dim, GAUGE_PLACES_MOST, &gauges->points));
   for (PetscInt k = 0; k < gauges->points.count * SceneSolidCount(scene); k++) {
     const PetscInt point  = k / SceneSolidCount(scene);
     const Body     solid  = SceneSolid(scene, k % SceneSolidCount(scene));
     PetscReal      x[DIM] = {0, 0, 0};
 
     PetscCall(PetscArraycpy(x, gauges->points.at + dim * point, dim));
-    PetscCheckUser(BodyMoves(solid) || !DistanceInside(gauges, BodyDistance(solid, x)), gauges->comm,
-                   "-gauge_points: point %d is inside the solid %s, which does not move; on its surface it would be in "
-                   "front of the liquid.",
+    PetscCheckUser(BodyMoves(solid) || !InsideSolid(gauges, BodyDistance(solid, x)), gauges->comm,
+                   "-gauge_points: point %d is inside the solid %s, which does not move; put it on the solid's surface "
+                   "or into the liquid.",
                    (int)point + 1, BodyName(solid));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

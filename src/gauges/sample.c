@@ -1,8 +1,8 @@
-/* Values of the fluid at places, interpolated from the particles. */
+/* Pressure and velocity at points, interpolated from the particles. */
 #include "gauges_impl.h"
 
-#define SKIN       0.1 /* spacings that a place on a solid's surface may be in it: files of triangles are so exact */
-#define LEAST_STEP 0.05 /* spacings, along a way that begins on a solid's surface */
+#define SKIN       0.1  /* spacings: a point less deep in a solid is on its surface; triangle files are that exact */
+#define LEAST_STEP 0.05 /* spacings: shortest step along a line of sight */
 
 PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt width, PetscInt most,
                            Places *places)
@@ -57,30 +57,30 @@ PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, Point
   return count;
 }
 
-PetscBool DistanceInside(Gauges gauges, PetscReal distance)
+PetscBool InsideSolid(Gauges gauges, PetscReal distance)
 {
   return (PetscBool)(distance < -SKIN * gauges->cloud->domain->spacing);
 }
 
-/* Whether a solid is between the place x, this far from the nearest one, and the place x + r: no step along the way is
-   longer than the distance to the nearest solid, or LEAST_STEP where that is less. */
-static PetscBool Hidden(Gauges gauges, const PetscReal x[DIM], PetscReal distance, const PetscReal r[DIM])
+/* Whether a solid lies between the points x and x + r; distance: of x from the nearest solid, m. Sphere tracing: each
+   step along r has the length of the distance to the nearest solid, at least LEAST_STEP. */
+static PetscBool BehindSolid(Gauges gauges, const PetscReal x[DIM], PetscReal distance, const PetscReal r[DIM])
 {
   const PetscReal least = LEAST_STEP * gauges->cloud->domain->spacing, length = PetscSqrtReal(Dot(r, r));
 
-  for (PetscReal way = 0; way + distance < length;) {
-    PetscReal place[DIM];
+  for (PetscReal traced = 0; traced + distance < length;) {
+    PetscReal at[DIM];
 
-    if (DistanceInside(gauges, distance)) return PETSC_TRUE;
-    way += PetscMax(distance, least);
-    if (way >= length) break;
-    for (PetscInt d = 0; d < DIM; d++) place[d] = x[d] + way / length * r[d];
-    distance = SceneSolidDistance(gauges->cloud->scene, place, NULL);
+    if (InsideSolid(gauges, distance)) return PETSC_TRUE;
+    traced += PetscMax(distance, least);
+    if (traced >= length) break;
+    for (PetscInt d = 0; d < DIM; d++) at[d] = x[d] + traced / length * r[d];
+    distance = SceneSolidDistance(gauges->cloud->scene, at, NULL);
   }
   return PETSC_FALSE;
 }
 
-/* Adds to sum: V W, V W p, V W v of the fluid of this rank around an image, but not of fluid behind a solid. */
+/* Adds V W, V W p and V W v of this rank's fluid around an image to sum. Fluid behind a solid does not count. */
 static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
 {
   Kernel          kernel   = gauges->cloud->kernel;
@@ -94,9 +94,9 @@ static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointIm
     const PetscReal size = ParticleSize(domain, arrays, a), r2 = Dot(r, r) / PetscSqr(size);
     PetscReal       W;
 
-    if (r2 >= reach2 || arrays->integer[INT_LAYER][a] || Hidden(gauges, image->x, distance, r)) continue;
+    if (r2 >= reach2 || arrays->integer[INT_LAYER][a] || BehindSolid(gauges, image->x, distance, r)) continue;
     KernelEvaluate(kernel, 1, &r2, &W, NULL);
-    W *= ParticleShare(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
+    W *= ParticleSumVolume(domain, arrays, a) / PetscPowRealInt(size, (int)domain->dim);
     sum[0] += W;
     sum[1] += W * arrays->real[FIELD_PRESSURE][a];
     for (PetscInt d = 0; d < DIM; d++) sum[2 + d] += W * image->sign[d] * v[DIM * a + d];
@@ -119,7 +119,7 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
     const PetscInt images =
       PointImages(domain, at + domain->dim * p, gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel), image);
 
-    inside[p] = DistanceInside(gauges, SceneSolidDistance(gauges->cloud->scene, image[0].x, NULL));
+    inside[p] = InsideSolid(gauges, SceneSolidDistance(gauges->cloud->scene, image[0].x, NULL));
     for (PetscInt k = 0; k < images && !inside[p]; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));

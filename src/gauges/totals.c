@@ -1,5 +1,4 @@
-/* Sums over the fluid: energies, volume and number; the highest liquid of all, and the level that heights count from.
- */
+/* Sums over the fluid: energies, volume, number of particles; the highest liquid, and the level of heights. */
 #include "gauges_impl.h"
 
 const char *GaugeUnit(Domain domain, const char unit[])
@@ -30,7 +29,7 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
 {
   const Domain   domain  = gauges->cloud->domain;
   const Scene    scene   = gauges->cloud->scene;
-  PetscReal      sum[4]  = {0, 0, 0, 0}; /* kinetic, potential energy, particles, volume where stored */
+  PetscReal      sum[4]  = {0, 0, 0, 0}; /* kinetic energy, potential energy, particles, stored volumes */
   PetscReal      highest = -PETSC_MAX_REAL;
   ParticleArrays arrays;
 

@@ -1,4 +1,5 @@
-/* Changes of velocity that a particle's neighbours compensate for, so that momentum and angular momentum stay. */
+/* Compensation: neighbours receive the opposite of a particle's change of velocity, which conserves momentum and
+   angular momentum. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
@@ -28,7 +29,7 @@ PetscErrorCode OperatorsCompensationWeights(Cloud cloud, PetscReal weight[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* beta with (sum w (|xi|^2 - xi xi)) beta = torque; J: xx yy zz xy xz yz of that tensor. */
+/* Solves J beta = torque. J: xx yy zz xy xz yz of the tensor sum w (|xi|^2 - xi xi). */
 static void SolveSpin(PetscInt dim, const PetscReal J[6], const PetscReal torque[DIM], PetscReal beta[DIM])
 {
   beta[0] = beta[1] = beta[2] = 0;
@@ -46,12 +47,11 @@ static void SolveSpin(PetscInt dim, const PetscReal J[6], const PetscReal torque
   }
 }
 
-/* The opposite of a's velocity change c, spread over its neighbours: each takes -s_a W_ab (c + beta x (x_b - mean x)),
-   s_a the weight of a, means weighted with m_b W_ab, and beta such that neither c nor the displacement dr has a torque.
-   push = c + beta x (x_a - mean x), spin = beta ([n_fluid][3] each). x: the final positions, ghosts current; dr may be
-   NULL. */
-static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
-                       const PetscReal u[], const PetscReal change[], PetscReal push[], PetscReal spin[])
+/* Neighbour b of a particle a with the change c receives -s_a W_ab (c + beta x (x_b - mean x)): s_a is the weight of a,
+   and means are weighted with m_b W_ab. beta cancels the torque of c and of the displacement dr (or NULL).
+   recoil = c + beta x (x_a - mean x), spin = beta ([n_fluid][3] each). x: the final positions, ghosts current. */
+static void FindRecoils(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
+                        const PetscReal u[], const PetscReal change[], PetscReal recoil[], PetscReal spin[])
 {
   const PetscReal *volume = cloud->volume, *rest = cloud->rest_density, still[DIM] = {0, 0, 0};
   const PetscInt  *layer = cloud->integer[INT_LAYER];
@@ -61,7 +61,7 @@ static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[
     const PetscReal  per_mass = weight[a] / (volume[a] * rest[a]);
     const PetscReal *c = change + DIM * a, *d = dr ? dr + DIM * a : still, xa = x[3 * a], ya = x[3 * a + 1],
                     za = x[3 * a + 2];
-    PetscReal *g = push + DIM * a, *beta = spin + DIM * a;
+    PetscReal *g = recoil + DIM * a, *beta = spin + DIM * a;
     PetscReal  xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, mx = 0, my = 0, mz = 0, vx = 0, vy = 0, vz = 0;
 
     for (PetscInt k = 0; k < DIM; k++) g[k] = beta[k] = 0;
@@ -74,7 +74,7 @@ static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[
       const PetscReal w = row.W[k] * volume[b] * rest[b] * per_mass, dx = x[3 * b] - xa, dy = x[3 * b + 1] - ya,
                       dz = x[3 * b + 2] - za;
 
-      if (layer[b]) continue; /* a wall has no x and u of its own here */
+      if (layer[b]) continue; /* x and u hold no walls */
       mx += w * dx;
       my += w * dy;
       mz += w * dz;
@@ -108,14 +108,14 @@ static void FindPushes(Cloud cloud, const PetscReal weight[], const PetscReal x[
 PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const PetscReal x[], const PetscReal dr[],
                                    const PetscReal u[], PetscReal change[])
 {
-  PetscReal *push, *spin;
+  PetscReal *recoil, *spin;
   PairRow    row;
 
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, DIM, &push));
+  PetscCall(CloudGetWork(cloud, DIM, &recoil));
   PetscCall(CloudGetWork(cloud, DIM, &spin));
-  FindPushes(cloud, weight, x, dr, u, change, push, spin);
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, push));
+  FindRecoils(cloud, weight, x, dr, u, change, recoil, spin);
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, recoil));
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_AXIAL, spin));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal xa = x[3 * a], ya = x[3 * a + 1], za = x[3 * a + 2];
@@ -129,16 +129,16 @@ PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const 
       const PetscReal w = row.W[k] * weight[b], *beta = spin + DIM * b, dx = xa - x[3 * b], dy = ya - x[3 * b + 1],
                       dz = za - x[3 * b + 2];
 
-      if (weight[b] == 0) continue; /* nor has it a push */
-      vx += w * (push[3 * b] + beta[1] * dz - beta[2] * dy);
-      vy += w * (push[3 * b + 1] + beta[2] * dx - beta[0] * dz);
-      vz += w * (push[3 * b + 2] + beta[0] * dy - beta[1] * dx);
+      if (weight[b] == 0) continue; /* then recoil[b] is not set */
+      vx += w * (recoil[3 * b] + beta[1] * dz - beta[2] * dy);
+      vy += w * (recoil[3 * b + 1] + beta[2] * dx - beta[0] * dz);
+      vz += w * (recoil[3 * b + 2] + beta[0] * dy - beta[1] * dx);
     }
     change[3 * a] -= vx;
     change[3 * a + 1] -= vy;
     change[3 * a + 2] -= vz;
   }
   PetscCall(CloudRestoreWork(cloud, &spin));
-  PetscCall(CloudRestoreWork(cloud, &push));
+  PetscCall(CloudRestoreWork(cloud, &recoil));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

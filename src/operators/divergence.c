@@ -1,9 +1,9 @@
-/* The divergence of a velocity field, in which sliding along walls does not count. */
+/* The divergence of a velocity field. Sliding along walls does not count. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* The part of a velocity u (m/s) that is normal to the wall of dummy particle b. Of a box wall these are the components
-   along the directions in which b is behind a face, of a solid the component along its normal. */
+/* The part of a velocity u (m/s) normal to the wall of dummy particle b. For a wall of the box: the components in the
+   directions in which b is behind a face. For a solid: the component along its normal. */
 static inline void WallPart(Cloud cloud, PetscInt b, const PetscReal u[DIM], PetscReal part[DIM])
 {
   const Domain     domain = cloud->domain;
@@ -22,10 +22,10 @@ static inline void WallPart(Cloud cloud, PetscInt b, const PetscReal u[DIM], Pet
                 : 0;
 }
 
-/* Removes from the velocity gradient G of fluid particle a all wall contributions, and from its copy 'moved' only the
-   tangential ones. Row i of G belongs to velocity component i; both are over V times scale_f of KernelScales. */
+/* Removes all contributions of walls from the velocity gradient G of fluid particle a, and the tangential contributions
+   from its copy 'no_sliding'. Row i belongs to velocity component i; both are divided by V scale_f (KernelScales). */
 static void RemoveWalls(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[], PetscReal G[DIM * DIM],
-                        PetscReal moved[DIM * DIM])
+                        PetscReal no_sliding[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
 
@@ -41,13 +41,12 @@ static void RemoveWalls(Cloud cloud, PetscInt a, const PairRow *row, const Petsc
         const PetscReal fr = row->f[k] * (x[DIM * a + j] - x[DIM * b + j]);
 
         G[DIM * i + j] -= u[i] * fr;
-        moved[DIM * i + j] -= (u[i] - part[i]) * fr;
+        no_sliding[DIM * i + j] -= (u[i] - part[i]) * fr;
       }
   }
 }
 
-/* sum f (v_b - v_a).r_ab of wall particle a over its neighbours in the fluid, of which only the velocity normal to the
-   wall counts. */
+/* sum f (v_b - v_a).r_ab of wall particle a over its neighbours in the fluid, with the velocity normal to the wall. */
 static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[])
 {
   const PetscReal *x   = cloud->field[FIELD_POSITION];
@@ -93,10 +92,9 @@ static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscI
   return largest;
 }
 
-/* The part of a ring's divergence that is due to its growth, v_r/r, after time_offset (s) as in OperatorsDivergence.
-   Nearer to the axis than half a spacing of particles of this size it turns to the slope of v_r, which is its limit
-   there: v_r is as uncertain as everywhere, but r is small. G over 'scale', B as there. It is not inlined, for then the
-   compiler would round the sums around it in another way where particles are no rings. */
+/* The divergence of a ring's growth, v_r/r, with time_offset (s) as in OperatorsDivergence. Within half a spacing of
+   the axis it approaches its limit, the slope of v_r, since v_r/r amplifies errors at small r. G is divided by 'scale'.
+   Not inlined: else the compiler rounds the sums of scenes without rings differently. */
 __attribute__((noinline)) static PetscReal HoopDivergence(Domain domain, PetscReal size, PetscReal r, PetscReal v_r,
                                                           PetscReal scale, const PetscReal G[DIM * DIM],
                                                           const PetscReal B[6], PetscReal time_offset)
@@ -132,7 +130,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
   scale = cloud->domain->volume * scale_f;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal *B = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
-    PetscReal        own[DIM * DIM], *G = gradient ? gradient + DIM * DIM * a : own, moved[DIM * DIM], jump2;
+    PetscReal        own[DIM * DIM], *G = gradient ? gradient + DIM * DIM * a : own, no_sliding[DIM * DIM], jump2;
 
     PairRowLoadFactors(cloud, a, &row);
     if (cloud->integer[INT_LAYER][a]) {
@@ -141,16 +139,17 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
     }
     jump2 = VelocityGradient(cloud, &row, a, velocity, G);
     if (jump) jump[a] = PetscSqrtReal(jump2);
-    for (PetscInt k = 0; k < DIM * DIM; k++) moved[k] = G[k];
-    if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, moved);
+    for (PetscInt k = 0; k < DIM * DIM; k++) no_sliding[k] = G[k];
+    if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, no_sliding);
     for (PetscInt k = 0; k < DIM * DIM; k++) G[k] *= scale;
     if (!div) continue;
-    div[a] = scale * (B[0] * moved[0] + B[1] * moved[4] + B[2] * moved[8] + B[3] * (moved[1] + moved[3]) +
-                      B[4] * (moved[2] + moved[6]) + B[5] * (moved[5] + moved[7]));
-    if (time_offset > 0) div[a] -= time_offset * scale * scale * SquareTrace(moved, B);
+    div[a] = scale * (B[0] * no_sliding[0] + B[1] * no_sliding[4] + B[2] * no_sliding[8] +
+                      B[3] * (no_sliding[1] + no_sliding[3]) + B[4] * (no_sliding[2] + no_sliding[6]) +
+                      B[5] * (no_sliding[5] + no_sliding[7]));
+    if (time_offset > 0) div[a] -= time_offset * scale * scale * SquareTrace(no_sliding, B);
     if (cloud->domain->rings)
-      div[a] +=
-        HoopDivergence(cloud->domain, CloudSize(cloud, a), x[DIM * a], velocity[DIM * a], scale, moved, B, time_offset);
+      div[a] += HoopDivergence(cloud->domain, CloudSize(cloud, a), x[DIM * a], velocity[DIM * a], scale, no_sliding, B,
+                               time_offset);
   }
   PetscCall(LogPairFlops(cloud->first[cloud->n_owned], 33));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -171,7 +170,7 @@ void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const Pets
   for (PetscInt k = 0; k < row.n; k++) {
     const PetscInt   b = row.index[k], of = dummy ? a : b;
     const PetscReal *n = cloud->solid_normal + DIM * of;
-    PetscReal        r[DIM], arm[DIM], through[DIM], turning[DIM], flux;
+    PetscReal        r[DIM], arm[DIM], translation[DIM], rotation[DIM], flux;
 
     if (dummy ? cloud->integer[INT_LAYER][b] > 0 : cloud->integer[INT_BODY][b] != body) continue;
     for (PetscInt d = 0; d < DIM; d++) {
@@ -186,11 +185,11 @@ void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const Pets
       for (PetscInt d = 0; d < DIM; d++) r[d] = corrected[d];
     }
     flux = (dummy ? -1 : 1) * cloud->domain->volume * scale_f * row.f[k] * Dot(n, r);
-    for (PetscInt d = 0; d < DIM; d++) through[d] = flux * n[d];
-    Cross(arm, through, turning);
+    for (PetscInt d = 0; d < DIM; d++) translation[d] = flux * n[d];
+    Cross(arm, translation, rotation);
     for (PetscInt d = 0; d < DIM; d++) {
-      slope[d] += through[d];
-      slope[DIM + d] += turning[d];
+      slope[d] += translation[d];
+      slope[DIM + d] += rotation[d];
     }
   }
 }

@@ -1,25 +1,23 @@
 /* Density, moments and normals of the particles, summed during the neighbour search.
 
-   Six sums and the viscous term need the same neighbours, the same positions and the same kernel values. Each of them
-   alone would read the whole pair list from memory again, which costs more than its arithmetic. Therefore the search
-   hands over every row while it is still in the cache (RowVisitor), and one loop makes all the sums: together they cost
-   little more than one of them. */
+   Six sums and the viscous term need the same neighbours, positions and kernel values. A loop for each sum would read
+   the whole pair list from memory, which costs more than its arithmetic. Therefore the search passes every row on while
+   it is in the cache (RowVisitor), and one loop computes all sums, at little more than the cost of one. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* The term that resists pairing is R (W/W(d0))^4 grad W with R = 0.2, as Lind et al. 2012 use it after Monaghan 2000.
- */
-#define CLUMP_WEIGHT 0.2
+/* R of the term R (W/W(d0))^4 grad W against pairing (Lind et al. 2012, after Monaghan 2000). */
+#define CROWDING_WEIGHT 0.2
 
-/* The smallest root of 4 c^3 - 3 c = r is c = cos(arccos(r)/3 + 2 pi/3). This parabola in t = sqrt(1 - r) has its value
-   at r = -1 and its value and slope at r = 1, and is right to 0.4 % between. NEWTON_STEPS steps of Newton's method then
-   reach round-off, in half the time of the trigonometric functions. */
+/* The smallest root of 4 c^3 - 3 c = r is c = cos(arccos(r)/3 + 2 pi/3). This parabola in t = sqrt(1 - r) has the
+   root's value at r = -1, and its value and slope at r = 1; between, it is right to 0.4 %. NEWTON_STEPS steps of
+   Newton's method then reach round-off, in half the time of the trigonometric functions. */
 #define SMALLEST_ROOT(t) (-0.5 - (t) * (0.408248290463863 - 0.0386751345948129 * (t)))
 #define NEWTON_STEPS     3
 #define SMALLEST         1e-300 /* added to a divisor that is zero for a matrix of zeros */
 
-/* Smallest2 and Smallest3 are the smallest eigenvalues of symmetric matrices. They have no branches, so that a loop
-   over many matrices is a vector loop. */
+/* Smallest2 and Smallest3: the smallest eigenvalues of symmetric matrices, without branches, so that loops over them
+   vectorise. */
 static inline PetscReal Smallest2(PetscReal xx, PetscReal yy, PetscReal xy)
 {
   return 0.5 * (xx + yy) - PetscSqrtReal(0.25 * (xx - yy) * (xx - yy) + xy * xy);
@@ -90,7 +88,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the rows of OperatorsMoments share. */
+/* The constants of all rows of OperatorsMoments. */
 typedef struct {
   PetscReal V, self;          /* volume of a particle, m^dim; W(0), m^-dim */
   PetscReal scale_w, scale_f; /* of KernelScales */
@@ -98,17 +96,17 @@ typedef struct {
   PetscReal viscosity;        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
 } Scales;
 
-/* (s_ab/s_b)^dim of SIMD_WIDTH neighbours of a graded particle, s_ab the mean of both sizes: takes V_b W_ab to s_ab^dim
-   W_ab, which is the same at a distance of s_ab for pairs of all sizes. */
-static inline Simd Crowd(Cloud cloud, PetscInt a, const PetscInt list[])
+/* (s_ab/s_b)^dim of SIMD_WIDTH neighbours of a graded particle; s_ab is the mean of both sizes. It turns V_b W_ab into
+   V_0 s_ab^dim W_ab, which has one value at a distance of s_ab spacings, for pairs of all sizes. */
+static inline Simd PairVolumeRatio(Cloud cloud, PetscInt a, const PetscInt list[])
 {
   const Simd other = SimdGather(cloud->size, list), ratio = 0.5 * (SimdSet(cloud->size[a]) + other) / other;
 
   return cloud->domain->dim == 2 ? ratio * ratio : ratio * ratio * ratio;
 }
 
-/* Makes all sums of row a and stores what follows from them: FIELD_DENSITY, FIELD_NORMAL, FIELD_CROWDING, the moments
-   in FIELD_CORRECTION and, if 'viscous' says so, the viscous term in FIELD_ACCELERATION. */
+/* Computes all sums of row a: FIELD_DENSITY, FIELD_NORMAL, FIELD_CROWDING, the moments in FIELD_CORRECTION and, if
+   'viscous', the viscous term in FIELD_ACCELERATION. */
 static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[],
                               const Scales *scales, PetscBool viscous, PetscBool graded)
 {
@@ -117,8 +115,8 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   const PetscInt *list = cloud->list + cloud->first[a], n = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
   const float    *slope = cloud->slope + cloud->first[a];
   const Simd3     p = Simd3Set(x + DIM * a), own = Simd3Set(v + DIM * a);
-  const Simd      zero = SimdSet(0), ratio = SimdSet(scales->ratio), weight = SimdSet(CLUMP_WEIGHT);
-  Simd3           normal = {zero, zero, zero}, clump = normal, diagonal = normal, off = normal, friction = normal;
+  const Simd      zero = SimdSet(0), ratio = SimdSet(scales->ratio), weight = SimdSet(CROWDING_WEIGHT);
+  Simd3           normal = {zero, zero, zero}, crowding = normal, diagonal = normal, off = normal, friction = normal;
   Simd            sum = zero;
   Vec4            total;
   PetscReal      *M = cloud->field[FIELD_CORRECTION] + 6 * a;
@@ -127,14 +125,14 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
     const SimdOffsets at = SimdLocate(list + k);
     const Simd3       d  = Simd3Difference(p, Simd3Collect(x, &at));
     const Simd        f = SimdLoadSingle(slope + k), W = SimdLoadSingle(w + k),
-               r = graded ? W * ratio * Crowd(cloud, a, list + k) : W * ratio, r2 = r * r, fx = f * d.x, fy = f * d.y,
-               fz = f * d.z;
+               r = graded ? W * ratio * PairVolumeRatio(cloud, a, list + k) : W * ratio, r2 = r * r, fx = f * d.x,
+               fy = f * d.y, fz = f * d.z;
 
     sum += W;
     normal.x += fx;
     normal.y += fy;
     normal.z += fz;
-    Simd3Add(&clump, weight * r2 * r2 * f, d);
+    Simd3Add(&crowding, weight * r2 * r2 * f, d);
     diagonal.x += fx * d.x;
     diagonal.y += fy * d.y;
     diagonal.z += fz * d.z;
@@ -149,7 +147,7 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
     cloud->rest_density[a] * V * (CloudWeighSelf(cloud, a, scales->self) + scales->scale_w * total[3]);
-  Vec4Store(scale * (total + Simd3Sum(clump, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
+  Vec4Store(scale * (total + Simd3Sum(crowding, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
   Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);
   if (viscous) Vec4Store(scales->viscosity * Simd3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
@@ -175,7 +173,7 @@ static void GradedViscousRow(Cloud cloud, PetscInt a, const float w[], const flo
   SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid), PETSC_TRUE);
 }
 
-/* FIELD_CORRECTION holds the moments M: finds FIELD_LAMBDA and replaces M by B. */
+/* Computes FIELD_LAMBDA from the moments M in FIELD_CORRECTION, and replaces M by B. */
 static void Renormalise(Cloud cloud)
 {
   const PetscInt n = cloud->n_owned, dim = cloud->domain->dim;
@@ -216,7 +214,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
     PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
-  CloudWrote(cloud, FIELD_CORRECTION); /* and all other sums here */
+  CloudWrote(cloud, FIELD_CORRECTION); /* stands for all sums of this function */
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,7 @@
-/* Which liquid hangs together: chains of neighbours closer than a distance. */
+/* Connected pieces of liquid: chains of neighbours closer than a distance. */
 #include "operators.h"
 
-/* The representative of a's set in the forest of parents; paths are halved on the way. */
+/* The root of a's tree in a union-find forest; halves the paths on the way. */
 static PetscInt Find(PetscInt parent[], PetscInt a)
 {
   while (parent[a] != a) {
@@ -11,7 +11,7 @@ static PetscInt Find(PetscInt parent[], PetscInt a)
   return a;
 }
 
-void OperatorsJoin(Cloud cloud, PetscReal distance, PetscInt parent[])
+void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
 {
   const PetscReal *x     = cloud->field[FIELD_POSITION];
   const PetscInt  *layer = cloud->integer[INT_LAYER];
@@ -31,8 +31,8 @@ void OperatorsJoin(Cloud cloud, PetscReal distance, PetscInt parent[])
   }
 }
 
-/* value [n_total] of each set becomes its least; whether one of an owned particle changed. least [n_total] is
-   scratch. */
+/* Sets the value of each particle to the least of its piece. Returns whether the value of an owned particle changed.
+   least: [n_total] scratch. */
 static PetscBool TakeLeast(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[], PetscReal least[])
 {
   PetscBool changed = PETSC_FALSE;
@@ -52,7 +52,7 @@ static PetscBool TakeLeast(Cloud cloud, PetscInt parent[], PetscInt width, Petsc
   return changed;
 }
 
-PetscErrorCode OperatorsSpreadLeast(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[])
+PetscErrorCode OperatorsComponentMinimum(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[])
 {
   PetscReal *least;
   PetscBool  changed;

@@ -1,10 +1,10 @@
-/* The viscosity of liquids in which it depends on the shear rate. */
+/* The viscosity of liquids with a viscosity that depends on the shear rate. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-#define CURVE_MINIMUM 0.02 /* share of the squares that a linear fit must leave to the quadratic part */
+#define CURVE_MINIMUM 0.02 /* fraction of the squares that a linear fit must leave to the quadratic term */
 
-/* How deep each dummy particle of a solid is inside it, m; 0 for all others. */
+/* Depth (m) of each dummy particle of a solid below the solid's surface; 0 for other particles. */
 static void FindDepths(Cloud cloud, PetscReal depth[])
 {
   for (PetscInt a = 0; a < cloud->n_total; a++)
@@ -13,13 +13,13 @@ static void FindDepths(Cloud cloud, PetscReal depth[])
                  : 0;
 }
 
-/* How much of the way from fluid particle a at x to dummy particle b is in front of the wall's face. A particle that is
-   very near the face counts as a little farther away, as it does in the wall's friction. */
-static PetscReal ShareInFront(Cloud cloud, const PetscReal x[DIM], PetscInt b, const PetscReal depth[])
+/* The fraction of the distance from the fluid particle at x to dummy particle b in front of the wall's face. The fluid
+   particle is at least WALL_CLOSEST from the face, as in the wall's friction. */
+static PetscReal FractionInFront(Cloud cloud, const PetscReal x[DIM], PetscInt b, const PetscReal depth[])
 {
   const Domain     domain = cloud->domain;
   const PetscReal *y = cloud->field[FIELD_POSITION] + DIM * b, closest = WALL_CLOSEST * domain->spacing;
-  PetscReal        share = 1;
+  PetscReal        fraction = 1;
 
   if (cloud->integer[INT_BODY][b] <= BODY_SOLID) {
     const PetscReal distance = PetscMax(closest, SceneSolidDistance(cloud->scene, x, NULL));
@@ -31,57 +31,57 @@ static PetscReal ShareInFront(Cloud cloud, const PetscReal x[DIM], PetscInt b, c
       const PetscReal sign = side ? 1 : -1, face = side ? domain->upper[d] : domain->lower[d],
                       distance = PetscMax(closest, sign * (face - x[d])), beyond = sign * (y[d] - face);
 
-      if (domain->face[d][side] == FACE_WALL && beyond > 0) share = PetscMin(share, distance / (distance + beyond));
+      if (domain->face[d][side] == FACE_WALL && beyond > 0)
+        fraction = PetscMin(fraction, distance / (distance + beyond));
     }
-  return share;
+  return fraction;
 }
 
-/* The neighbours of a particle as places d (m, from them to it) at which the velocity differs from its own: the dummy
-   particles of walls stand for the points of the face on the way to them, where the liquid has the wall's velocity if
-   it does not slip. */
+/* The points around a particle that fit the velocity gradient: its neighbours. With no slip, a dummy particle stands
+   for the point of the wall's face in front of it, where the liquid has the wall's velocity. */
 typedef struct {
-  PairRow   row; /* f: times V, so that sums are of the order of one */
-  PetscReal d[ROW_CAPACITY][DIM];
-  PetscReal wall[DIM]; /* unit vector out of the wall, zero where there is none */
-} Places;
+  PairRow   row;                  /* f: times V, so that sums are of order one */
+  PetscReal d[ROW_CAPACITY][DIM]; /* m, from the point to the particle */
+  PetscReal wall[DIM];            /* unit normal out of the wall; zero without a wall */
+} FitPoints;
 
-static void FindPlaces(Cloud cloud, const Viscosity *viscosity, PetscInt a, const PetscReal depth[], PetscReal scale,
-                       Places *places)
+static void FindFitPoints(Cloud cloud, const Viscosity *viscosity, PetscInt a, const PetscReal depth[], PetscReal scale,
+                          FitPoints *points)
 {
   const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
-  PairRow         *row    = &places->row;
+  PairRow         *row    = &points->row;
   PetscReal        n[DIM] = {0, 0, 0}, size;
 
   PairRowLoadFactors(cloud, a, row);
   for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt   b     = row->index[k];
-    const PetscReal *y     = cloud->field[FIELD_POSITION] + DIM * b;
-    const PetscBool  wall  = (PetscBool)(viscosity->no_slip && cloud->integer[INT_LAYER][b]);
-    const PetscReal  share = wall ? ShareInFront(cloud, x, b, depth) : 1;
+    const PetscInt   b        = row->index[k];
+    const PetscReal *y        = cloud->field[FIELD_POSITION] + DIM * b;
+    const PetscBool  wall     = (PetscBool)(viscosity->no_slip && cloud->integer[INT_LAYER][b]);
+    const PetscReal  fraction = wall ? FractionInFront(cloud, x, b, depth) : 1;
 
     row->f[k] *= scale;
     for (PetscInt i = 0; i < DIM; i++) {
-      places->d[k][i] = share * (x[i] - y[i]);
-      if (wall) n[i] += places->d[k][i];
+      points->d[k][i] = fraction * (x[i] - y[i]);
+      if (wall) n[i] += points->d[k][i];
     }
   }
   size = Norm(n);
-  for (PetscInt i = 0; i < DIM; i++) places->wall[i] = size > 0 ? n[i] / size : 0;
+  for (PetscInt i = 0; i < DIM; i++) points->wall[i] = size > 0 ? n[i] / size : 0;
 }
 
-/* The velocity gradient L_ij (1/s) of fluid particle a: the least squares fit to its neighbours, exact for a velocity
-   that is linear, and next to a wall for one that is quadratic away from it: there the neighbours of the first layer
-   are all to one side, and the shear rate is largest. With few neighbours there is no correction, and L is small. */
-static void FitGradient(Cloud cloud, PetscInt a, const Places *places, PetscReal L[DIM][DIM])
+/* The velocity gradient L_ij (1/s) of fluid particle a, a least squares fit. It is exact for a linear velocity. Next to
+   a wall it is exact for a velocity quadratic in the distance from the wall: there the shear rate is largest, and all
+   neighbours of the first layer lie to one side. With too few neighbours the fit has no correction, and L is small. */
+static void FitGradient(Cloud cloud, PetscInt a, const FitPoints *points, PetscReal L[DIM][DIM])
 {
   const PetscReal *v           = cloud->field[FIELD_VELOCITY] + DIM * a;
-  const PairRow   *row         = &places->row;
+  const PairRow   *row         = &points->row;
   PetscReal        G[DIM][DIM] = {{0}}, M[6] = {0}, B[6] = {1, 1, 1, 0, 0, 0}, cross[DIM] = {0, 0, 0}, along[DIM];
-  PetscReal        square = 0, curved[DIM] = {0, 0, 0}; /* the quadratic part's own sums */
+  PetscReal        square = 0, curved[DIM] = {0, 0, 0}; /* sums of the quadratic term */
 
   for (PetscInt k = 0; k < row->n; k++) {
-    const PetscReal *u = cloud->field[FIELD_VELOCITY] + DIM * row->index[k], *d = places->d[k], f = row->f[k],
-                    q = PetscSqr(Dot(d, places->wall)) / cloud->domain->spacing;
+    const PetscReal *u = cloud->field[FIELD_VELOCITY] + DIM * row->index[k], *d = points->d[k], f = row->f[k],
+                    q = PetscSqr(Dot(d, points->wall)) / cloud->domain->spacing;
 
     for (PetscInt i = 0; i < DIM; i++) {
       for (PetscInt j = 0; j < DIM; j++) G[i][j] += f * (u[i] - v[i]) * d[j];
@@ -105,8 +105,8 @@ static void FitGradient(Cloud cloud, PetscInt a, const Places *places, PetscReal
   }
 }
 
-/* sqrt(2 D:D) of a velocity gradient, 1/s. A ring also grows, at the rate v_r/r; on the axis that is the slope of v_r.
- */
+/* The shear rate sqrt(2 D:D) of a velocity gradient L, 1/s. A ring also grows at the rate v_r/r; on the axis this is
+   the slope of v_r. */
 static PetscReal ShearRate(Domain domain, const PetscReal x[DIM], const PetscReal v[DIM], const PetscReal L[DIM][DIM])
 {
   const PetscReal hoop = !domain->rings ? 0 : x[0] > domain->spacing ? v[0] / x[0] : L[0][0];
@@ -120,7 +120,7 @@ static PetscReal ShearRate(Domain domain, const PetscReal x[DIM], const PetscRea
 PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosity)
 {
   PetscReal *depth, scale_w, scale_f, inverse_h2;
-  Places     places;
+  FitPoints  points;
 
   PetscFunctionBegin;
   if (!SceneViscosityVaries(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -134,8 +134,8 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
 
     *mu = body < 0 ? 0 : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
     if (body < 0 || !BodyViscosityVaries(SceneBody(cloud->scene, body))) continue;
-    FindPlaces(cloud, viscosity, a, depth, cloud->domain->volume * scale_f, &places);
-    FitGradient(cloud, a, &places, L);
+    FindFitPoints(cloud, viscosity, a, depth, cloud->domain->volume * scale_f, &points);
+    FitGradient(cloud, a, &points, L);
     *mu = BodyViscosity(SceneBody(cloud->scene, body), ShearRate(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a,
                                                                  cloud->field[FIELD_VELOCITY] + DIM * a, L));
   }

@@ -1,13 +1,13 @@
 /* Free-surface detection of Marrone, Colagrossi, Le Touze and Graziani 2010. */
 #include "operators.h"
 
-#define LAMBDA_INNER 0.75 /* of Marrone et al.: from there on particles are not on the surface */
-#define CONE         1.33 /* spacings, the h of Marrone et al.: a wider kernel does not widen the cone */
-#define LAMBDA_NEAR  0.95 /* from there on they are not near it; the second layer of a film has 0.9; no reference */
-#define NEAR         1.5  /* spacings from a particle on the surface within which others are near it; no reference */
+#define LAMBDA_INNER 0.75 /* of Marrone et al.: particles with a larger lambda are not on the surface */
+#define CONE         1.33 /* spacings, the h of Marrone et al., for any kernel */
+#define LAMBDA_NEAR  0.95 /* particles with a larger lambda are not near the surface; a film's second layer has 0.9 */
+#define NEAR         1.5  /* spacings: largest distance from a surface particle; chosen, as LAMBDA_NEAR is */
 
-/* Whether no neighbour lies in the umbrella-shaped region above particle a, which belongs to the outward normal n and
-   the cone scale s (m). */
+/* Whether no neighbour lies in the umbrella-shaped region above particle a. n: outward normal; s: scale of the cone, m.
+ */
 static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], PetscReal s)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = x + DIM * a;
@@ -32,7 +32,7 @@ static PetscBool ConeIsEmpty(Cloud cloud, PetscInt a, const PetscReal n[DIM], Pe
   return PETSC_TRUE;
 }
 
-/* Flags the rows that are on the surface with 1 and the others with 0. */
+/* flag: 1 for rows on the free surface, 0 for other particles. */
 static void FlagSurface(Cloud cloud, PetscInt flag[])
 {
   const PetscReal  s      = CONE * cloud->domain->spacing;
@@ -55,7 +55,7 @@ static void FlagSurface(Cloud cloud, PetscInt flag[])
   }
 }
 
-/* Whether a flagged fluid particle is within a distance (m) of particle a. */
+/* Whether a flagged fluid particle lies within a distance (m) of particle a. */
 static PetscBool SurfaceIsNear(Cloud cloud, PetscInt a, PetscReal distance, const PetscInt flag[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, near2 = PetscSqr(distance);

@@ -1,16 +1,16 @@
-/* The viscous term of a velocity field, explicit or as a linear operator, and its factor on walls that gives no slip.
- */
+/* The viscous term of a velocity field, explicit or as a linear operator, and the wall factor for no slip. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
 #define PLANE_POINTS    64     /* of the integral over a layer of dummy particles */
-#define MOMENT_OFF_MOST 0.03   /* by which a second moment may be off 1: see SecondMoment */
+#define MOMENT_OFF_MOST 0.03   /* largest deviation of a second moment from 1: see SecondMoment */
 #define SMALLEST        1e-300 /* added to a divisor that is zero between liquids without viscosity */
-#define FILLED_SHARE    0.98   /* of the kernel: disorder inside the liquid leaves more */
+#define FILLED_FRACTION 0.98   /* of the kernel's sum: disorder inside the liquid leaves more than this */
 
-/* What the sum of Morris et al. around particle a must be divided by: it is the Laplacian times the mean second moment
-   sum V |F| r^2/dim of the neighbours, the mean of the diagonal of M, which on a lattice that a slow flow keeps is up
-   to a hundredth off 1 however fine the spacing is. Where neighbours are missing it is not that. */
+/* The divisor of the sum of Morris et al. around particle a. The sum is the Laplacian times the mean second moment
+   sum V |F| r^2/dim, the mean of the diagonal of M. A slow flow keeps the initial lattice, whose second moment deviates
+   from 1 by up to 1 % at any spacing. The bound is for particles with missing neighbours, where M means something else.
+ */
 static PetscReal SecondMoment(Cloud cloud, PetscInt a)
 {
   const PetscReal *B     = cloud->field[FIELD_CORRECTION] + 6 * a;
@@ -20,8 +20,8 @@ static PetscReal SecondMoment(Cloud cloud, PetscInt a)
   return PetscMax(1 - MOMENT_OFF_MOST, PetscMin(1 + MOMENT_OFF_MOST, cloud->domain->dim / trace));
 }
 
-/* The viscosity of each particle, Pa s, in the form of Morris over its second moment. -1 marks walls, which take that
-   of their neighbour. Collective. */
+/* mu: viscosity of each particle, Pa s, in the form of Morris over its second moment. Walls have -1: they take the
+   viscosity of their neighbour. Collective. */
 static PetscErrorCode CollectViscosity(Cloud cloud, const Viscosity *viscosity, PetscReal mu[])
 {
   const PetscBool  varies = SceneViscosityVaries(cloud->scene);
@@ -45,11 +45,10 @@ static PetscReal FormFactor(Cloud cloud, ViscosityForm form)
   return form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
 }
 
-/* The factor on wall friction that gives no slip at the face, as a table over the distance from a flat wall whose
-   layers of dummy particles begin half a spacing behind its face. A dummy at depth z behind the face, seen from a
-   particle at the distance s in front of it, must carry the velocity difference times 1 + z/s if the velocity is to go
-   on straight behind the face. The factor is the mean of that over the layers, each weighted with its part in the
-   viscous term of a flow along the wall. */
+/* Tabulates the wall factor over the distance from a flat wall, whose layers of dummy particles begin half a spacing
+   behind its face. A linear velocity behind the face needs, for a particle at the distance s and a dummy particle at
+   the depth z, the velocity difference times 1 + z/s. The wall factor is the mean of 1 + z/s over the layers, weighted
+   with their part in the viscous term of a flow along the wall. */
 void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
 {
   const PetscReal spacing = cloud->domain->spacing, support = KernelSupport(cloud->kernel),
@@ -79,8 +78,8 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
   }
 }
 
-/* The factor on wall friction of fluid particle a, from its distance to the nearest wall. Dummy particles of walls have
-   the size of the liquid beside them. */
+/* The wall factor of fluid particle a, from its distance to the nearest wall. Dummy particles have the size of the
+   liquid beside them. */
 static PetscReal WallFactor(Cloud cloud, const Viscosity *viscosity, PetscInt a)
 {
   const Domain     domain = cloud->domain;
@@ -117,38 +116,37 @@ PetscBool OperatorsOneLiquid(Cloud cloud)
 
      cleary   sum c_ab (v_ab . r_ab) r_ab       morris   sum c_ab v_ab
 
-   and the coefficients c_ab stand in one place, Coefficients. Explicit steps make and sum them row by row, implicit
-   ones keep them for all products; the sum that the search takes along (moments.c) lacks what OperatorsFrictionRest
-   adds. */
+   Only Coefficients computes the c_ab. Explicit steps sum them row by row; implicit steps keep them for all products.
+   The sum during the search (moments.c) omits what OperatorsViscosityRemainder adds. */
 typedef struct {
   const Viscosity *viscosity;
-  const PetscReal *density; /* [n_total] kg/m3 */
-  PetscReal       *mu;      /* [n_total] Pa s, see CollectViscosity */
-  PetscReal       *lack;    /* [n_total] see FindLack; NULL: pairs weigh as they are */
-  PetscReal        scale;   /* zeta V_0 scale_f */
-  PetscBool        one;     /* all pairs of the fluid have one density and one viscosity */
-  PetscReal        base;    /* taken off the factor on walls and missing neighbours: 1 for the rest of a fused sum */
+  const PetscReal *density;    /* [n_total] kg/m3 */
+  PetscReal       *mu;         /* [n_total] Pa s, see CollectViscosity */
+  PetscReal       *deficit;    /* [n_total] see FindDeficits; NULL: missing neighbours do not count */
+  PetscReal        scale;      /* zeta V_0 scale_f */
+  PetscBool        one_liquid; /* all pairs of the fluid have one density and one viscosity */
+  PetscReal        subtracted; /* from the factors of DeficitFactor and walls; 1 for the remainder, else 0 */
 } Friction;
 
-/* By how much more than 1 a particle must weigh because a share s = sum V W of its kernel is filled: 1/s - 1, from a
-   share on that disorder inside the liquid leaves; 0 of walls. [n_total]. */
-static void FindLack(Cloud cloud, PetscReal lack[])
+/* deficit: [n_total], s = sum V W is the filled fraction of a particle's kernel: 1/s - 1, counted from FILLED_FRACTION
+   on; 0 for walls. */
+static void FindDeficits(Cloud cloud, PetscReal deficit[])
 {
   const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
 
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    lack[a] = cloud->integer[INT_LAYER][a] ? 0 : PetscMax(0, FILLED_SHARE * rest[a] / rho[a] - 1);
+    deficit[a] = cloud->integer[INT_LAYER][a] ? 0 : PetscMax(0, FILLED_FRACTION * rest[a] / rho[a] - 1);
 }
 
-/* By what a pair of particles at rest density must weigh more where neighbours of both are missing, so that the sum is
-   the dissipation of the liquid that there is. On a lattice a sheet of one, two or three particles resists a stretch
-   with 0.53, 0.75 and 0.88 of its viscosity without it (test_operators). */
-static inline PetscReal Filling(PetscReal own, PetscReal other)
+/* The factor on a pair at rest density if both particles miss neighbours: with it the sum has the dissipation of the
+   existing liquid. Without it a sheet of one, two or three particles resists stretching with 0.53, 0.75 and 0.88 of its
+   viscosity, on a lattice (test_operators). */
+static inline PetscReal DeficitFactor(PetscReal own, PetscReal other)
 {
   return own > 0 && other > 0 ? 1 + 2 * own * other / (own + other) : 1;
 }
 
-/* filled: with the rest density, what neighbours are missing is made up for. Collective, as CollectViscosity is. */
+/* filled: apply DeficitFactor, if density is the rest density. Collective. */
 static PetscErrorCode FrictionBegin(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                     PetscBool filled, Friction *f)
 {
@@ -156,44 +154,46 @@ static PetscErrorCode FrictionBegin(Cloud cloud, const Viscosity *viscosity, con
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  *f = (Friction){.viscosity = viscosity,
-                  .density   = density,
-                  .one       = (PetscBool)(density == cloud->rest_density && viscosity->form == VISCOSITY_CLEARY &&
-                                     OperatorsOneLiquid(cloud)),
-                  .scale     = FormFactor(cloud, viscosity->form) * cloud->domain->volume * scale_f};
+  *f = (Friction){.viscosity  = viscosity,
+                  .density    = density,
+                  .one_liquid = (PetscBool)(density == cloud->rest_density && viscosity->form == VISCOSITY_CLEARY &&
+                                            OperatorsOneLiquid(cloud)),
+                  .scale      = FormFactor(cloud, viscosity->form) * cloud->domain->volume * scale_f};
   PetscCall(CloudGetWork(cloud, 1, &f->mu));
   PetscCall(CollectViscosity(cloud, viscosity, f->mu));
   if (!filled || density != cloud->rest_density) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CloudGetWork(cloud, 1, &f->lack));
-  FindLack(cloud, f->lack);
+  PetscCall(CloudGetWork(cloud, 1, &f->deficit));
+  FindDeficits(cloud, f->deficit);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode FrictionEnd(Cloud cloud, Friction *f)
 {
   PetscFunctionBegin;
-  if (f->lack) PetscCall(CloudRestoreWork(cloud, &f->lack));
+  if (f->deficit) PetscCall(CloudRestoreWork(cloud, &f->deficit));
   PetscCall(CloudRestoreWork(cloud, &f->mu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the row by what pairs count for more than 1 at walls and where neighbours are missing, less f->base;
-   factor: of walls. */
-static void MultiplyRest(Cloud cloud, const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
+/* Multiplies the pairs with walls by 'factor', the others by their DeficitFactor; both less f->subtracted. */
+static void MultiplyFactors(Cloud cloud, const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
 {
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt b = row->index[k];
 
-    row->f[k] *= (cloud->integer[INT_LAYER][b] ? factor : f->lack ? Filling(f->lack[a], f->lack[b]) : 1) - f->base;
+    row->f[k] *= (cloud->integer[INT_LAYER][b] ? factor
+                  : f->deficit                 ? DeficitFactor(f->deficit[a], f->deficit[b])
+                                               : 1) -
+                 f->subtracted;
   }
 }
 
-/* Loads the row of fluid particle a with its coefficients: with the neighbour's mass m_b = V_b rho_0b, also between
-   liquids of different density,
+/* Loads the row of fluid particle a with its coefficients
 
-     zeta m_b F (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b), cleary over r^2 + eta^2,
+     zeta m_b F (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b), cleary: over r^2 + eta^2,
 
-   of rings times the length of the pair's middle over that of ring a. */
+   with the neighbour's mass m_b = V_b rho_0b, also between liquids of different density. Rings: times the length of a
+   ring at the pair's middle over the length of ring a. */
 static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PairRow *row)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *rest = cloud->rest_density, *density = f->density, *mu = f->mu;
@@ -202,7 +202,7 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PairRow *ro
                   factor = WallFactor(cloud, f->viscosity, a), scale = 2 * f->scale * mu_a;
 
   PairRowLoadFactors(cloud, a, row);
-  if (f->one) {
+  if (f->one_liquid) {
     SIMD_LOOP()
     for (PetscInt k = 0; k < row->n; k++) row->f[k] *= scale / density[a];
   } else {
@@ -224,16 +224,16 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PairRow *ro
         PetscSqr(x0 - y[0]) + PetscSqr(x1 - y[1]) + PetscSqr(x2 - y[2]) + eta2 * PetscSqr(CloudPairSize(cloud, a, b));
     }
   }
-  if (factor != 1 || f->base != 0 || (f->lack && f->lack[a] > 0)) MultiplyRest(cloud, f, a, factor, row);
+  if (factor != 1 || f->subtracted != 0 || (f->deficit && f->deficit[a] > 0)) MultiplyFactors(cloud, f, a, factor, row);
   if (cloud->domain->rings)
     for (PetscInt k = 0; k < row->n; k++)
       row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / CloudRingLength(cloud, a);
 }
 
-/* The rate (1/s) at which ring a's growth is resisted in the form of Cleary: -nu v_r/R2. The pairs in the plane lose 2
-   S:S + (tr S)2 times mu, of the rate of strain S in it; its trace is -v_r/r, for all three directions together do not
-   change the volume. The loss in all is 2 S:S + 2 (v_r/r)2, so that (v_r/r)2 remains for the growth. 0 of other
-   particles and in the form of Morris. */
+/* The rate (1/s) of the friction -nu v_r/r^2 of ring a's growth, in the form of Cleary; 0 for other particles and in
+   the form of Morris. The pairs in the plane dissipate mu (2 S:S + (tr S)^2), with the rate of strain S in the plane.
+   The liquid is incompressible, so tr S = -v_r/r. The full dissipation is mu (2 S:S + 2 (v_r/r)^2); mu (v_r/r)^2
+   remains for the growth. */
 static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
 {
   const PetscReal r = CloudRingLength(cloud, a) / (2 * PETSC_PI);
@@ -242,16 +242,16 @@ static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
   return -f->mu[a] / (f->density[a] * r * r);
 }
 
-/* The factor of v_r of ring a in the pair with b in the form of Morris, over that of b's. Along the axis the sum is
-   that of the Laplacian; away from it v_r/r takes the place of v, with the lengths of both rings as further weights:
-   lap v_r - v_r/r2 = (r^3 (v_r/r)')'/r2 + v_r,zz. Momentum along the axis is kept, energy is only lost, and neither
-   v_z = 1 nor v_r = r is slowed down, up to how the first half spacing is counted (DomainRingLength). */
+/* The factor of v_r of ring a over that of v_r of ring b, in the form of Morris. Along the axis the sum is the
+   Laplacian. The radial sum has v_r/r in place of v, and the lengths of both rings as further weights: lap v_r -
+   v_r/r^2 = (r^3 (v_r/r)')'/r^2 + v_r,zz. Axial momentum is conserved, and energy dissipates. The sum vanishes for v_z
+   = 1 and for v_r = r, except near the axis (DomainRingLength). */
 static inline PetscReal GrowthRatio(Cloud cloud, PetscInt a, PetscInt b)
 {
   return CloudRingLength(cloud, b) / CloudRingLength(cloud, a);
 }
 
-/* The part of a pair of rings away from the axis in the form of Morris, to be added to that of other particles. */
+/* The radial part of ring a's sum in the form of Morris that pairs of other particles do not have. */
 static PetscReal MorrisGrowth(Cloud cloud, PetscInt a, PetscInt n, const PetscInt index[], const PetscReal c[],
                               const PetscReal v[])
 {
@@ -266,7 +266,7 @@ static PetscReal MorrisGrowth(Cloud cloud, PetscInt a, PetscInt n, const PetscIn
   return sum;
 }
 
-/* What SIMD_WIDTH pairs with coefficients f add to the sum of a particle at p with the velocity 'own'. */
+/* Adds SIMD_WIDTH pairs with coefficients f to the sum of a particle at p with the velocity 'own'. */
 static inline void AddPairs(ViscosityForm form, const PetscInt index[], Simd f, const PetscReal x[],
                             const PetscReal v[], Simd3 p, Simd3 own, Simd3 *sum)
 {
@@ -281,7 +281,7 @@ static inline void AddPairs(ViscosityForm form, const PetscInt index[], Simd f, 
     Simd3Add(sum, f, u);
 }
 
-/* out: the sum over the n pairs of fluid particle a, whose coefficients are c. Both arrays may be read up to the next
+/* out: the sum over the n pairs of fluid particle a with coefficients c. index and c are readable up to the next
    multiple of SIMD_WIDTH. */
 static inline void SumForm(Cloud cloud, ViscosityForm form, PetscInt a, PetscInt n, const PetscInt index[],
                            const PetscReal c[], const PetscReal v[], PetscReal out[DIM])
@@ -307,7 +307,7 @@ static void SumPairs(Cloud cloud, ViscosityForm form, PetscInt a, PetscInt n, co
   if (form == VISCOSITY_MORRIS && cloud->domain->rings) out[0] += MorrisGrowth(cloud, a, n, index, c, v);
 }
 
-PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity)
+PetscErrorCode OperatorsViscosityRemainder(Cloud cloud, const Viscosity *viscosity)
 {
   Friction f;
   PairRow  row;
@@ -315,11 +315,11 @@ PetscErrorCode OperatorsFrictionRest(Cloud cloud, const Viscosity *viscosity)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscCall(FrictionBegin(cloud, viscosity, cloud->rest_density, PETSC_TRUE, &f));
-  f.base = 1;
+  f.subtracted = 1;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal sum[DIM];
 
-    if (f.lack[a] == 0 && WallFactor(cloud, viscosity, a) == 1) continue;
+    if (f.deficit[a] == 0 && WallFactor(cloud, viscosity, a) == 1) continue;
     Coefficients(cloud, &f, a, &row);
     SumPairs(cloud, viscosity->form, a, row.n, row.index, row.f, cloud->field[FIELD_VELOCITY], sum);
     for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += sum[d];

@@ -1,15 +1,14 @@
-/* What pressure does to walls, from what it does to the fluid at them.
+/* The pressure force on walls, as the reaction to the pressure force on the fluid.
 
-   With equal and opposite forces of pairs, V_a V_b (p_a + p_b) grad W, walls get what their pairs with the fluid hold.
-   The corrected gradient B_a sum V_b (p_b - p_a) grad W has no such pairs. Written with p_a + p_b it has B_a in place
-   of 1 and two parts more: 2 p_a B_a sum V_b grad W, which layers of particles at a wall have, and what is left of the
-   pairs of fluid, because B_a is not B_b. Inside the liquid these add up to nothing; at a wall, where they hold 3 % of
-   the weight of a film ten spacings deep, they are the wall's, and the dummy particles around a get them in proportion
-   to their W'. */
+   Symmetric pair forces V_a V_b (p_a + p_b) grad W give each wall the reaction of its pairs. The corrected gradient
+   B_a sum V_b (p_b - p_a) grad W is not symmetric. Written with p_a + p_b, it has B_a on the pairs and a remainder of
+   two terms: 2 p_a B_a sum V_b grad W, and the sum over pairs of fluid that does not cancel because B_a differs from
+   B_b. Inside the liquid the remainder sums to zero. At a wall, where it is 3 % of the weight of a film ten spacings
+   deep, it acts on the wall: the dummy particles around a receive it in proportion to their W'. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* V_a V_b (p_a + p_b) F, and of rings the length of the pair. */
+/* V_a V_b (p_a + p_b) F; for rings times the length of the pair. */
 static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
@@ -19,13 +18,13 @@ static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt
          DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
 }
 
-/* The force on the walls of what fluid particle a has beyond its pairs with them. */
-static void FindRest(Cloud cloud, PetscInt a, const PairRow *row, PetscReal rest[DIM])
+/* The force of fluid particle a on the walls beyond its pairs with dummy particles. */
+static void FindRemainder(Cloud cloud, PetscInt a, const PairRow *row, PetscReal remainder[DIM])
 {
   const PetscReal *B = cloud->field[FIELD_CORRECTION], *normal = cloud->field[FIELD_NORMAL] + DIM * a;
 
-  TensorApply(B + 6 * a, normal[0], normal[1], normal[2], rest);
-  for (PetscInt d = 0; d < DIM; d++) rest[d] *= -2 * cloud->volume[a] * cloud->field[FIELD_PRESSURE][a];
+  TensorApply(B + 6 * a, normal[0], normal[1], normal[2], remainder);
+  for (PetscInt d = 0; d < DIM; d++) remainder[d] *= -2 * cloud->volume[a] * cloud->field[FIELD_PRESSURE][a];
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt  b = row->index[k];
     const PetscReal c = 0.5 * PairForce(cloud, a, row, k);
@@ -34,20 +33,20 @@ static void FindRest(Cloud cloud, PetscInt a, const PairRow *row, PetscReal rest
     if (cloud->integer[INT_LAYER][b]) continue;
     for (PetscInt e = 0; e < 6; e++) difference[e] = B[6 * a + e] - B[6 * b + e];
     TensorApply(difference, row->dx[k], row->dy[k], row->dz[k], part);
-    for (PetscInt d = 0; d < DIM; d++) rest[d] += c * part[d];
+    for (PetscInt d = 0; d < DIM; d++) remainder[d] += c * part[d];
   }
 }
 
-/* Adds what fluid particle a does to the dummy particles around it. */
+/* Adds the force of fluid particle a on the dummy particles around it. */
 static void AddRow(Cloud cloud, PetscBool corrected, PetscInt a, const PairRow *row, PetscReal force[])
 {
-  const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0};
-  const PetscReal *B           = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
-  PetscReal        rest[DIM] = {0, 0, 0}, sum = 0;
+  const PetscReal  identity[6]    = {1, 1, 1, 0, 0, 0};
+  const PetscReal *B              = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
+  PetscReal        remainder[DIM] = {0, 0, 0}, sum = 0;
 
   for (PetscInt k = 0; k < row->n; k++) sum += cloud->integer[INT_LAYER][row->index[k]] ? row->F[k] : 0;
   if (sum == 0) return;
-  if (corrected) FindRest(cloud, a, row, rest);
+  if (corrected) FindRemainder(cloud, a, row, remainder);
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt b = row->index[k];
     PetscReal      c, part[DIM];
@@ -55,7 +54,7 @@ static void AddRow(Cloud cloud, PetscBool corrected, PetscInt a, const PairRow *
     if (!cloud->integer[INT_LAYER][b]) continue;
     c = PairForce(cloud, a, row, k);
     TensorApply(B, row->dx[k], row->dy[k], row->dz[k], part);
-    for (PetscInt d = 0; d < DIM; d++) force[DIM * b + d] += c * part[d] + rest[d] * row->F[k] / sum;
+    for (PetscInt d = 0; d < DIM; d++) force[DIM * b + d] += c * part[d] + remainder[d] * row->F[k] / sum;
   }
 }
 
@@ -71,7 +70,7 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
     if (!OperatorsNearWall(cloud, x + DIM * a)) continue;
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowGradient(cloud, a, &row);
-    /* near the surface it is not corrected */
+    /* near the free surface the gradient is not corrected */
     AddRow(cloud, (PetscBool)(corrected && cloud->integer[INT_SURFACE][a] == 0), a, &row, force);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

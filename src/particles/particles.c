@@ -7,20 +7,17 @@ const FieldInfo Fields[FIELD_COUNT] = {STORED_REALS(INFO_REAL) WORK_REALS(INFO_R
 const char *const IntFieldNames[INT_COUNT]    = {STORED_INTS(NAME_INT)};
 const char *const IntFieldMeanings[INT_COUNT] = {STORED_INTS(MEANING_INT)};
 
-/* The swarm may grow by this many particles before it must allocate again. */
-#define SWARM_BUFFER 1024
-
-/* DMSwarmMigrate (3.18) counts the bytes of a message in an int, and a particle has fewer than so many. */
-#define PARTICLE_BYTES 256
+#define SWARM_BUFFER   1024 /* particles that the swarm can add before it allocates again */
+#define PARTICLE_BYTES 256  /* a particle has fewer: DMSwarmMigrate (3.18) counts the bytes of a message in an int */
 
 struct _p_Particles {
   MPI_Comm  comm;
   Domain    domain; /* borrowed */
   DM        swarm;
-  PetscBool viscosity; /* of each particle is stored */
-  PetscBool balance_surface;
-  PetscInt  global;  /* expected global number, checked after each migration */
-  PetscInt  portion; /* most particles in one message */
+  PetscBool viscosity;       /* FIELD_VISCOSITY is stored */
+  PetscBool balance_surface; /* the partition divides the work near the free surface, too */
+  PetscInt  global;          /* expected global number of particles, checked after each migration */
+  PetscInt  portion;         /* most particles in one message */
 };
 
 PetscBool ParticlesHave(Particles particles, PetscInt f)
@@ -84,9 +81,8 @@ PetscErrorCode ParticlesCheckRoom(MPI_Comm comm, PetscInt64 n)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPIU_INT64, MPI_MAX, comm));
   PetscCheckUser(n <= PETSC_MAX_INT / NUMBERS_A_PARTICLE, comm,
-                 "a rank would hold %" PetscInt64_FMT " particles with its ghosts, more than the %" PetscInt_FMT
-                 " whose fields this build of PETSc can index: take more ranks, or a PETSc configured with 64-bit "
-                 "indices",
+                 "a rank would hold %" PetscInt64_FMT " particles, ghosts included; this build of PETSc can index the "
+                 "fields of %" PetscInt_FMT ": take more ranks, or a PETSc configured with 64-bit indices",
                  n, PETSC_MAX_INT / NUMBERS_A_PARTICLE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,7 +145,7 @@ PetscErrorCode ParticlesGlobalSize(Particles particles, PetscInt *n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rearranges the fields: particle order[k] moves to place k, for k < n. */
+/* Rearranges the fields: particle order[k] moves to index k, for k < n. */
 static PetscErrorCode Rearrange(ParticleArrays *arrays, PetscInt n, const PetscInt order[])
 {
   PetscReal *real;
@@ -198,8 +194,8 @@ PetscErrorCode ParticlesSetPortion(Particles particles, PetscInt portion)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes into the swarm where each particle goes, at most a portion to any other rank. *left: whether there are more,
-   on any rank. */
+/* Writes the destination rank of each particle into the swarm, at most 'portion' particles to any other rank. *left:
+   whether a rank has particles left to send. */
 static PetscErrorCode ChooseRanks(Particles particles, PetscBool *left)
 {
   ParticleArrays arrays;
@@ -255,8 +251,8 @@ PetscErrorCode ParticlesBalanceSurface(Particles particles, PetscBool surface)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a particle counts for the work at the surface with graded spacing. Of how many layers the cells near it hold
-   depends on their size, so those of the surface stand for all; a larger one has about twice the neighbours. */
+/* The work of a particle near the free surface with graded spacing: only surface particles count, for the number of
+   layers in the cells near the surface depends on their size. A large particle has about twice the neighbours. */
 static PetscInt SurfaceWork(Domain domain, const ParticleArrays *arrays, PetscInt a)
 {
   if (!arrays->integer[INT_SURFACE][a]) return 0;
@@ -285,7 +281,7 @@ PetscErrorCode ParticlesImbalance(Particles particles, PetscReal *imbalance)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* near[cells]: whether the cell or one next to it holds a particle on the free surface, of any rank. */
+/* near[cells]: whether the cell or an adjacent cell holds a free-surface particle of any rank. */
 static PetscErrorCode MarkSurfaceCells(Particles particles, const ParticleArrays *arrays, PetscInt near[])
 {
   Domain          domain = particles->domain;
@@ -330,7 +326,7 @@ PetscErrorCode ParticlesRepartition(Particles particles)
   if (particles->balance_surface) {
     PetscCall(MarkSurfaceCells(particles, &arrays, near));
     for (PetscInt c = 0; c < count; c++)
-      if (near[c]) constraints = 2; /* else there is nothing of the second kind to divide */
+      if (near[c]) constraints = 2; /* without surface particles the second weights are all zero */
   }
   for (PetscInt a = 0; a < arrays.n; a++) {
     const PetscInt c = DomainCell(domain, arrays.real[FIELD_POSITION] + DIM * a);

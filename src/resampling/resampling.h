@@ -27,7 +27,8 @@ typedef struct {
    volumes have neither. Collective. */
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *resampling);
 /* ResamplingArea - the ring area of particle a over V_0. ResamplingDue - whether to resample after this step: at the
-   interval, and in any step whose largest ring area, 'largest', exceeds twice the largest area. Not collective. */
+   interval, and in any step whose largest ring area, 'largest', exceeds twice MOST (resampling_impl.h). Not collective.
+ */
 PetscReal ResamplingArea(Cloud cloud, PetscInt a);
 PetscBool ResamplingDue(const Resampling *resampling, PetscInt step, PetscReal largest);
 /* Resample - joins and splits at the end of an accepted step. The cloud must still hold the step's neighbours, moments

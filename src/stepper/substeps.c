@@ -29,7 +29,7 @@ PetscErrorCode StepSearch(Stepper stepper, PetscBool viscous)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SEARCH), 0, 0, 0, 0));
   PetscCall(OperatorsMoments(cloud, viscous ? &stepper->viscosity : NULL)); /* Eq. (4) */
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  if (viscous) PetscCall(OperatorsFrictionRest(cloud, &stepper->viscosity));
+  if (viscous) PetscCall(OperatorsViscosityRemainder(cloud, &stepper->viscosity));
   PetscCall(OperatorsFreeSurface(cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SEARCH), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

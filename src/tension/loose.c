@@ -32,7 +32,7 @@ PetscErrorCode LooseFind(Tension tension, Cloud cloud)
   PetscCall(PetscMalloc2(LEAST_COUNT * cloud->n_total, &least, cloud->n_total, &parent));
   PetscCall(PetscRealloc((size_t)cloud->n_owned * sizeof(*tension->loose), &tension->loose));
   PetscCall(PetscArrayzero(least, LEAST_COUNT * cloud->n_total));
-  OperatorsJoin(cloud, CONNECTION * tension->spacing, parent);
+  OperatorsConnect(cloud, CONNECTION * tension->spacing, parent);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, half = 0.5 * CloudSize(cloud, a) * tension->spacing;
     PetscReal       *of = least + LEAST_COUNT * a;
@@ -43,7 +43,7 @@ PetscErrorCode LooseFind(Tension tension, Cloud cloud)
     of[LEAST_MINUS_Z] = -x[1] - half;
     of[LEAST_FREE]    = IsHeld(cloud, a) ? 0 : 1;
   }
-  PetscCall(OperatorsSpreadLeast(cloud, parent, LEAST_COUNT, least));
+  PetscCall(OperatorsComponentMinimum(cloud, parent, LEAST_COUNT, least));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal *of = least + LEAST_COUNT * a, radius = 0.5 * (of[LEAST_R] - of[LEAST_MINUS_R]),
                     width = -0.5 * PetscMin(of[LEAST_R] + of[LEAST_MINUS_R], of[LEAST_Z] + of[LEAST_MINUS_Z]);

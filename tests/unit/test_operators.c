@@ -335,7 +335,7 @@ static PetscErrorCode TakenAlong(Cloud cloud, const Viscosity *viscosity, PetscR
   PetscCall(PetscArraycpy(own, cloud->field[FIELD_ACCELERATION], n));
   PetscCall(OperatorsMoments(cloud, viscosity));
   PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(OperatorsFrictionRest(cloud, viscosity));
+  PetscCall(OperatorsViscosityRemainder(cloud, viscosity));
   *difference = 0;
   for (PetscInt k = 0; k < n; k++) {
     most        = PetscMax(most, PetscAbsReal(own[k]));
