@@ -128,8 +128,8 @@ typedef struct {
   PetscReal        subtracted; /* from the factors of DeficitFactor and walls; 1 for the remainder, else 0 */
 } Friction;
 
-/* deficit: [n_total], s = sum V W is the filled fraction of a particle's kernel: 1/s - 1, counted from FILLED_FRACTION
-   on; 0 for walls. */
+/* deficit: [n_total] max(0, FILLED_FRACTION/s - 1) with the filled fraction s = sum V W of a particle's kernel; 0 for
+   walls. */
 static void FindDeficits(Cloud cloud, PetscReal deficit[])
 {
   const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
