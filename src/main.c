@@ -30,7 +30,7 @@ static PetscErrorCode Initialize(int *argc, char ***argv)
 {
   PetscErrorCode code;
 
-  InterruptHold();
+  InterruptBlock();
   code = PetscInitialize(argc, argv, NULL, help);
   InterruptWatch();
   return code;
@@ -49,7 +49,7 @@ int main(int argc, char **argv)
   code = CommandLineCheck(MPI_COMM_WORLD, &argc, &argv, &stop);
   if (!code && !stop) code = Initialize(&argc, &argv);
   if (!code && !stop) code = Run();
-  result = ErrorFarewell(code);
+  result = ErrorFinish(code);
   if (PetscInitializeCalled) (void)PetscFinalize();
   (void)MPI_Finalize();
   return result;

@@ -1,5 +1,5 @@
-/* How errors are told: bad input by a sentence at once, what else PETSc finds by one at the end of the program, with
-   the calls that led to it instead of PETSc's trace. */
+/* Error messages. Bad input gives one sentence at once. Any other error gives one sentence at the end of the program,
+   with the chain of calls instead of PETSc's trace. */
 #include "base.h"
 #include <ctype.h>
 #include <stdarg.h>
@@ -8,16 +8,16 @@
 #include <time.h>
 
 #define MESSAGE_LENGTH 1024
-#define PATIENCE       10. /* s that a rank which failed waits for the others */
-#define NAP            10  /* ms between two looks */
+#define PATIENCE       10. /* s for which a failed rank waits for the others */
+#define NAP            10  /* ms between two tests whether the others have come */
 
-static PetscBool UserErrorRaised = PETSC_FALSE; /* UserError has printed its sentence and its code is on its way up */
-static PetscBool Held            = PETSC_FALSE; /* user errors are not printed */
-static PetscBool Keeping         = PETSC_FALSE; /* errors of PETSc's are kept for the caller */
-static char      Kept[MESSAGE_LENGTH];
-static char      Last[MESSAGE_LENGTH];      /* the sentence of the last error, and the calls that led to it */
-static PetscBool Said      = PETSC_FALSE;   /* it has been printed here */
-static MPI_Comm  Farewells = MPI_COMM_NULL; /* where ranks meet that failed */
+static PetscBool UserErrorRaised = PETSC_FALSE; /* the code of a printed UserError is travelling up to main */
+static PetscBool Muted           = PETSC_FALSE; /* see UserErrorsMute */
+static PetscBool Capturing       = PETSC_FALSE; /* see ErrorsCapture */
+static char      Captured[MESSAGE_LENGTH];
+static char      LastError[MESSAGE_LENGTH]; /* its sentence and the chain of calls */
+static PetscBool Said    = PETSC_FALSE;     /* this rank has printed LastError */
+static MPI_Comm  Meeting = MPI_COMM_NULL;   /* for RanksMeet in ErrorFinish */
 
 PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
 {
@@ -35,7 +35,8 @@ PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One line on standard error; what a user typed may hold characters that a terminal would obey. */
+/* Prints one line on standard error. Control characters in a user's text would act on the terminal, so they become
+   '?'. */
 static void Say(const char message[])
 {
   char line[MESSAGE_LENGTH + 32];
@@ -51,14 +52,14 @@ static void Say(const char message[])
   Said = PETSC_TRUE;
 }
 
-/* Rank 0 speaks for all; the others keep the sentence, in case that rank 0 has no error. */
+/* Rank 0 prints for all; the other ranks keep the sentence, since rank 0 may not have the error. */
 static void SayOnce(MPI_Comm comm)
 {
   PetscMPIInt rank = 0;
 
   (void)MPI_Comm_rank(comm, &rank);
   Said = PETSC_FALSE;
-  if (!rank && !Held) Say(Last);
+  if (!rank && !Muted) Say(LastError);
 }
 
 PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
@@ -66,7 +67,7 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
   va_list arguments;
 
   va_start(arguments, format);
-  (void)vsnprintf(Last, sizeof(Last), format, arguments);
+  (void)vsnprintf(LastError, sizeof(LastError), format, arguments);
   va_end(arguments);
   SayOnce(comm);
   UserErrorRaised = PETSC_TRUE;
@@ -79,34 +80,34 @@ PetscErrorCode UserErrorSaid(void)
   return ISPH_USER_ERROR;
 }
 
-void UserErrorsHold(PetscBool hold)
+void UserErrorsMute(PetscBool mute)
 {
-  Held = hold;
+  Muted = mute;
 }
 
-void ErrorsKeep(PetscBool keep)
+void ErrorsCapture(PetscBool capture)
 {
-  if (keep) Kept[0] = 0;
-  Keeping = keep;
+  if (capture) Captured[0] = 0;
+  Capturing = capture;
 }
 
-const char *ErrorKept(void)
+const char *CapturedError(void)
 {
-  return Kept;
+  return Captured;
 }
 
-/* Keeps the first line of an error, or what its code means. */
-static PetscBool Keep(PetscErrorCode code, const char message[])
+/* Stores the first line of an error message, or the meaning of its code. */
+static PetscBool Capture(PetscErrorCode code, const char message[])
 {
   const char *text = message;
 
-  if (!Keeping) return PETSC_FALSE;
+  if (!Capturing) return PETSC_FALSE;
   if (!text || !*text) (void)PetscErrorMessage(code, &text, NULL);
-  (void)snprintf(Kept, sizeof(Kept), "%.*s", text ? (int)strcspn(text, "\n") : 0, text ? text : "");
+  (void)snprintf(Captured, sizeof(Captured), "%.*s", text ? (int)strcspn(text, "\n") : 0, text ? text : "");
   return PETSC_TRUE;
 }
 
-/* Whether 'word' is one of the words of 'text', which are separated by one of 'separators'. */
+/* Whether 'word' is one of the words of 'text'; 'separators' lists the characters between words. */
 static PetscBool HasWord(const char text[], const char word[], size_t length, const char separators[])
 {
   for (const char *p = text; *p; p += strcspn(p, separators), p += strspn(p, separators))
@@ -114,8 +115,8 @@ static PetscBool HasWord(const char text[], const char word[], size_t length, co
   return PETSC_FALSE;
 }
 
-/* The option of the database that PETSc's complaint is about, as " (-name value)": one whose value, or a number of it,
-   the complaint cites; empty if there is none. */
+/* The option that PETSc's complaint is about, as " (-name value)": the first one whose value, or a number of the value,
+   the complaint cites; else "". */
 static void FindOption(const char complaint[], char option[], size_t length)
 {
   char *all = NULL;
@@ -138,7 +139,7 @@ static void FindOption(const char complaint[], char option[], size_t length)
   (void)PetscFree(all);
 }
 
-/* Values of options that PETSc itself cannot read or does not know: one sentence, as for the program's own checks. */
+/* Makes one sentence of PETSc's complaint about the value of an option. */
 static PetscBool ReportBadValue(const char function[], PetscErrorCode code, const char message[])
 {
   char option[256];
@@ -152,7 +153,7 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
     (void)snprintf(option, sizeof(option), ": an options file whose name ends in .yaml or .yml is not YAML");
   else
     FindOption(message, option, sizeof(option));
-  (void)snprintf(Last, sizeof(Last), "%s%.*s%s",
+  (void)snprintf(LastError, sizeof(LastError), "%s%.*s%s",
                  strncmp(function, "PetscOptionsSetValue", 20) ? ""
                                                                : "there are more options than PETSc has room for: ",
                  (int)strcspn(message, "\n"), message, option);
@@ -160,14 +161,14 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
   return PETSC_TRUE;
 }
 
-/* No memory: the rank that has none says so and ends all, since the others wait for it. PETSc 3.18 knows it by the
-   function only, the code is another. */
+/* Out of memory: the rank says so and aborts all ranks, since the others wait for it. In PETSc 3.18 only the name of
+   the function tells it; the code is another. */
 static PetscBool ReportMemory(const char function[], PetscErrorCode code)
 {
   static const char message[] = "out of memory: take a larger -spacing, a smaller box or more machines";
   PetscMPIInt       size      = 1;
 
-  if (function && !strncmp(function, "PetscOptions", 12)) return PETSC_FALSE; /* has room for so many */
+  if (function && !strncmp(function, "PetscOptions", 12)) return PETSC_FALSE; /* its table of options is full */
   if (code != PETSC_ERR_MEM &&
       (!function || (strcmp(function, "PetscMallocAlign") && strcmp(function, "PetscReallocAlign"))))
     return PETSC_FALSE;
@@ -177,8 +178,9 @@ static PetscBool ReportMemory(const char function[], PetscErrorCode code)
   return PETSC_TRUE;
 }
 
-/* An error that starts anew is PETSc's, and so are its repeats, one a PetscCall on the way up: the calls. Those of a
-   user error say nothing. A PetscCall in main, of a test, ends the program. */
+/* PETSc calls this where an error starts (PETSC_ERROR_INITIAL) and again in each PetscCall on the way up, which gives
+   the chain of calls. A user error does not start here, so its PetscCalls print nothing. A PetscCall in main, as in a
+   test, ends the program, so the sentence is printed there. */
 static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                        PetscErrorCode code, PetscErrorType type, const char *message, void *context)
 {
@@ -187,17 +189,17 @@ static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *func
 
   if (type == PETSC_ERROR_INITIAL) {
     UserErrorRaised =
-      (PetscBool)(ReportMemory(function, code) || Keep(code, message) || ReportBadValue(function, code, message));
+      (PetscBool)(ReportMemory(function, code) || Capture(code, message) || ReportBadValue(function, code, message));
     if (UserErrorRaised) return code;
     if (!text || !*text) (void)PetscErrorMessage(code, &text, NULL);
-    (void)snprintf(Last, sizeof(Last), "PETSc says \"%.*s\" (error %d in %s, line %d of %s",
+    (void)snprintf(LastError, sizeof(LastError), "PETSc says \"%.*s\" (error %d in %s, line %d of %s",
                    text ? (int)strcspn(text, "\n") : 0, text ? text : "", (int)code, function, line, file);
     Said = PETSC_FALSE;
   } else if (!UserErrorRaised) {
-    used = strlen(Last);
-    (void)snprintf(Last + used, sizeof(Last) - used, " < %s", function);
+    used = strlen(LastError);
+    (void)snprintf(LastError + used, sizeof(LastError) - used, " < %s", function);
   }
-  if (!UserErrorRaised && function && !strcmp(function, "main")) Say(Last);
+  if (!UserErrorRaised && function && !strcmp(function, "main")) Say(LastError);
   return code;
 }
 
@@ -205,7 +207,7 @@ PetscErrorCode UserErrorHandlerPush(void)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
-  PetscCallMPI(MPI_Comm_dup(MPI_COMM_WORLD, &Farewells));
+  PetscCallMPI(MPI_Comm_dup(MPI_COMM_WORLD, &Meeting));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,17 +235,19 @@ PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-int ErrorFarewell(PetscErrorCode code)
+int ErrorFinish(PetscErrorCode code)
 {
   PetscMPIInt first = 0, all = 1, rank = 0;
 
-  if (code && !UserErrorRaised && Last[0]) (void)snprintf(Last + strlen(Last), sizeof(Last) - strlen(Last), ")");
-  if (code && !Last[0]) (void)snprintf(Last, sizeof(Last), "PETSc could not start or end (error %d)", (int)code);
-  (void)MPI_Comm_rank(Farewells, &rank);
-  if (code && !rank && !Said) Say(Last);
-  if (code) (void)RanksMeet(Farewells, PETSC_TRUE, &first, &all);
-  if (code && rank && !all && !Said) Say(Last);
+  if (code && !UserErrorRaised && LastError[0])
+    (void)snprintf(LastError + strlen(LastError), sizeof(LastError) - strlen(LastError), ")");
+  if (code && !LastError[0])
+    (void)snprintf(LastError, sizeof(LastError), "PETSc could not start or end (error %d)", (int)code);
+  (void)MPI_Comm_rank(Meeting, &rank);
+  if (code && !rank && !Said) Say(LastError);
+  if (code) (void)RanksMeet(Meeting, PETSC_TRUE, &first, &all);
+  if (code && rank && !all && !Said) Say(LastError);
   if (!all) (void)MPI_Abort(MPI_COMM_WORLD, 1);
-  (void)MPI_Comm_free(&Farewells);
+  (void)MPI_Comm_free(&Meeting);
   return code ? 1 : 0;
 }

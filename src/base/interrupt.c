@@ -1,5 +1,5 @@
-/* Ends a run cleanly: signals that end a program are noted, to be asked for between steps and in long work, and so is
-   -wall_clock_limit, which counts from the start of the program. */
+/* Ends a run cleanly: a handler records the signals that would end the program, and the run checks for them and for
+   -wall_clock_limit between steps and during long work. The limit counts from the start of the program. */
 #include "base.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -15,46 +15,48 @@ static const struct {
 } Watched[] = {{SIGHUP, "SIGHUP"},   {SIGINT, "SIGINT"},   {SIGQUIT, "SIGQUIT"}, {SIGPIPE, "SIGPIPE"},
                {SIGTERM, "SIGTERM"}, {SIGUSR1, "SIGUSR1"}, {SIGXCPU, "SIGXCPU"}};
 
-#define WATCHED PETSC_STATIC_ARRAY_LENGTH(Watched)
-#define SLOW    0.5 /* s: a signal that may wait so long for its answer is confirmed at once */
-#define PATIENT "OMPI_MCA_odls_base_sigkill_timeout" /* s that Open MPI's mpiexec waits before it kills */
+#define WATCHED          PETSC_STATIC_ARRAY_LENGTH(Watched)
+#define SLOW             0.5 /* s between checks, from which on a signal is confirmed when it arrives */
+#define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */
 
-static const char Confirmed[] = "isph: a signal came: the run ends with a checkpoint when this step is done\n";
-static const char Hurried[]   = "isph: a signal came: the run ends with a checkpoint when this step is done; if it was "
-                                "mpiexec's, that kills it a second later: start mpiexec with " PATIENT "=600\n";
+static const char Confirmation[] = "isph: received a signal: the run ends with a checkpoint after this step\n";
+static const char Warning[] =
+  "isph: received a signal: the run ends with a checkpoint after this step; if mpiexec "
+  "sent the signal, it kills the run a second later: start mpiexec with " MPIEXEC_PATIENCE "=600\n";
 
-static volatile sig_atomic_t Signalled = 0; /* the first signal that came, its place in the table and 1 */
+static volatile sig_atomic_t Signalled = 0; /* 1 + index in Watched of the first signal; 0: none */
 static PetscBool             Ignored[WATCHED];
 static struct timespec       Start;
-static double                Limit = 0; /* s; 0: none */
-static double                Asked = 0; /* s, on the program's clock: when InterruptCheck was called last, and ... */
-static double                Pause = 0; /* ... how long after the time before */
-static PetscBool             First = PETSC_FALSE; /* this is the rank that speaks, and it has begun its work */
-static PetscBool             Hasty = PETSC_FALSE; /* what started the program kills it a second after a signal */
+static double                Limit      = 0;           /* s; 0: none */
+static double                LastCheck  = 0;           /* time of the last InterruptCheck, s on the program's clock */
+static double                CheckPause = 0;           /* time between the last two, s */
+static PetscBool             Speaks     = PETSC_FALSE; /* this is rank 0, and it has called InterruptCheck */
+static PetscBool             KilledSoon = PETSC_FALSE; /* mpiexec kills the program a second after a signal */
 
-/* May be called in a handler of signals, so it prints without stdio. */
+/* A signal handler calls this: stdio is not safe there. */
 static void Confirm(void)
 {
-  if (!First || PetscMax(Pause, ProgramSeconds() - Asked) < SLOW) return;
-  if (write(STDERR_FILENO, Hasty ? Hurried : Confirmed, Hasty ? sizeof(Hurried) - 1 : sizeof(Confirmed) - 1) < 0)
+  if (!Speaks || PetscMax(CheckPause, ProgramSeconds() - LastCheck) < SLOW) return;
+  if (write(STDERR_FILENO, KilledSoon ? Warning : Confirmation,
+            KilledSoon ? sizeof(Warning) - 1 : sizeof(Confirmation) - 1) < 0)
     return;
 }
 
-static void Note(int number)
+static void Record(int number)
 {
   const int error = errno;
 
   if (!Signalled && number != SIGPIPE) Confirm();
   for (size_t k = 0; k < WATCHED && !Signalled; k++)
     if (Watched[k].number == number) Signalled = (sig_atomic_t)(k + 1);
-  /* a second one ends the program at once; but each print into a closed pipe brings another SIGPIPE */
+  /* The second signal ends the program at once, but each print into a closed pipe raises SIGPIPE again. */
   if (number != SIGPIPE) (void)signal(number, SIG_DFL);
   errno = error;
 }
 
 void InterruptWatch(void)
 {
-  struct sigaction action = {.sa_handler = Note, .sa_flags = SA_RESTART}; /* half a write is not the end of it */
+  struct sigaction action = {.sa_handler = Record, .sa_flags = SA_RESTART}; /* an interrupted write goes on */
   sigset_t         all;
 
   (void)sigemptyset(&all);
@@ -65,11 +67,11 @@ void InterruptWatch(void)
       (void)sigaction(Watched[k].number, &action, NULL);
     (void)sigaddset(&all, Watched[k].number);
   }
-  (void)signal(SIGXFSZ, SIG_IGN); /* a write beyond the user's limit fails like one on a full disk */
+  (void)signal(SIGXFSZ, SIG_IGN); /* a write beyond the file-size limit then fails as on a full disk */
   (void)sigprocmask(SIG_UNBLOCK, &all, NULL);
 }
 
-void InterruptHold(void)
+void InterruptBlock(void)
 {
   sigset_t all;
 
@@ -81,8 +83,8 @@ void InterruptHold(void)
 void ProgramStart(void)
 {
   (void)clock_gettime(CLOCK_MONOTONIC, &Start);
-  Hasty = (PetscBool)(getenv("OMPI_COMM_WORLD_SIZE") && !getenv(PATIENT));
-  /* A standard stream that is closed must not become the number of a file of the run. */
+  KilledSoon = (PetscBool)(getenv("OMPI_COMM_WORLD_SIZE") && !getenv(MPIEXEC_PATIENCE));
+  /* A file of the run must not get the descriptor of a closed standard stream. */
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
     if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) (void)open("/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);
   for (size_t k = 0; k < WATCHED; k++) {
@@ -114,9 +116,9 @@ PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **rea
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  Pause = now - Asked;
-  Asked = now;
-  First = (PetscBool)!rank;
+  CheckPause = now - LastCheck;
+  LastCheck  = now;
+  Speaks     = (PetscBool)!rank;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 3, MPIU_INT, MPI_MAX, comm));
   if (wanted) *wanted = (PetscBool)(what[2] > 0);
   *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : NULL;

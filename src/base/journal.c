@@ -1,5 +1,5 @@
-/* What goes to standard output: it may be lost without harm, and with the sentence of an error it is also kept in a
-   file, the journal of a run. PETSc prints through a function pointer; here that function does both. */
+/* Standard output, and the journal: a file with the output and the error message of a run. PETSc prints through the
+   pointer PetscVFPrintf; the function here writes both and survives the loss of standard output. */
 #include "base.h"
 #include <errno.h>
 #include <stdarg.h>
@@ -8,39 +8,39 @@
 #include <string.h>
 #include <time.h>
 
-#define TEXT_LENGTH 8192    /* of one print, bytes; what is longer takes memory of its own */
-#define EARLY_MOST  1048576 /* bytes kept for a journal that is not open yet */
+#define TEXT_LENGTH 8192    /* bytes of one print; a longer text is allocated */
+#define BUFFER_MAX  1048576 /* bytes */
 
 static FILE     *journal   = NULL;
-static PetscBool early     = PETSC_TRUE; /* no journal has been open yet: what is printed is kept for it */
-static char     *kept      = NULL;
-static PetscBool lost      = PETSC_FALSE; /* standard output */
-static PetscBool open_line = PETSC_FALSE; /* the next line of progress overwrites the last one */
+static PetscBool buffering = PETSC_TRUE; /* output is buffered until the journal is open */
+static char     *buffer    = NULL;
+static PetscBool lost      = PETSC_FALSE; /* standard output has failed */
+static PetscBool open_line = PETSC_FALSE; /* the last line is one of progress, which the next one overwrites */
 
-/* What is printed before the journal is open; what is too much for it, or for the memory, is left out. */
-static void Keep(const char text[])
+/* Drops a text that does not fit. */
+static void Buffer(const char text[])
 {
-  const size_t used = kept ? strlen(kept) : 0, length = strlen(text);
-  char        *longer = used + length < EARLY_MOST ? realloc(kept, used + length + 1) : NULL;
+  const size_t used = buffer ? strlen(buffer) : 0, length = strlen(text);
+  char        *longer = used + length < BUFFER_MAX ? realloc(buffer, used + length + 1) : NULL;
 
   if (!longer) return;
   memcpy(longer + used, text, length + 1);
-  kept = longer;
+  buffer = longer;
 }
 
-static void KeepNoMore(void)
+static void StopBuffering(void)
 {
-  free(kept);
-  kept  = NULL;
-  early = PETSC_FALSE;
+  free(buffer);
+  buffer    = NULL;
+  buffering = PETSC_FALSE;
 }
 
 void JournalText(const char text[])
 {
   const size_t skip = text[0] == '\r';
 
-  if (skip && !strchr(text, '\n')) return; /* a line that the terminal overwrites */
-  if (early) Keep(text + skip);
+  if (skip && !strchr(text, '\n')) return; /* a line of progress, which the next one overwrites */
+  if (buffering) Buffer(text + skip);
   if (!journal) return;
   fputs(text + skip, journal);
   if (strchr(text, '\n')) fflush(journal);
@@ -59,7 +59,7 @@ void PrinterBreak(void)
   open_line = PETSC_FALSE;
 }
 
-/* Standard output that cannot be written becomes one that can: PETSc takes a print that fails for an error. */
+/* When standard output fails it is redirected to /dev/null, since PETSc treats a failed print as an error. */
 static void Write(FILE *stream, const char text[])
 {
   PetscBool failed;
@@ -70,8 +70,8 @@ static void Write(FILE *stream, const char text[])
 
   if (stream == stdout || stream == stderr) JournalText(text);
   if (!failed || stream != stdout || lost) return;
-  if (errno != EPIPE) /* a reader that has gone away knows */
-    fprintf(stderr, "isph: standard output is gone (%s); what would be printed is dropped\n", strerror(errno));
+  if (errno != EPIPE) /* a closed pipe: its reader has ended on purpose */
+    fprintf(stderr, "isph: standard output failed (%s); further output is dropped\n", strerror(errno));
   lost = (PetscBool)(freopen("/dev/null", "w", stdout) != NULL);
 }
 
@@ -107,18 +107,18 @@ PetscErrorCode JournalOpen(MPI_Comm comm, const char path[])
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (!rank && !journal) {
-    journal = fopen(path, "a"); /* a run does not fail for want of its journal */
+    journal = fopen(path, "a"); /* a run goes on without its journal */
     if (gmtime_r(&now, &moment)) strftime(date, sizeof(date), "%Y-%m-%d %H:%M:%S UTC", &moment);
-    if (journal) fprintf(journal, "=== isph %s, %s\n%s", ISPH_VERSION, date, kept ? kept : "");
+    if (journal) fprintf(journal, "=== isph %s, %s\n%s", ISPH_VERSION, date, buffer ? buffer : "");
   }
-  KeepNoMore();
+  StopBuffering();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode JournalClose(void)
 {
   PetscFunctionBegin;
-  KeepNoMore();
+  StopBuffering();
   if (!journal) PetscFunctionReturn(PETSC_SUCCESS);
   fclose(journal);
   journal = NULL;

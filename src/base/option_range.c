@@ -1,9 +1,9 @@
-/* Options that are numbers within an interval. */
+/* Numerical options with an interval of allowed values. */
 #include "base.h"
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Whether x lies in the interval, "[low, high)" or the like; not a number lies in none. */
+/* Whether x lies in the interval, a text like "[low, high)"; NaN lies in none. */
 static PetscBool Inside(const char interval[], PetscReal x)
 {
   double low, high;
@@ -35,7 +35,7 @@ PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PETSc keeps the last 32 bits of a whole number, which may be another one. */
+/* Refuses an integer that does not fit PetscInt, which PETSc would truncate. */
 static PetscErrorCode RefuseWrapped(OptionItems PetscOptionsObject, const char name[], const char interval[])
 {
   const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";

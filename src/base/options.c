@@ -1,5 +1,5 @@
-/* What the command line asks: options files that include themselves, which PETSc follows until the stack ends; plain
-   arguments; and help. */
+/* Checks the command line before PETSc reads it. PETSc follows an options file that includes itself until the stack
+   overflows, and skips arguments that are no options. */
 #include "simd.h"
 #include <errno.h>
 #include <stdio.h>
@@ -9,15 +9,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define DEPTH_MAX   32 /* files within files */
+#define DEPTH_MAX   32 /* of nested options files */
 #define LINE_LENGTH 8192
 #define KEY         "-options_file"
 #define BLANKS      " \t\r\n\"'"
 
 static PetscBool TextIsShallow(char text[], int left);
 
-/* Whether the file is a regular one, and it and those it names are nested less deep than 'left'. PETSc opens each file
-   twice, which leaves nothing of a pipe. */
+/* Whether the file is regular and includes files less than 'left' levels deep. PETSc opens a file twice, so a pipe
+   would be empty. */
 static PetscBool FileIsShallow(const char file[], int left)
 {
   struct stat info;
@@ -33,7 +33,7 @@ static PetscBool FileIsShallow(const char file[], int left)
   return good;
 }
 
-/* The same for the files that a text of options names; the text is cut into words. */
+/* FileIsShallow for the files that a text of options names. Splits the text into words. */
 static PetscBool TextIsShallow(char text[], int left)
 {
   char     *rest;
@@ -52,16 +52,17 @@ static PetscErrorCode RefuseFile(MPI_Comm comm, const char file[])
   struct stat info;
 
   if (!stat(file, &info) && !S_ISREG(info.st_mode))
-    return UserError(comm, "the options file %s is not a regular file (a pipe cannot be read twice): write it to one",
-                     file);
-  return UserError(comm, "the options file %s includes itself, or others more than %d deep, or what is no file", file,
-                   DEPTH_MAX);
+    return UserError(
+      comm, "the options file %s is not a regular file: write the options to one (a pipe cannot be read twice)", file);
+  return UserError(comm,
+                   "the options file %s includes itself, nests files more than %d deep, or includes what is no file",
+                   file, DEPTH_MAX);
 }
 
-/* A word of a text of options that PETSc would skip, or NULL; a text with quotation marks is not looked through. */
+/* A word of a text of options that PETSc would skip, or NULL. A text with quotation marks is not checked. */
 static const char *FindStray(const char text[])
 {
-  PetscBool option = PETSC_FALSE; /* the word before is one */
+  PetscBool option = PETSC_FALSE; /* the word before is an option */
 
   if (strpbrk(text, "\"'")) return NULL;
   for (const char *word = text + strspn(text, BLANKS); *word;
@@ -72,7 +73,7 @@ static const char *FindStray(const char text[])
   return NULL;
 }
 
-/* The options files that PETSc reads unasked, and those that the environment names. */
+/* Checks the options files that PETSc reads by itself and the environment variable PETSC_OPTIONS. */
 static PetscErrorCode CheckSurroundings(MPI_Comm comm)
 {
   static const char *const unasked[]   = {".petscrc", "petscrc"};
@@ -91,8 +92,8 @@ static PetscErrorCode CheckSurroundings(MPI_Comm comm)
   (void)snprintf(text, sizeof(text), "%s", environment ? environment : "");
   if (!TextIsShallow(text, DEPTH_MAX + 1))
     return UserError(comm,
-                     "PETSC_OPTIONS names an options file that includes itself, or others more than %d deep, or "
-                     "what is no file",
+                     "PETSC_OPTIONS names an options file that includes itself, nests files more than %d deep, or "
+                     "includes what is no file",
                      DEPTH_MAX);
   return PETSC_SUCCESS;
 }
@@ -102,8 +103,8 @@ static PetscErrorCode CheckFiles(MPI_Comm comm, int argc, char *argv[])
   for (int k = 1; k < argc; k++) {
     if (strcasecmp(argv[k], KEY)) continue;
     if (k + 1 == argc || !argv[k + 1][0] || argv[k + 1][0] == '-')
-      return UserError(comm, KEY " needs the name of a file behind it");
-    /* PETSc would refuse it on rank 0 only, and the others would wait for it */
+      return UserError(comm, KEY " needs the name of a file after it");
+    /* PETSc would refuse the file on rank 0 only, and the other ranks would wait */
     if (access(argv[k + 1], R_OK))
       return UserError(comm, "the options file %s cannot be opened: %s", argv[k + 1], strerror(errno));
     if (!FileIsShallow(argv[k + 1], DEPTH_MAX)) return RefuseFile(comm, argv[k + 1]);
@@ -111,8 +112,8 @@ static PetscErrorCode CheckFiles(MPI_Comm comm, int argc, char *argv[])
   return CheckSurroundings(comm);
 }
 
-/* Names before the first option are files of options: a new argument vector says so. It lives as long as the program,
-   since PETSc keeps it. */
+/* Inserts -options_file before each name that comes before the first option. PETSc keeps the new argument vector, so it
+   is never freed. */
 static PetscErrorCode NameFiles(MPI_Comm comm, int *argc, char ***argv)
 {
   static char key[] = KEY;
@@ -124,7 +125,7 @@ static PetscErrorCode NameFiles(MPI_Comm comm, int *argc, char ***argv)
   longer = malloc((size_t)(*argc + files + 1) * sizeof(*longer));
   if (!longer) return UserError(comm, "out of memory");
   longer[0] = (*argv)[0];
-  for (int k = 1; k <= *argc; k++) { /* the last is NULL */
+  for (int k = 1; k <= *argc; k++) { /* argv[argc] is NULL */
     if (k <= files) longer[2 * k - 1] = key;
     longer[k <= files ? 2 * k : files + k] = (*argv)[k];
   }
@@ -152,7 +153,7 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
   if (*stop && !rank)
     (void)printf("isph %s, PETSc %d.%d.%d, code for %s\n", ISPH_VERSION, PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
                  PETSC_VERSION_SUBMINOR, SIMD_NAME);
-  if (!rank) bad = CheckFiles(comm, *argc, *argv) != PETSC_SUCCESS; /* rank 0 reads options files, in PETSc too */
+  if (!rank) bad = CheckFiles(comm, *argc, *argv) != PETSC_SUCCESS; /* in PETSc, too, rank 0 reads them */
   (void)MPI_Bcast(&bad, 1, MPI_INT, 0, comm);
   return bad ? UserErrorSaid() : PETSC_SUCCESS;
 }

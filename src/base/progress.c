@@ -1,20 +1,20 @@
-/* The lines of progress of the run and of all long work before and after it: on a terminal each overwrites the last
-   one, in a file they get rarer. */
+/* Lines of progress of the steps and of other long work. On a terminal each line overwrites the one before; in a file
+   the lines become rarer. */
 #include "base.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-#define KEEP        0.02 /* of the time so far: lines that stay are at least so far apart */
-#define SILENCE     10   /* s: but in a file no further */
-#define LINE_LENGTH 256
-#define FORESEEN    1e8 /* s: what is to go for longer is not known */
+#define LASTING_SHARE 0.02 /* of the time of the work: least time between two lines that are not overwritten */
+#define SILENCE_MAX   10   /* s: largest value of that time in a file */
+#define LINE_LENGTH   256
+#define ESTIMATE_MAX  1e8 /* s: a longer remaining time is not printed */
 
 static struct {
-  const char *what, *left;                    /* the work, and what of the run there is if it is ended */
-  double      interval, began, printed, kept; /* s; the last three on the program's clock */
-  PetscBool   open;                           /* the last line may be overwritten */
+  const char *what, *outcome;                    /* of ProgressBegin */
+  double      interval, began, printed, lasting; /* s; on the program's clock: start, last line, last lasting line */
+  PetscBool   open;                              /* the next line overwrites the last one */
 } Work = {"the set-up", "no step was computed", 2, 0, 0, 0, PETSC_FALSE};
 
 void ProgressInterval(double seconds)
@@ -36,30 +36,30 @@ PetscErrorCode FormatDuration(double seconds, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void ProgressBegin(const char what[], const char left[])
+void ProgressBegin(const char what[], const char outcome[])
 {
-  Work.what  = what;
-  Work.left  = left;
-  Work.began = ProgramSeconds();
+  Work.what    = what;
+  Work.outcome = outcome;
+  Work.began   = ProgramSeconds();
 }
 
 PetscErrorCode ProgressDue(MPI_Comm comm, PetscBool last, PetscBool *due)
 {
   const double    now      = ProgramSeconds();
   const PetscBool terminal = (PetscBool)isatty(STDOUT_FILENO);
-  double          rare     = KEEP * (now - Work.began);
+  double          rare     = LASTING_SHARE * (now - Work.began);
   PetscMPIInt     what[2];
 
   PetscFunctionBegin;
-  if (!terminal) rare = PetscMin(rare, SILENCE);
-  what[1] = last || now - Work.kept >= PetscMax(Work.interval, rare);
+  if (!terminal) rare = PetscMin(rare, SILENCE_MAX);
+  what[1] = last || now - Work.lasting >= PetscMax(Work.interval, rare);
   what[0] = Work.interval > 0 && (last || now - Work.printed >= Work.interval) && (terminal || what[1]);
   PetscCallMPI(MPI_Bcast(what, 2, MPI_INT, 0, comm)); /* clocks differ between ranks */
   *due = what[0] ? PETSC_TRUE : PETSC_FALSE;
   if (!what[0]) PetscFunctionReturn(PETSC_SUCCESS);
   Work.open    = (PetscBool)(terminal && !what[1]);
   Work.printed = now;
-  if (what[1]) Work.kept = now;
+  if (what[1]) Work.lasting = now;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +75,7 @@ PetscErrorCode ProgressPrint(MPI_Comm comm, PetscReal share, const char format[]
   va_end(arguments);
   PetscCall(FormatDuration(to_go, left, sizeof(left)));
   if (share >= 0) (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "  %3d %%", (int)(100 * share));
-  if (share >= 0 && to_go < FORESEEN)
+  if (share >= 0 && to_go < ESTIMATE_MAX)
     (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "  to go %s", left);
   PetscCall(PetscPrintf(comm, "%s%s%s", isatty(STDOUT_FILENO) ? "\r" : "", text, Work.open ? "   " : "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -90,7 +90,7 @@ PetscErrorCode ProgressWork(MPI_Comm comm, PetscReal share, const char format[],
 
   PetscFunctionBegin;
   PetscCall(InterruptCheck(comm, NULL, &reason));
-  PetscCheckUser(!reason, comm, "ended by %s during %s: %s", reason, Work.what, Work.left);
+  PetscCheckUser(!reason, comm, "ended by %s during %s: %s", reason, Work.what, Work.outcome);
   PetscCall(ProgressDue(comm, PETSC_FALSE, &due));
   if (!due) PetscFunctionReturn(PETSC_SUCCESS);
   va_start(arguments, format);

@@ -1,11 +1,11 @@
-/* The table of simd.h. */
+/* The table eight_front of simd.h. */
 #include "simd.h"
 
 uint64_t eight_front[1 << EIGHT];
 
 void EightSet(void)
 {
-  if (eight_front[1 << 1]) return; /* is set */
+  if (eight_front[1 << 1]) return;
   for (uint32_t bits = 0; bits < 1 << EIGHT; bits++) {
     PetscInt n = 0;
 

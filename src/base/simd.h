@@ -1,7 +1,6 @@
-/* Several numbers, or several vectors, at a time: what the pair loops that cost most are written with. There are
-   SIMD_WIDTH of them, as many as a register of the processor holds, or four where it holds fewer. The vector types are
-   those of GCC and clang, so the code compiles for any processor; what these compilers do badly is written in
-   intrinsics. */
+/* SIMD types for the most expensive pair loops: SIMD_WIDTH numbers, or SIMD_WIDTH vectors, at a time. SIMD_WIDTH is the
+   width of the processor's registers, at least four. The types are vector extensions of GCC and clang, so the code
+   compiles for any processor; intrinsics stand only where these compilers produce slow code. */
 #ifndef ISPH_SIMD_H
 #define ISPH_SIMD_H
 
@@ -22,7 +21,7 @@
 
 typedef PetscReal Vec4 __attribute__((vector_size(4 * sizeof(PetscReal))));
 
-/* Vec4Load - x[0] to x[3]; the last of these must exist, also where only three are meant. */
+/* Vec4Load - x[0] to x[3]; x[3] must be readable even if the caller needs three numbers only. */
 static inline Vec4 Vec4Load(const PetscReal x[])
 {
   Vec4 t;
@@ -31,7 +30,7 @@ static inline Vec4 Vec4Load(const PetscReal x[])
   return t;
 }
 
-/* Vec4Store - stores the first three of the four numbers. */
+/* Vec4Store - stores the first three numbers. */
 static inline void Vec4Store(Vec4 t, PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) x[d] = t[d];
@@ -46,7 +45,7 @@ typedef struct {
   Simd x, y, z;
 } Simd3;
 
-/* SimdSet - SIMD_WIDTH times s. */
+/* SimdSet - s in every lane. */
 static inline Simd SimdSet(PetscReal s)
 {
 #if SIMD_WIDTH == 8
@@ -65,7 +64,7 @@ static inline Simd SimdLoad(const PetscReal x[])
   return t;
 }
 
-/* SimdLoadSingle - the same from an array in single precision. */
+/* SimdLoadSingle - SimdLoad from an array in single precision. */
 static inline Simd SimdLoadSingle(const float x[])
 {
 #if defined(__AVX512F__)
@@ -78,8 +77,7 @@ static inline Simd SimdLoadSingle(const float x[])
 #endif
 }
 
-/* SimdGather - p[b[0]] to p[b[SIMD_WIDTH - 1]]. They are loaded one by one, which is faster than the processor's gather
-   instruction. */
+/* SimdGather - p[b[0]] to p[b[SIMD_WIDTH - 1]]. Single loads are faster than the processor's gather instruction. */
 static inline Simd SimdGather(const PetscReal p[], const PetscInt b[SIMD_WIDTH])
 {
 #if SIMD_WIDTH == 8
@@ -89,19 +87,19 @@ static inline Simd SimdGather(const PetscReal p[], const PetscInt b[SIMD_WIDTH])
 #endif
 }
 
-/* SimdFirst - the first n numbers of t, and zeros in place of the others. */
+/* SimdFirst - t with zeros in all lanes but the first n. */
 static inline Simd SimdFirst(Simd t, PetscInt n)
 {
 #if SIMD_WIDTH == 8
-  const SimdMask place = {0, 1, 2, 3, 4, 5, 6, 7};
+  const SimdMask lane = {0, 1, 2, 3, 4, 5, 6, 7};
 #else
-  const SimdMask place = {0, 1, 2, 3};
+  const SimdMask lane = {0, 1, 2, 3};
 #endif
 
-  return (Simd)((SimdMask)t & (place < n));
+  return (Simd)((SimdMask)t & (lane < n));
 }
 
-/* Simd3Set - SIMD_WIDTH times the vector v. */
+/* Simd3Set - the vector v in every lane. */
 static inline Simd3 Simd3Set(const PetscReal v[DIM])
 {
   return (Simd3){SimdSet(v[0]), SimdSet(v[1]), SimdSet(v[2])};
@@ -112,7 +110,7 @@ typedef struct {
   uint32_t at[SIMD_WIDTH];
 } SimdOffsets;
 
-/* SimdLocate - the places of particles b[0] to b[SIMD_WIDTH - 1]; one set of places serves several arrays. */
+/* SimdLocate - the offsets of particles b[0] to b[SIMD_WIDTH - 1], which serve all arrays [n][3]. */
 static inline SimdOffsets SimdLocate(const PetscInt b[SIMD_WIDTH])
 {
   SimdOffsets p;
@@ -121,9 +119,8 @@ static inline SimdOffsets SimdLocate(const PetscInt b[SIMD_WIDTH])
   return p;
 }
 
-/* Simd3Collect - the vectors of SIMD_WIDTH particles from v ([n][3], with room for one number behind the last vector).
-   Each vector is loaded as a register of four numbers, the fourth without meaning, and these are transposed to x, y and
-   z: this takes half the time of gathering them. */
+/* Simd3Collect - the vectors of SIMD_WIDTH particles from v ([n][3], with one readable number after the last vector).
+   It loads four numbers for each vector and transposes the registers to x, y and z, in half the time of a gather. */
 #if SIMD_WIDTH == 8
 /* a[0] to a[3], then b[0] to b[3] */
 static inline Simd SimdOfTwo(const PetscReal a[], const PetscReal b[])
@@ -131,9 +128,9 @@ static inline Simd SimdOfTwo(const PetscReal a[], const PetscReal b[])
   return (Simd)_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(a)), _mm256_loadu_pd(b), 1);
 }
 
-static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *places)
+static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *offsets)
 {
-  const uint32_t *at = places->at;
+  const uint32_t *at = offsets->at;
   const Simd      t0 = SimdOfTwo(v + at[0], v + at[4]), t1 = SimdOfTwo(v + at[1], v + at[5]),
              t2 = SimdOfTwo(v + at[2], v + at[6]), t3 = SimdOfTwo(v + at[3], v + at[7]);
   const Simd xz01 = __builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
@@ -146,9 +143,9 @@ static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *places)
   return all;
 }
 #else
-static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *places)
+static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *offsets)
 {
-  const uint32_t *at = places->at;
+  const uint32_t *at = offsets->at;
   const Vec4 t0 = Vec4Load(v + at[0]), t1 = Vec4Load(v + at[1]), t2 = Vec4Load(v + at[2]), t3 = Vec4Load(v + at[3]);
   const Vec4 xz01 = __builtin_shufflevector(t0, t1, 0, 4, 2, 6), xz23 = __builtin_shufflevector(t2, t3, 0, 4, 2, 6),
              y01 = __builtin_shufflevector(t0, t1, 1, 5, 3, 7), y23 = __builtin_shufflevector(t2, t3, 1, 5, 3, 7);
@@ -186,7 +183,7 @@ static inline Simd SimdMax(Simd a, Simd b)
   return (Simd)((larger & (SimdMask)a) | (~larger & (SimdMask)b));
 }
 
-/* SimdFold - the sum of the first four and the last four numbers, or all if there are four only. */
+/* SimdFold - the first four numbers plus the last four; t itself if SIMD_WIDTH is four. */
 static inline Vec4 SimdFold(Simd t)
 {
 #if SIMD_WIDTH == 8
@@ -196,7 +193,7 @@ static inline Vec4 SimdFold(Simd t)
 #endif
 }
 
-/* SimdSums - the sum over the numbers of a, of b, of c and of d. */
+/* SimdSums - four sums over the lanes: of a, of b, of c and of d. */
 static inline Vec4 SimdSums(Simd a, Simd b, Simd c, Simd d)
 {
   const Vec4 ha = SimdFold(a), hb = SimdFold(b), hc = SimdFold(c), hd = SimdFold(d);
@@ -206,7 +203,7 @@ static inline Vec4 SimdSums(Simd a, Simd b, Simd c, Simd d)
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
-/* Simd3Sum - the sum over the vectors of v and, as the fourth number, that over 'fourth'. */
+/* Simd3Sum - the sum of the vectors v; the fourth number is the sum of 'fourth'. */
 static inline Vec4 Simd3Sum(Simd3 v, Simd fourth)
 {
   return SimdSums(v.x, v.y, v.z, fourth);
@@ -218,18 +215,19 @@ static inline PetscInt PaddedLength(PetscInt n)
   return (n + SIMD_WIDTH - 1) / SIMD_WIDTH * SIMD_WIDTH;
 }
 
-/* Apart - p - x, of integers that may wrap around: positions in units so small that the box does not fit. */
+/* Apart - p - x modulo 2^32. Integer positions have units so small that the box exceeds 32 bits; a difference of
+   neighbours fits. */
 static inline int32_t Apart(int32_t p, int32_t x)
 {
   return (int32_t)((uint32_t)p - (uint32_t)x);
 }
 
-/* Eight numbers in single precision, of which some are kept: a bit each. */
+/* Eight numbers in single precision. 'kept' selects some of them by a bit each. */
 #define EIGHT 8
 typedef float Eight __attribute__((vector_size(EIGHT * sizeof(float))));
 
-/* eight_front - for each set of eight bits the places of those that are set, a byte each; EightSet sets it, before the
-   first use of what follows. */
+/* eight_front - for each pattern of eight bits the indices of the bits that are set, a byte each. EightSet fills the
+   table; call it before the functions below. */
 extern uint64_t eight_front[1 << EIGHT];
 void            EightSet(void);
 
@@ -242,7 +240,7 @@ static inline Eight EightLoad(const float x[])
   return t;
 }
 
-/* EightApart - Apart for x[0] to x[7]. EightSingle - in single precision. */
+/* EightApart - Apart for x[0] to x[7]. EightSingle - converts to single precision. */
 typedef int32_t EightIntegers __attribute__((vector_size(EIGHT * sizeof(int32_t))));
 
 static inline EightIntegers EightApart(int32_t p, const int32_t x[])
@@ -259,10 +257,10 @@ static inline Eight EightSingle(EightIntegers t)
   return __builtin_convertvector(t, Eight);
 }
 
-/* EightBelow - which are below the limit. EightPack - writes those that are kept to the front of 'to', of which all
-   eight are written. EightPlaces - the same of the numbers first to first + 7. */
+/* EightBelow - selects the numbers below the limit. EightPack - writes the selected numbers of x to the front of 'to';
+   it overwrites all eight elements. EightIndices - EightPack for the integers first to first + 7. */
 #if defined(__AVX2__)
-/* EightFront - as a vector, which permutes what is kept to the front. */
+/* EightFront - the permutation that moves the selected numbers to the front. */
 static inline __m256i EightFront(unsigned kept)
 {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(eight_front + kept)));
@@ -278,7 +276,7 @@ static inline void EightPack(unsigned kept, Eight x, float to[])
   _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)x, EightFront(kept)));
 }
 
-static inline void EightPlaces(unsigned kept, int32_t first, int32_t to[])
+static inline void EightIndices(unsigned kept, int32_t first, int32_t to[])
 {
   _mm256_storeu_si256((__m256i *)to, _mm256_add_epi32(_mm256_set1_epi32(first), EightFront(kept)));
 }
@@ -293,13 +291,13 @@ static inline unsigned EightBelow(Eight s, float limit)
 
 static inline void EightPack(unsigned kept, Eight x, float to[])
 {
-  for (unsigned k = 0, n = 0; k < EIGHT; k++) { /* branchless: the next one overwrites what is not kept */
+  for (unsigned k = 0, n = 0; k < EIGHT; k++) { /* branchless: the next number overwrites one that is not selected */
     to[n] = x[k];
     n += kept >> k & 1;
   }
 }
 
-static inline void EightPlaces(unsigned kept, int32_t first, int32_t to[])
+static inline void EightIndices(unsigned kept, int32_t first, int32_t to[])
 {
   for (unsigned k = 0, n = 0; k < EIGHT; k++) {
     to[n] = first + (int32_t)k;

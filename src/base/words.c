@@ -1,4 +1,4 @@
-/* Names that are like each other: what someone meant who has misspelt one. */
+/* Finds the option that a misspelt name means. */
 #include "base.h"
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 
 PetscInt WordDistance(const char a[], const char b[])
 {
-  PetscInt       row[3][WORD_LENGTH + 1]; /* of the former two letters of a and of this one */
+  PetscInt       row[3][WORD_LENGTH + 1]; /* of the last three letters of a */
   const PetscInt n = (PetscInt)PetscMin(strlen(b), WORD_LENGTH);
 
   for (PetscInt j = 0; j <= n; j++) row[0][j] = j;

@@ -226,9 +226,9 @@ static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscReal covered, do
   *r = (Rehearsal){0};
   PetscCall(CountLiquid(sim, &n));
   PetscCall(SetSpacing(coarser * domain->spacing, domain->graded ? coarser * domain->spacing_coarse : 0));
-  UserErrorsHold(PETSC_TRUE);
+  UserErrorsMute(PETSC_TRUE);
   code = RehearseScene(sim, coarser, n, covered, longest, r);
-  UserErrorsHold(PETSC_FALSE);
+  UserErrorsMute(PETSC_FALSE);
   PetscCall(SetSpacing(domain->spacing, domain->graded ? domain->spacing_coarse : 0));
   PetscCall(ProgressWork(sim->comm, -1, "the rehearsal is over")); /* an interrupt ends the program */
   if (code && code != ISPH_USER_ERROR) PetscFunctionReturn(code);

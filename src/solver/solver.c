@@ -47,7 +47,7 @@ PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode 
   PetscMPIInt first, size, all;
 
   PetscFunctionBegin;
-  ErrorsKeep(PETSC_FALSE);
+  ErrorsCapture(PETSC_FALSE);
   if (Meeting == MPI_COMM_NULL) {
     PetscCallMPI(MPI_Comm_dup(comm, &Meeting));
     PetscCall(PetscRegisterFinalize(FinalizePackage));
@@ -55,7 +55,7 @@ PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode 
   PetscCallMPI(MPI_Comm_size(Meeting, &size));
   PetscCall(RanksMeet(Meeting, (PetscBool)(code != 0), &first, &all));
   if (all && first == size) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscStrncpy(said, ErrorKept(), sizeof(said)));
+  PetscCall(PetscStrncpy(said, CapturedError(), sizeof(said)));
   if (all) PetscCallMPI(MPI_Bcast(said, sizeof(said), MPI_CHAR, first, Meeting));
   if (all && !said[0]) return UserErrorSaid();
   PetscCall(Choices(prefix, choices, sizeof(choices)));

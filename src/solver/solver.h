@@ -66,7 +66,7 @@ PetscErrorCode SolverSolve(Solver *solver, SolverReport *report);
    the call: they end the program. Collective.  SolverTried - what it does after the call. */
 #define SolverTry(comm, equation, call)                                                                                \
   do {                                                                                                                 \
-    ErrorsKeep(PETSC_TRUE);                                                                                            \
+    ErrorsCapture(PETSC_TRUE);                                                                                         \
     PetscCall(SolverTried(comm, equation, call));                                                                      \
   } while (0)
 PetscErrorCode SolverTried(MPI_Comm comm, const char equation[], PetscErrorCode code);

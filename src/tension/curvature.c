@@ -97,7 +97,7 @@ static PetscInt FindNeighbors(Tension tension, PetscInt begin, PetscInt m, float
     const unsigned kept  = EightBelow(eight, limit);
 
     EightPack(kept, eight, near->s + n);
-    EightPlaces(kept, (int32_t)(begin + k), near->place + n);
+    EightIndices(kept, (int32_t)(begin + k), near->place + n);
     n += __builtin_popcount(kept);
   }
   return n;

@@ -162,7 +162,7 @@ def ignored(name):
 def confirmed():
     """A step that takes long: a signal is confirmed when it comes, with how to have mpiexec wait; the run ends as ever.
     The step takes long because the processes are stopped for a while."""
-    for ranks, words in ((1, "when this step is done"), (2, "odls_base_sigkill_timeout")):
+    for ranks, words in ((1, "after this step"), (2, "odls_base_sigkill_timeout")):
         folder = runs.scratch(f"confirmed_{ranks}")
         process = launch(SCENE + f" -output_dir {folder}", ranks)
         there = wait(process, ranks, "step", folder)
@@ -172,7 +172,7 @@ def confirmed():
             time.sleep(0.8 if order == signal.SIGSTOP else 0)
         code, out, err = end(process)
         result = outcome(code, out + err, err, folder, "SIGTERM")
-        said = [line for line in err.splitlines() if "a signal came" in line]
+        said = [line for line in err.splitlines() if "received a signal" in line]
         if len(said) != 1 or words not in said[0]:
             result = "failed"
         count(f"confirmed, {ranks} rank{'s' * (ranks > 1)}", result, f"code {code}: {err[-400:]}")

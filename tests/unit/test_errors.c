@@ -91,19 +91,19 @@ int main(int argc, char **argv)
 
   ProgramStart();
   if (MPI_Init(&argc, &argv) || UserErrorHandlerPush()) return 2;
-  InterruptHold();
+  InterruptBlock();
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   InterruptWatch();
   if (alone) {
     code = Calls(1);
-    (void)ErrorFarewell(code);
+    (void)ErrorFinish(code);
   } else {
     PetscCall(TestDuration());
     PetscCall(TestInterrupts());
     PetscCall(TestPrinter());
     RefuseBegin();
     (void)Calls(0);
-    (void)ErrorFarewell(ISPH_USER_ERROR);
+    (void)ErrorFinish(ISPH_USER_ERROR);
     RefuseEnd(ISPH_USER_ERROR, "\"seven\" (error 77 in Fails, line", "PETSc's error is one sentence with its calls");
   }
   PetscCall(PetscFinalize());
