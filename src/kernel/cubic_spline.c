@@ -1,5 +1,4 @@
-/* Cubic spline, support 2h: the paper's kernel, Eq. (3) of Kuri et al. (its printed form lacks h^-3 in three
- * dimensions). */
+/* Cubic spline, support 2h: Eq. (3) of Kuri et al., which as printed lacks h^-3 in three dimensions. */
 #include "kernel_impl.h"
 
 #define W(T, q)    ((T)0.25 * POWER3(PLUS(T, 2 - q)) - POWER3(PLUS(T, 1 - q)))

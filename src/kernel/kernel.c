@@ -10,7 +10,7 @@ struct _p_Kernel {
 
 static PetscFunctionList KernelList = NULL;
 
-/* PetscFunctionList holds functions: each type is wrapped in one that returns its table. */
+/* A PetscFunctionList holds functions, so each type is registered as a function that returns its table. */
 typedef const KernelOps *(*KernelTableFunction)(void);
 #define KERNEL_TABLE(type)                                                                                             \
   static const KernelOps *Table##type(void)                                                                            \
@@ -92,9 +92,9 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
 
   PetscFunctionBegin;
   PetscOptionsBegin(kernel->comm, NULL, "Kernel", "Kernel");
-  PetscCall(PetscOptionsFList("-kernel_type", "smoothing kernel", "KernelSetType", KernelList, kernel->type, type,
+  PetscCall(PetscOptionsFList("-kernel_type", "Smoothing kernel", "KernelSetType", KernelList, kernel->type, type,
                               sizeof(type), &set));
-  PetscCall(OptionReal("-kernel_ratio", "smoothing length h over particle spacing d0 (1)", "[1, 3]", &ratio));
+  PetscCall(OptionReal("-kernel_ratio", "Smoothing length h over particle spacing d0 (1)", "[1, 3]", &ratio));
   PetscOptionsEnd();
   if (set) PetscCall(KernelSetType(kernel, type));
   PetscCall(KernelSetSmoothingLength(kernel, ratio * spacing));
@@ -135,7 +135,7 @@ PetscReal KernelSelf(Kernel kernel)
   return w;
 }
 
-#define KERNEL_CHUNK 256 /* pairs at once: their arrays stay in the first cache */
+#define KERNEL_CHUNK 256 /* pairs at once: their arrays fit into the L1 cache */
 
 void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal *restrict r2, PetscReal *restrict W,
                     PetscReal *restrict F)
@@ -186,22 +186,21 @@ void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscRe
   *inverse_h2 = kernel->inverse_h2;
 }
 
-/* Points of the integrals over a plane and over the depth of a half-space, and halvings of the search for a depth. */
-#define HALF_SPACE_POINTS 400
-#define DEPTH_POINTS      200
-#define BISECTIONS        50
+#define PLANE_POINTS 400 /* of the midpoint rule over a plane */
+#define DEPTH_POINTS 200 /* of the midpoint rule over the depth of a half-space */
+#define BISECTIONS   50  /* of the search for a depth */
 
-/* w1(s) of KernelHalfSpace by the midpoint rule, over the chord in two dimensions and over discs (r dr) in three. */
+/* w1(s) of KernelHalfSpace by the midpoint rule: along the chord in two dimensions, over rings 2 pi r dr in three. */
 static PetscReal PlaneIntegral(Kernel kernel, PetscReal s)
 {
   const PetscReal support = KernelSupport(kernel), s2 = s * s;
   const PetscReal chord = s2 < support * support ? PetscSqrtReal(support * support - s2) : 0;
-  const PetscReal dt    = chord / HALF_SPACE_POINTS;
-  PetscReal       r2[HALF_SPACE_POINTS], W[HALF_SPACE_POINTS], sum = 0;
+  const PetscReal dt    = chord / PLANE_POINTS;
+  PetscReal       r2[PLANE_POINTS], W[PLANE_POINTS], sum = 0;
 
-  for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++) r2[k] = s2 + PetscSqr((k + 0.5) * dt);
-  KernelEvaluate(kernel, HALF_SPACE_POINTS, r2, W, NULL);
-  for (PetscInt k = 0; k < HALF_SPACE_POINTS; k++)
+  for (PetscInt k = 0; k < PLANE_POINTS; k++) r2[k] = s2 + PetscSqr((k + 0.5) * dt);
+  KernelEvaluate(kernel, PLANE_POINTS, r2, W, NULL);
+  for (PetscInt k = 0; k < PLANE_POINTS; k++)
     sum += W[k] * (kernel->dim == 3 ? 2.0 * PETSC_PI * (k + 0.5) * dt : 2.0) * dt;
   return sum;
 }
@@ -228,7 +227,7 @@ void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[])
   KernelHalfSpace(kernel, 0, &zero, NULL);
   fraction[0] = 1;
   fraction[n] = 0.5;
-  for (PetscInt k = n - 1; k > 0; k--) { /* w1 falls with depth: each value is found by bisection beyond the last one */
+  for (PetscInt k = n - 1; k > 0; k--) { /* w1 decreases with depth, so each bisection starts at the depth before */
     PetscReal low = depth, high = support, plane;
 
     for (PetscInt bisection = 0; bisection < BISECTIONS; bisection++) {

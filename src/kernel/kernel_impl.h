@@ -1,12 +1,12 @@
-/* Private to kernel/: the types. */
+/* Private to kernel/: macros of the types. */
 #ifndef ISPH_KERNEL_TYPES_H
 #define ISPH_KERNEL_TYPES_H
 
 #include "kernel.h"
 
-/* 1/sqrt(s) for 0 <= s < 1e30 to 1e-7, in a tenth of the time of a root and a division: a guess from the exponent
-   (Lomont 2003) and one Householder step each of third and second order. For s = 0 the result is large, not infinite.
- */
+/* 1/sqrt(s) for 0 <= s < 1e30 with a relative error of 1e-7, in a tenth of the time of a root and a division: Lomont's
+   (2003) guess from the exponent, then a Householder step of third and one of second order. For s = 0 the result is
+   large but finite. */
 static inline float InverseRoot(float s)
 {
   uint32_t bits;
@@ -20,7 +20,7 @@ static inline float InverseRoot(float s)
   return y * (1.5f - 0.5f * s * y * y);
 }
 
-/* Both set q = sqrt(s) and i = 1/q. */
+/* ROOT_EXACT and ROOT_FAST set q = sqrt(s) and i = 1/q. */
 #define ROOT_EXACT(s)                                                                                                  \
   const PetscReal q = PetscSqrtReal(s), i = 1 / q;                                                                     \
   (void)i;
@@ -28,9 +28,9 @@ static inline float InverseRoot(float s)
   const float i = InverseRoot(s), q = s * i;                                                                           \
   (void)i;
 
-/* The loops of a kernel in precision T, over n rounded up to a multiple of LANES. W(T, q) and F(T, q, i) = W'(q)/q are
-   macros of q = r/h and i = 1/q, without their norm. Where F is a quotient it must be written otherwise near q = 0, so
-   that coincident particles get the limit. */
+/* Defines the function 'Name' that evaluates a kernel in precision T, over n rounded up to a multiple of LANES. The
+   macros W(T, q) and F(T, q, i) = W'(q)/q take q = r/h and i = 1/q and leave the norm out. Near q = 0 F must not divide
+   by q: coincident particles need the limit. */
 #define KERNEL_LOOPS(Name, T, LANES, ROOT, W, F)                                                                       \
   static void Name(PetscInt n, const T *restrict s, T *restrict w, T *restrict f)                                      \
   {                                                                                                                    \

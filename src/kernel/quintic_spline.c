@@ -3,7 +3,7 @@
 
 #define POWER5(x) (POWER4(x) * (x))
 #define W(T, q)   (POWER5(PLUS(T, 3 - q)) - 6 * POWER5(PLUS(T, 2 - q)) + 15 * POWER5(PLUS(T, 1 - q)))
-/* below 1 the sum multiplied out: its terms cancel to 24 q - 24 q^3 + 10 q^4 */
+/* For q < 1 the sum is expanded: its terms cancel to 24 q - 24 q^3 + 10 q^4. */
 #define F(T, q, i)                                                                                                     \
   (q < 1 ? -5 * (24 + q * q * (10 * q - 24)) : -5 * (POWER4(PLUS(T, 3 - q)) - 6 * POWER4(PLUS(T, 2 - q))) * i)
 

@@ -1,4 +1,4 @@
-/* Wendland C2, support 2h: never pairs (its Fourier transform is not negative anywhere). */
+/* Wendland C2, support 2h. Its Fourier transform is nowhere negative, so particles do not pair (cluster). */
 #include "kernel_impl.h"
 
 #define W(T, q)    (POWER4(PLUS(T, 1 - q / 2)) * (1 + 2 * q))
