@@ -497,7 +497,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   FileVerdict verdict = FILE_MISSING;
   H5File      h5;
   Seal        seal;
-  PetscBool   failed, strays, good = PETSC_FALSE;
+  PetscBool   failed, external, good = PETSC_FALSE;
   PetscInt    present;
   Texts      *texts;
 
@@ -516,10 +516,10 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
   PetscCall(FreeBodies(output, &h5, PETSC_FALSE, &good));
-  strays = h5.strays;
+  external = h5.external;
   PetscCall(H5FileClose(&h5, &failed));
   PetscCheckUser(
-    !strays, output->comm,
+    !external, output->comm,
     "The checkpoint %s cannot be used: data of it lie elsewhere, behind a link or in another file; restart "
     "from another one.",
     file);

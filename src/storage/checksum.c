@@ -1,4 +1,4 @@
-/* The seal at the end of a finished file: a magic word, the length of the file before it and the checksum of that. */
+/* The seal at the end of a finished file: a magic word, and length and checksum of the file without the seal. */
 #include "storage.h"
 #include <sys/stat.h>
 
@@ -6,10 +6,10 @@
 #define SEAL_WORDS  3                     /* magic, length in bytes, checksum */
 #define WORD        sizeof(unsigned long long)
 #define CHUNK_WORDS (1 << 16)             /* read at a time */
-#define PLACE_STEP  0x9E3779B97F4A7C15ULL /* SplitMix64's increment: makes each place of a word count differently */
+#define INDEX_STEP  0x9E3779B97F4A7C15ULL /* SplitMix64's increment, with which the index of a word is hashed */
 
-/* Sum over the words first .. last-1 of a file of a hash of the word and its place: any share of the words may be
-   summed by any rank. Words beyond 'length' bytes are zero. Returns false when the file cannot be read. */
+/* Sums a hash of each word and its index over the words first to last - 1 of a file, so the ranks can share the words.
+   Bytes beyond 'length' are zero. Returns false if the file cannot be read. */
 static PetscBool SumWords(const char path[], unsigned long long length, unsigned long long first,
                           unsigned long long last, unsigned long long *sum)
 {
@@ -25,7 +25,7 @@ static PetscBool SumWords(const char path[], unsigned long long length, unsigned
     memset(chunk, 0, CHUNK_WORDS * WORD);
     good = (PetscBool)(fread(chunk, 1, bytes, file) == bytes);
     for (unsigned long long k = 0; good && k < words; k++)
-      *sum += SplitMix64(chunk[k] ^ SplitMix64((word + k + 1) * PLACE_STEP));
+      *sum += SplitMix64(chunk[k] ^ SplitMix64((word + k + 1) * INDEX_STEP));
   }
   if (file) fclose(file);
   free(chunk);
@@ -86,7 +86,7 @@ PetscErrorCode FileCheckSeal(MPI_Comm comm, const char path[], Seal *found)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (!rank) {
-    /* a pipe may never be written to */
+    /* Opening a pipe could wait for ever. */
     FILE *file = !stat(path, &info) && S_ISREG(info.st_mode) ? fopen(path, "rb") : NULL;
 
     ok = file && !fseeko(file, -(off_t)sizeof(seal), SEEK_END) && fread(seal, sizeof(seal), 1, file) == 1 &&

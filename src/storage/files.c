@@ -1,4 +1,4 @@
-/* Folders and files by their paths. */
+/* Folders and files. */
 #include "storage.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -30,7 +30,7 @@ int FileSync(const char path[])
   int       error;
 
   if (descriptor < 0) return errno;
-  /* EINVAL, EROFS: a file system that cannot sync has nothing to wait for */
+  /* EINVAL, EROFS: the file system cannot sync */
   error = fsync(descriptor) && errno != EINVAL && errno != EROFS ? errno : 0;
   close(descriptor);
   return error;

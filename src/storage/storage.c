@@ -1,12 +1,11 @@
-/* HDF5 files of rows spread over the ranks. Rank 0 makes a file in its memory and writes it in one piece; every rank
-   reads its share. The reason: on a full disk HDF5 over MPI-IO waits for ever, and HDF5 1.10 alone crashes when it
-   closes a file that it could not write. */
+/* HDF5 files. Rank 0 builds a file in memory and writes the file in one piece; every rank reads its own rows. On a full
+   disk HDF5 over MPI-IO would wait for ever, and serial HDF5 1.10 would crash in closing the file. */
 #include "storage.h"
 
-#define TEXT_MAX    60000              /* bytes of the longest text attribute; HDF5 keeps attributes below 64 KB */
+#define TEXT_MAX    60000              /* bytes of a text attribute; HDF5's limit is 64 KB */
 #define ROWS_TAG    1                  /* of the messages that bring rows to rank 0 */
-#define MEMORY_STEP ((size_t)1 << 24)  /* bytes by which a file made in memory grows */
-#define CHUNK_ROWS  ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors fills a third of HDF5's cache */
+#define MEMORY_STEP ((size_t)1 << 24)  /* bytes by which a file in memory grows */
+#define CHUNK_ROWS  ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors is a third of HDF5's cache */
 
 PetscErrorCode RowsSet(MPI_Comm comm, PetscInt n, PetscInt width, Rows *rows)
 {
@@ -19,7 +18,7 @@ PetscErrorCode RowsSet(MPI_Comm comm, PetscInt n, PetscInt width, Rows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether all ranks say yes. */
+/* Whether ok_here is true on all ranks. */
 static PetscErrorCode AllAgree(H5File *h5, PetscBool ok_here, PetscBool *everywhere)
 {
   PetscMPIInt ok = ok_here ? 1 : 0;
@@ -30,7 +29,7 @@ static PetscErrorCode AllAgree(H5File *h5, PetscBool ok_here, PetscBool *everywh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Opens or makes the file on the ranks that touch it. */
+/* Opens or creates the file on the ranks that own it. */
 static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool writing, H5File *h5)
 {
   hid_t     access;
@@ -39,7 +38,7 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   PetscFunctionBegin;
   h5->comm        = comm;
   h5->failed      = PETSC_FALSE;
-  h5->strays      = PETSC_FALSE;
+  h5->external    = PETSC_FALSE;
   h5->length      = 0;
   h5->id          = -1;
   h5->path[0]     = 0;
@@ -48,10 +47,10 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   PetscCallMPI(MPI_Comm_size(comm, &h5->size));
   h5->owns_file = (PetscBool)(!writing || !h5->rank);
   (void)H5Eget_auto2(H5E_DEFAULT, &h5->handler, &h5->client);
-  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* the caller says it in a sentence */
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* the caller reports errors in one sentence */
   if (h5->owns_file) {
     access = H5Pcreate(H5P_FILE_ACCESS);
-    (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* metadata with checksums */
+    (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* checksums of metadata */
     if (writing) {
       (void)H5Pset_fapl_core(access, MEMORY_STEP, 0);
       PetscCall(PetscStrncpy(h5->path, path, sizeof(h5->path)));
@@ -83,10 +82,10 @@ PetscErrorCode H5FileOpen(MPI_Comm comm, const char path[], H5File *h5)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the file that was made in memory to its place. Rank 0. */
+/* Writes the file from memory to the disk. Rank 0. */
 static void WriteImage(H5File *h5)
 {
-  void         *handle = NULL; /* of the core driver: the address of its memory */
+  void         *handle = NULL; /* of the core driver: a pointer to its memory */
   const ssize_t length = H5Fflush(h5->id, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(h5->id, NULL, 0);
   FILE         *file;
 
@@ -111,7 +110,7 @@ PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The type in the file: little-endian, of the size of the type in memory. */
+/* The type in the file: little-endian, as large as the type in memory. */
 static hid_t FileType(hid_t type)
 {
   if (H5Tget_class(type) == H5T_FLOAT) return H5Tget_size(type) == sizeof(float) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
@@ -151,7 +150,7 @@ static void AttributePutText(H5File *h5, hid_t object, const char name[], const 
   (void)H5Tclose(type);
 }
 
-/* The space of a data set, with the rows start .. start + n - 1 selected, and that of these rows in memory. */
+/* Data spaces: of the data set, with rows start to start + n - 1 selected, and of these rows in memory. */
 static void SelectRows(const Rows *rows, PetscInt start, PetscInt n, hid_t *file, hid_t *memory)
 {
   const hsize_t total[2] = {(hsize_t)rows->total, (hsize_t)rows->width}, count[2] = {(hsize_t)n, (hsize_t)rows->width};
@@ -181,7 +180,8 @@ static void WriteRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, Petsc
   (void)H5Sclose(file);
 }
 
-/* Rank 0 writes the rows of all ranks, one rank after the other; whatever fails there, every message is received. */
+/* Rank 0 writes the rows of all ranks, one rank after the other. It receives every message even after a failure, so no
+   rank waits. */
 static PetscErrorCode GatherRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, const void *values)
 {
   const size_t size   = H5Tget_size(type) * (size_t)rows->width; /* of a row, bytes */
@@ -241,37 +241,37 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a data set is stored in the file itself: in one piece, or in chunks as H5FileWrite makes them. */
-static PetscBool StoredHere(hid_t set)
+/* Whether a data set is stored in this file: in one piece, or in chunks as H5FileWrite makes. */
+static PetscBool StoredInFile(hid_t set)
 {
   const hid_t        create   = H5Dget_create_plist(set);
   const H5D_layout_t layout   = H5Pget_layout(create);
   hsize_t            chunk[2] = {0, 0};
-  PetscBool          here     = (PetscBool)(layout == H5D_CONTIGUOUS && H5Pget_external_count(create) == 0);
+  PetscBool          inside   = (PetscBool)(layout == H5D_CONTIGUOUS && H5Pget_external_count(create) == 0);
 
-  if (layout == H5D_CHUNKED) here = (PetscBool)(H5Pget_chunk(create, 2, chunk) > 0 && chunk[0] <= CHUNK_ROWS);
+  if (layout == H5D_CHUNKED) inside = (PetscBool)(H5Pget_chunk(create, 2, chunk) > 0 && chunk[0] <= CHUNK_ROWS);
   (void)H5Pclose(create);
-  return here;
+  return inside;
 }
 
-/* Opens a data set that is in the file itself; negative if there is none. *strays: there is one elsewhere. */
-static hid_t OpenSet(H5File *h5, const char name[], PetscBool *strays)
+/* Opens a data set that is stored in this file; negative if there is none. *external: it is stored elsewhere. */
+static hid_t OpenSet(H5File *h5, const char name[], PetscBool *external)
 {
   H5L_info_t link;
   hid_t      set = -1;
 
   if (h5->id < 0 || H5Lget_info(h5->id, name, &link, H5P_DEFAULT) < 0) return -1;
-  *strays = (PetscBool)(link.type != H5L_TYPE_HARD);
-  if (!*strays) set = H5Dopen2(h5->id, name, H5P_DEFAULT);
-  if (set >= 0 && !StoredHere(set)) {
-    *strays = PETSC_TRUE;
+  *external = (PetscBool)(link.type != H5L_TYPE_HARD);
+  if (!*external) set = H5Dopen2(h5->id, name, H5P_DEFAULT);
+  if (set >= 0 && !StoredInFile(set)) {
+    *external = PETSC_TRUE;
     (void)H5Dclose(set);
     set = -1;
   }
   return set;
 }
 
-/* Whether a data set has the shape of rows and numbers of the class of type. */
+/* Whether a data set has the shape of 'rows' and the class of 'type' (real or integer). */
 static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
 {
   const hid_t       space = H5Dget_space(set), stored = H5Dget_type(set);
@@ -290,8 +290,8 @@ static PetscBool HasShape(hid_t set, hid_t type, const Rows *rows)
 
 PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows *rows, void *values)
 {
-  PetscBool   strays = PETSC_FALSE, all;
-  const hid_t set    = OpenSet(h5, name, &strays);
+  PetscBool   external = PETSC_FALSE, all;
+  const hid_t set      = OpenSet(h5, name, &external);
   hid_t       file, memory;
 
   PetscFunctionBegin;
@@ -299,8 +299,8 @@ PetscErrorCode H5FileRead(H5File *h5, const char name[], hid_t type, const Rows 
   PetscCall(AllAgree(h5, (PetscBool)(set >= 0 && HasShape(set, type, rows)), &all));
   if (!all) {
     h5->failed = PETSC_TRUE;
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &strays, 1, MPIU_BOOL, MPI_LOR, h5->comm));
-    h5->strays = (PetscBool)(h5->strays || strays);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &external, 1, MPIU_BOOL, MPI_LOR, h5->comm));
+    h5->external = (PetscBool)(h5->external || external);
   }
   if (all && rows->n) {
     SelectRows(rows, rows->start, rows->n, &file, &memory);
@@ -332,7 +332,7 @@ void H5FilePutText(H5File *h5, const char name[], const char text[])
   AttributePutText(h5, h5->id, name, text);
 }
 
-/* Reads a scalar attribute of a class; for texts, size is the room. */
+/* Reads a scalar attribute of a class; size: bytes of 'value' for a text. */
 static PetscBool AttributeGet(H5File *h5, const char name[], H5T_class_t kind, hid_t type, void *value, size_t size)
 {
   hid_t     attribute, stored, space;
