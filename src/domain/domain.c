@@ -1,15 +1,15 @@
-/* The box: options, the cells of the partition, and where a point belongs. */
+/* The box: its options, the cells of the partition, and the positions of points relative to the box. */
 #include "domain.h"
 #include <string.h>
 
 #define NAME_LENGTH 64
-/* Cells of the partition at most: METIS takes 0.04 s for 60 k cells, and every rank holds the owners of all. */
-#define CELLS_MAX       200000
-#define CELL_GROWTH     1.05  /* step of the search for a cell size that keeps to CELLS_MAX */
-#define LENGTH_ROUNDING 1e-12 /* relative; a box exactly one reach wide is allowed */
-#define DUMMY_LAYERS    20    /* of wall particles on both sides of the box, at most */
-#define COARSEST        4     /* largest ratio of coarse to fine spacing: more was never tried */
-#define DEFAULT_GROWTH  0.1
+/* Of the partition: METIS takes 0.04 s for 60 k cells, and every rank stores the owners of all cells. */
+#define CELLS_MAX        200000
+#define CELL_GROWTH      1.05  /* factor by which the cell size grows until there are at most CELLS_MAX cells */
+#define LENGTH_ROUNDING  1e-12 /* relative; a box exactly as wide as the reach of the kernel is allowed */
+#define DUMMY_LAYERS_MAX 20    /* layers of dummy particles, on both sides of the box together */
+#define COARSE_RATIO_MAX 4     /* of the coarse to the fine spacing: larger ratios are untested */
+#define DEFAULT_GROWTH   0.1
 
 const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
@@ -18,13 +18,13 @@ static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
 {
   PetscFunctionBegin;
-  PetscCall(PetscNew(domain)); /* all faces open, all numbers zero */
+  PetscCall(PetscNew(domain)); /* all faces are open */
   (*domain)->comm = comm;
   (*domain)->dim  = DIM;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PETSc skips a number that is missing between commas. */
+/* Refuses a list in which a number is missing between commas: PETSc would skip the gap. */
 static PetscErrorCode RefuseGaps(Domain domain, OptionItems PetscOptionsObject, const char option[])
 {
   const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
@@ -37,8 +37,7 @@ static PetscErrorCode RefuseGaps(Domain domain, OptionItems PetscOptionsObject, 
     PetscOptionsGetString(PetscOptionsObject->options, PetscOptionsObject->prefix, option, text, sizeof(text), &found));
   if (found) PetscCall(PetscStrlen(text, &length));
   PetscCheckUser(!length || (text[0] != ',' && text[length - 1] != ',' && !strstr(text, ",,")), domain->comm,
-                 "-%s%s %s lacks a number: it must be numbers with single commas between them", prefix, option + 1,
-                 text);
+                 "-%s%s %s lacks a number: give numbers with single commas between them", prefix, option + 1, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,7 +45,7 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
                                    const char help[], const char manual[], PetscReal value[DIM], PetscBool *set)
 {
   const char *prefix          = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
-  PetscReal   number[DIM + 1] = {value[0], value[1], value[2], 0}; /* one more than allowed, to notice too many */
+  PetscReal   number[DIM + 1] = {value[0], value[1], value[2], 0}; /* one more than allowed, to detect too many */
   PetscInt    count           = DIM + 1;
   PetscBool   found;
 
@@ -57,7 +56,7 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
   if (found) {
     PetscCheckUser(count == domain->dim || (count == DIM && !domain->rings), domain->comm,
                    "-%s%s must have %s numbers, separated by commas without blanks", prefix, option + 1,
-                   domain->rings      ? "two (distance from the axis, place along it)"
+                   domain->rings      ? "two (distance from the axis, position along the axis)"
                    : domain->dim == 2 ? "two or three"
                                       : "three");
     for (PetscInt d = 0; d < count; d++) {
@@ -73,7 +72,7 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One option of a face type, for the faces first .. last of direction d. */
+/* Reads the option -box_<name>: the type of the faces first to last of direction d. */
 static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[], const char what[],
                                    PetscInt d, PetscInt first, PetscInt last)
 {
@@ -97,7 +96,7 @@ static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A velocity of a face: 'what' is the end of its option. */
+/* Reads -box_<face>_<what>, a velocity of a wall face. */
 static PetscErrorCode ReadTangential(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side,
                                      const char what[], const char help[], PetscReal velocity[DIM])
 {
@@ -111,11 +110,12 @@ static PetscErrorCode ReadTangential(Domain domain, OptionItems PetscOptionsObje
   PetscCheckUser(!found || domain->face[d][side] == FACE_WALL, domain->comm,
                  "%s: the face is %s; only a wall has a velocity", option, FaceTypes[domain->face[d][side]]);
   PetscCheckUser(velocity[d] == 0, domain->comm,
-                 "%s must be tangential: its %s component must be 0, not %g m/s; a solid can be a wall that comes and "
-                 "goes",
+                 "%s must be tangential: its %s component must be 0, not %g m/s; a wall that moves along its normal is "
+                 "a solid",
                  option, AxisNames[d], (double)velocity[d]);
   PetscCheckUser(!domain->rings || velocity[0] == 0, domain->comm,
-                 "%s must have no part away from the axis, not %g m/s: a wall around an axis moves along it only",
+                 "%s must have 0 as its first number, not %g m/s: with -dimension axisymmetric a wall moves along the "
+                 "axis only",
                  option, (double)velocity[0]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,10 +129,10 @@ static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsOb
   PetscCall(ReadTangential(domain, PetscOptionsObject, d, side, "velocity", "Velocity of a wall face, tangential (m/s)",
                            domain->wall_mean[d][side]));
   PetscCall(ReadTangential(domain, PetscOptionsObject, d, side, "velocity_amplitude",
-                           "Amplitude a of a part a sin(2 pi f t) of that velocity (m/s)",
+                           "Amplitude a of an oscillating part a sin(2 pi f t) of the wall's velocity (m/s)",
                            domain->wall_amplitude[d][side]));
   PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_velocity_frequency", FaceNames[d][side]));
-  PetscCall(OptionReal(option, "Frequency f of that part (Hz)", "[0, inf)", &frequency));
+  PetscCall(OptionReal(option, "Frequency f of that oscillating part (Hz)", "[0, inf)", &frequency));
   PetscCheckUser(frequency > 0 || Norm(domain->wall_amplitude[d][side]) == 0, domain->comm,
                  "-box_%s_velocity_amplitude needs %s, in Hz", FaceNames[d][side], option);
   domain->wall_rate[d][side] = 2 * PETSC_PI * frequency;
@@ -158,10 +158,10 @@ static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What follows from dimension, spacing and corners. */
+/* Checks the corners, and sets what follows from dimension, spacing and corners. */
 static PetscErrorCode CheckBox(Domain domain)
 {
-  PetscReal places = 1;
+  PetscReal particles = 1; /* the box and its walls have room for so many */
 
   PetscFunctionBegin;
   PetscCheckUser(!domain->rings || domain->lower[0] == 0, domain->comm,
@@ -174,22 +174,21 @@ static PetscErrorCode CheckBox(Domain domain)
     domain->upper[2] = 0.5 * domain->spacing;
   }
   for (PetscInt d = 0; d < DIM; d++) {
-    /* A box thinner than one spacing holds no particle; rounding of decimal input is forgiven. */
+    /* A box thinner than one spacing holds no particle. The tolerance allows for the rounding of decimal input. */
     PetscCheckUser(domain->upper[d] - domain->lower[d] >= (1 - POINT_TOLERANCE) * domain->spacing, domain->comm,
-                   "the box must be at least one -spacing (%g m) wide in %s: -box_upper %g m is not that far above "
+                   "the box must be at least one -spacing (%g m) wide in %s: -box_upper %g m is less than that above "
                    "-box_lower %g m",
                    (double)domain->spacing, AxisNames[d], (double)domain->upper[d], (double)domain->lower[d]);
-    if (d < domain->dim) places *= (domain->upper[d] - domain->lower[d]) / domain->spacing + DUMMY_LAYERS;
+    if (d < domain->dim) particles *= (domain->upper[d] - domain->lower[d]) / domain->spacing + DUMMY_LAYERS_MAX;
   }
   PetscCheckUser(
-    places < PETSC_MAX_INT, domain->comm,
-    "-spacing %g m is too small for the box: there is room for %.2g particles with those of its walls, and "
-    "this build of PETSc can number %.2g",
-    (double)domain->spacing, (double)places, (double)PETSC_MAX_INT);
+    particles < PETSC_MAX_INT, domain->comm,
+    "-spacing %g m is too small for the box: box and walls have room for %.2g particles, but this build of PETSc can "
+    "number %.2g only",
+    (double)domain->spacing, (double)particles, (double)PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* 2, 3, or two dimensions in which particles are rings. */
 static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObject)
 {
   static const char *const choices[] = {"2", "3", "axisymmetric"};
@@ -201,7 +200,7 @@ static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObjec
   PetscCall(
     PetscOptionsString("-dimension",
                        "Number of dimensions (one of) 2 3 axisymmetric; axisymmetric: particles are rings, x is "
-                       "the distance from the axis, y is along it",
+                       "the distance from the axis, y the position along the axis",
                        "DomainSetFromOptions", choices[1], value, sizeof(value), &found));
   if (!found) PetscFunctionReturn(PETSC_SUCCESS);
   for (choice = 0; choice < 3; choice++) {
@@ -223,17 +222,17 @@ static PetscErrorCode ReadGrading(Domain domain, OptionItems PetscOptionsObject)
   PetscFunctionBegin;
   domain->growth = DEFAULT_GROWTH;
   PetscCall(OptionReal("-spacing_coarse",
-                       "Largest particle spacing (m), far from the regions of -fine; 0: all particles are of -spacing",
+                       "Largest particle spacing (m), far from the regions of -fine; 0: -spacing everywhere",
                        "[0, inf)", &coarse));
   PetscCall(OptionReal("-spacing_growth",
-                       "Growth of the spacing over the distance from the regions of -fine (1); 0.05 is quieter where "
-                       "it goes on along a free surface",
+                       "Increase of the spacing per distance from the regions of -fine (1); 0.05 makes less noise if "
+                       "the spacing grows along a free surface",
                        "(0, 0.2]", &domain->growth));
   domain->graded         = (PetscBool)(coarse > 0);
   domain->spacing_coarse = domain->graded ? coarse : domain->spacing;
   PetscCheckUser(domain->spacing_coarse >= domain->spacing &&
-                   domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSEST * domain->spacing,
-                 comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)coarse, COARSEST,
+                   domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSE_RATIO_MAX * domain->spacing,
+                 comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)coarse, COARSE_RATIO_MAX,
                  (double)domain->spacing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -248,8 +247,7 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscCall(ReadDimension(domain, PetscOptionsObject));
   PetscCall(OptionReal("-spacing", "Particle spacing d0 (m), required", "(0, inf)", &domain->spacing));
   PetscCheckUser(domain->spacing > 0, comm,
-                 "-spacing is missing%s: the distance of the particles (m) must be given and positive",
-                 OptionMeant("-spacing"));
+                 "-spacing is missing%s: the particle spacing (m) must be given and positive", OptionMeant("-spacing"));
   PetscCall(ReadGrading(domain, PetscOptionsObject));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
                                 "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
@@ -277,14 +275,14 @@ static PetscErrorCode CheckReach(Domain domain, PetscReal reach)
 
       PetscCheckUser(
         (type != FACE_PERIODIC && type != FACE_SYMMETRY) || width >= (1 - LENGTH_ROUNDING) * reach, domain->comm,
-        "a box too small for the kernel: it is %g m wide in %s, where -box_%s is %s and the kernel reaches %g m",
+        "the box is too small for the kernel: it is %g m wide in %s, where -box_%s is %s, but the kernel reaches %g m",
         (double)width, AxisNames[d], FaceNames[d][side], FaceTypes[type], (double)reach);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers of cells of at least the given size (m); their product as a real, for it may not fit an integer. */
+/* Numbers of cells whose size (m) is at least 'size'. Returns their product, which may exceed an integer. */
 static PetscReal CountCells(Domain domain, PetscReal size, PetscReal cells[DIM])
 {
   PetscReal product = 1;
@@ -334,8 +332,8 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "Domain: %" PetscInt_FMT " dimensions%s, spacing %g m", domain->dim,
                                    domain->rings ? " of rings about x = 0" : "", (double)domain->spacing));
   if (domain->graded)
-    PetscCall(PetscViewerASCIIPrintf(viewer, " to %g m, growing by %g over the distance",
-                                     (double)domain->spacing_coarse, (double)domain->growth));
+    PetscCall(PetscViewerASCIIPrintf(viewer, " to %g m, increasing by %g per distance", (double)domain->spacing_coarse,
+                                     (double)domain->growth));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   for (PetscInt d = 0; d < domain->dim; d++) {
@@ -350,8 +348,8 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
         PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s moves at %g, %g, %g m/s\n", FaceNames[d][side], (double)v[0],
                                          (double)v[1], (double)v[2]));
       if (Dot(a, a) > 0)
-        PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s swings with %g, %g, %g m/s at %g Hz\n", FaceNames[d][side],
-                                         (double)a[0], (double)a[1], (double)a[2],
+        PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s oscillates with %g, %g, %g m/s at %g Hz\n",
+                                         FaceNames[d][side], (double)a[0], (double)a[1], (double)a[2],
                                          (double)(domain->wall_rate[d][side] / (2 * PETSC_PI))));
     }
   }
@@ -389,7 +387,7 @@ void DomainWrap(Domain domain, PetscReal x[DIM])
 
     if (domain->face[d][0] != FACE_PERIODIC || (x[d] >= lower && x[d] < upper)) continue;
     x[d] -= (upper - lower) * PetscFloorReal((x[d] - lower) / (upper - lower));
-    if (x[d] < lower || x[d] >= upper) x[d] = lower; /* rounding at a face */
+    if (x[d] < lower || x[d] >= upper) x[d] = lower; /* after rounding at a face */
   }
 }
 
@@ -415,7 +413,7 @@ void DomainConfine(Domain domain, PetscReal x[DIM])
   }
 }
 
-PetscBool DomainWallsSwing(Domain domain)
+PetscBool DomainWallsOscillate(Domain domain)
 {
   for (PetscInt f = 0; f < 2 * DIM; f++)
     if (Norm(domain->wall_amplitude[f / 2][f % 2]) > 0) return PETSC_TRUE;

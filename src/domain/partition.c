@@ -1,12 +1,13 @@
-/* METIS on the graph of cells: vertices are cells weighted with their particles, edges join cells that share a face. */
+/* The partition by METIS. Its graph has a vertex for each cell, weighted with the work of the cell's particles, and an
+   edge between cells that share a face. */
 #include "domain.h"
 #include <metis.h>
 
-#define IMBALANCE_MAX 10 /* of the parts, 1/1000 */
-#define SEED          1  /* of METIS: the same partition in every run */
+#define IMBALANCE_MAX 10 /* 1/1000 */
+#define SEED          1  /* of METIS: constant, so every run gets the same partition */
 
-/* METIS numbers its parts as it likes: they are numbered by their first cell with particles, so that a partition much
-   like the last leaves most particles where they are. */
+/* Numbers the parts by their first cell with particles. METIS' own order is arbitrary: with it a partition that hardly
+   differs from the last one could move all particles to other ranks. */
 static PetscErrorCode NumberParts(PetscInt count, PetscInt constraints, const PetscInt weight[], const idx_t owner[],
                                   PetscMPIInt size, PetscMPIInt part[])
 {
@@ -23,18 +24,18 @@ static PetscErrorCode NumberParts(PetscInt count, PetscInt constraints, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Runs METIS on one rank; part is [cells]. The graph is small (the cells are at least a kernel support wide). */
+/* Runs METIS on one rank; the graph is small. part: [cells]. */
 static PetscErrorCode PartitionCells(Domain domain, PetscInt constraints, const PetscInt weight[], PetscMPIInt size,
                                      PetscMPIInt part[])
 {
   const PetscInt *n = domain->cells, count = n[0] * n[1] * n[2];
-  const idx_t price[DIM] = {4, 5, 6}; /* of an edge: without a favourite a square pool is cut along x or y by chance */
-  idx_t      *first, *neighbor, *along, *vertex, *owner, options[METIS_NOPTIONS], vertices = count, kinds = constraints,
-                                                                             parts = size, cut, edges = 0;
+  const idx_t direction_weight[DIM] = {4, 5, 6}; /* of edges: equal weights would cut a square pool in any direction */
+  idx_t      *first, *neighbor, *edge, *vertex, *owner, options[METIS_NOPTIONS], vertices = count, kinds = constraints,
+                                                                            parts = size, cut, edges = 0;
   int status;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc5(count + 1, &first, 2 * DIM * count, &neighbor, 2 * DIM * count, &along, constraints * count,
+  PetscCall(PetscMalloc5(count + 1, &first, 2 * DIM * count, &neighbor, 2 * DIM * count, &edge, constraints * count,
                          &vertex, count, &owner));
   for (PetscInt c = 0; c < count; c++) {
     const PetscInt stride[DIM] = {1, n[0], n[0] * n[1]};
@@ -47,7 +48,7 @@ static PetscErrorCode PartitionCells(Domain domain, PetscInt constraints, const 
       for (PetscInt side = -1; side <= 1; side += 2) {
         if (side < 0 ? at[d] == 0 : at[d] == n[d] - 1) continue;
         neighbor[edges] = c + side * stride[d];
-        along[edges++]  = price[d];
+        edge[edges++]   = direction_weight[d];
       }
     }
   }
@@ -55,11 +56,11 @@ static PetscErrorCode PartitionCells(Domain domain, PetscInt constraints, const 
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED]    = SEED;
   options[METIS_OPTION_UFACTOR] = IMBALANCE_MAX;
-  status = METIS_PartGraphRecursive(&vertices, &kinds, first, neighbor, vertex, NULL, along, &parts, NULL, NULL,
-                                    options, &cut, owner);
+  status = METIS_PartGraphRecursive(&vertices, &kinds, first, neighbor, vertex, NULL, edge, &parts, NULL, NULL, options,
+                                    &cut, owner);
   PetscCheck(status == METIS_OK, PETSC_COMM_SELF, PETSC_ERR_LIB, "METIS failed with code %d", status);
   PetscCall(NumberParts(count, constraints, weight, owner, size, part));
-  PetscCall(PetscFree5(first, neighbor, along, vertex, owner));
+  PetscCall(PetscFree5(first, neighbor, edge, vertex, owner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,7 +78,7 @@ PetscErrorCode DomainPartition(Domain domain, PetscInt constraints, PetscInt wei
   }
   PetscCallMPI(
     MPI_Allreduce(MPI_IN_PLACE, weight, (PetscMPIInt)(constraints * count), MPIU_INT, MPI_SUM, domain->comm));
-  if (count <= size) { /* fewer cells than ranks: one each, the other ranks stay empty */
+  if (count <= size) { /* each rank gets at most one cell */
     for (PetscInt c = 0; c < count; c++) domain->cell_rank[c] = (PetscMPIInt)c;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -21,7 +21,7 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->kernel        = kernel;
   c->particles     = particles;
   c->reach         = reach;
-  c->size_most     = DomainSizeMost(domain);
+  c->size_most     = DomainSizeMax(domain);
   c->slack         = domain->spacing_coarse;
   c->rebalance     = 1.2;
   c->sort_interval = 100;

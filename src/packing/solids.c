@@ -37,7 +37,7 @@ static PetscErrorCode VisitSolids(void *source, SampleVisitor visitor, void *con
 /* How deep (m) solids are filled: as far as the pair of a fine particle with the coarsest reaches. */
 static PetscReal Depth(Domain domain, PetscInt layers)
 {
-  return layers * domain->spacing * (domain->graded ? 0.5 * (1 + DomainSizeMost(domain)) : 1);
+  return layers * domain->spacing * (domain->graded ? 0.5 * (1 + DomainSizeMax(domain)) : 1);
 }
 
 PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[])

@@ -92,7 +92,7 @@ static PetscErrorCode PrintBodies(Sim sim)
 static PetscErrorCode PrintSizes(Sim sim)
 {
   const Domain   domain              = sim->domain;
-  const PetscInt last                = (PetscInt)PetscCeilReal(SIZE_STEPS * (DomainSizeMost(domain) - 1));
+  const PetscInt last                = (PetscInt)PetscCeilReal(SIZE_STEPS * (DomainSizeMax(domain) - 1));
   PetscInt       count[SIZE_CLASSES] = {0};
   ParticleArrays arrays;
 

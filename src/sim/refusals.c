@@ -17,7 +17,7 @@ static PetscBool Graded(Sim sim)
 
 static PetscBool WallsSwing(Sim sim)
 {
-  return DomainWallsSwing(sim->domain);
+  return DomainWallsOscillate(sim->domain);
 }
 
 static PetscBool Emits(Sim sim)

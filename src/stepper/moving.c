@@ -39,7 +39,7 @@ static void WallsSwing(Cloud cloud)
 static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 {
   Cloud           cloud  = stepper->cloud;
-  const PetscBool solids = SceneSolidsMove(cloud->scene), walls = DomainWallsSwing(cloud->domain);
+  const PetscBool solids = SceneSolidsMove(cloud->scene), walls = DomainWallsOscillate(cloud->domain);
 
   PetscFunctionBegin;
   if (solids) PetscCall(SolidsMove(cloud, from, to, end));
@@ -133,7 +133,7 @@ static PetscBool On(Stepper stepper)
 {
   const Cloud cloud = stepper->cloud;
 
-  return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallsSwing(cloud->domain) ||
+  return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallsOscillate(cloud->domain) ||
                      DomainWallSpeed(cloud->domain) != 0);
 }
 

@@ -47,7 +47,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->graded      = domain->graded;
   t->size        = 1;
   t->liquid      = t->liquids;
-  t->size_most   = DomainSizeMost(domain);
+  t->size_most   = DomainSizeMax(domain);
   t->spacing     = domain->spacing;
   t->active      = SceneHasTension(scene);
   t->interface   = (PetscBool)(SceneInterfaceTension(scene) > 0);

@@ -239,7 +239,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
   CHECK_CLOSE(SetupSum(PetscAbsReal(missing)), 0, 0, "all within reach of the larger one of a pair are there");
   CHECK_CLOSE(SetupSum(sum), volume, 1e-9 * volume, "the particles share the volume of the body");
   CHECK_CLOSE(-SetupMax(-sizes[0]), 1, 1e-9, "the finest have the spacing");
-  CHECK(SetupMax(sizes[1]) < DomainSizeMost(s.domain), "the largest are not larger than allowed");
+  CHECK(SetupMax(sizes[1]) < DomainSizeMax(s.domain), "the largest are not larger than allowed");
   CHECK(SetupMax(sizes[1]) > 1.5, "there are large ones");
   CHECK(-SetupMax(-nearest) > 0.6, "no two particles nor images of them are too close");
   CHECK(SetupMax(near) < 0.25, "sizes near what is wanted where they are");
