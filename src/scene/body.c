@@ -1,8 +1,8 @@
-/* One body: what other folders ask of it. */
+/* A body: creation, view, and the functions that other folders call. */
 #include "scene_impl.h"
 
-#define WATER_DENSITY   1000.0 /* kg/m3, default */
-#define WATER_VISCOSITY 1e-3   /* Pa s, default */
+#define WATER_DENSITY   1000.0 /* kg/m3 */
+#define WATER_VISCOSITY 1e-3   /* Pa s */
 
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body)
 {

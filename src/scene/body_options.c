@@ -1,4 +1,4 @@
-/* The options of one body: shape, material, velocity, type. */
+/* The options of a body: shape, material, velocity, type. */
 #include "scene_impl.h"
 #include <stdlib.h>
 
@@ -15,7 +15,7 @@ PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The numbers of "1,0,-2"; count is -1 when the text is something else. */
+/* Reads numbers from a text like "1,0,-2"; count is -1 for any other text. */
 static void ParseNumbers(const char text[], PetscInt most, PetscReal number[], PetscInt *count)
 {
   char *end;
@@ -46,10 +46,10 @@ PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const 
   else {
     ParseNumbers(text, DIM, v, &count);
     PetscCheckUser(count == domain->dim || count == DIM, domain->comm,
-                   "-%s%s %s is no direction: it must be x, y, z or %s numbers", body->prefix, option + 1, text,
+                   "-%s%s %s is no direction: give x, y, z or %s numbers", body->prefix, option + 1, text,
                    domain->dim == 2 ? "two or three" : "three");
   }
-  /* Two scalings: a length such as 1e-200 has no square. */
+  /* The largest component scales the vector first: the square of 1e-200 would be 0. */
   size = PetscMax(PetscAbsReal(v[0]), PetscMax(PetscAbsReal(v[1]), PetscAbsReal(v[2])));
   PetscCheckUser(size > 0 && !PetscIsInfOrNanReal(v[0] + v[1] + v[2]), domain->comm,
                  "-%s%s %s must be finite and not zero", body->prefix, option + 1, text);
@@ -62,7 +62,7 @@ PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads which of the choices of a list is taken; name: the default on entry. */
+/* Reads the name of a choice from a list; name: the default on entry. */
 static PetscErrorCode ReadChoice(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
                                  const char what[], PetscFunctionList list, char name[SCENE_NAME_LENGTH],
                                  const BodyChoice **choice)
@@ -98,8 +98,8 @@ static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
   PetscFunctionBegin;
   PetscCall(OptionReal("-density", "Density (kg/m3)", "(0, inf)", &m->density));
   PetscCall(OptionReal("-viscosity",
-                       "Dynamic viscosity (Pa s); of -viscosity_model carreau that at rest, of power_law and "
-                       "herschel_bulkley the consistency, Pa s^n",
+                       "Dynamic viscosity (Pa s); with -viscosity_model carreau the viscosity at rest, with power_law "
+                       "and herschel_bulkley the consistency, Pa s^n",
                        "[0, inf)", &m->viscosity));
   PetscCall(OptionReal("-tension", "Surface tension (N/m)", "[0, inf)", &m->tension));
   PetscCall(OptionInt("-color", "Label of the body in pictures", "(-inf, inf)", &body->color));
@@ -126,7 +126,7 @@ static PetscErrorCode ReadViscosity(Body body, OptionItems PetscOptionsObject, P
 
   PetscFunctionBegin;
   PetscCall(ReadChoice(body, PetscOptionsObject, "-viscosity_model", "How the viscosity depends on the shear rate",
-                       "model of viscosity", viscosities, body->viscosity_type, &choice));
+                       "viscosity model", viscosities, body->viscosity_type, &choice));
   body->viscosity = (const ViscosityOps *)choice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -135,11 +135,11 @@ static PetscErrorCode ReadType(Body body, OptionItems PetscOptionsObject, PetscF
                                const BodyChoice **type)
 {
   PetscFunctionBegin;
-  PetscCall(ReadChoice(body, PetscOptionsObject, "-type", "What the body is", "type of body", types, body->type, type));
+  PetscCall(ReadChoice(body, PetscOptionsObject, "-type", "Type of the body", "type of body", types, body->type, type));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The options of a choice, into new data. */
+/* Allocates the data of a choice and reads its options. */
 static PetscErrorCode ReadOptionsOf(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
 {
   PetscFunctionBegin;
@@ -149,8 +149,7 @@ static PetscErrorCode ReadOptionsOf(const BodyChoice *choice, Body body, OptionI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same, and its set-up. */
-static PetscErrorCode Take(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
+static PetscErrorCode ReadAndSetUp(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
 {
   PetscFunctionBegin;
   PetscCall(ReadOptionsOf(choice, body, PetscOptionsObject, data));
@@ -158,11 +157,11 @@ static PetscErrorCode Take(const BodyChoice *choice, Body body, OptionItems Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode TakeShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
+static PetscErrorCode ReadAndSetUpShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
 {
   PetscFunctionBegin;
   PetscCall(ReadShape(body, PetscOptionsObject, shapes));
-  PetscCall(Take(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
+  PetscCall(ReadAndSetUp(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -174,15 +173,15 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(ReadMaterial(body, PetscOptionsObject));
   PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
-  PetscCall(Take(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
+  PetscCall(ReadAndSetUp(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
-  PetscCall(Take(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
+  PetscCall(ReadAndSetUp(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
   PetscCall(
     ReadType(body, PetscOptionsObject, choices->types, &type)); /* last: an emitter looks at shape and velocity */
-  PetscCall(Take(type, body, PetscOptionsObject, &body->emitter));
+  PetscCall(ReadAndSetUp(type, body, PetscOptionsObject, &body->emitter));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -190,22 +189,25 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
 static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(OptionReal("-contact_angle",
-                       "Angle in the liquid at which its free surface meets the solid (degrees); 0: it does not wet it",
-                       "[0, 180)", &body->contact_angle));
+  PetscCall(
+    OptionReal("-contact_angle",
+               "Contact angle of the free surface on the solid, in the liquid (degrees); 0: the liquid does not "
+               "wet the solid",
+               "[0, 180)", &body->contact_angle));
   PetscCall(OptionReal("-contact_hysteresis",
-                       "The advancing angle less the receding one, around that angle, between which lines stick there "
-                       "(degrees)",
+                       "Advancing minus receding contact angle (degrees), half of it on either side of -contact_angle: "
+                       "in between contact lines stick",
                        "[0, 180)", &body->contact_hysteresis));
   PetscCheckUser(body->contact_hysteresis == 0 || body->contact_angle > 0, body->domain->comm,
                  "-%scontact_hysteresis needs -%scontact_angle", body->prefix, body->prefix);
   PetscCheckUser(body->contact_hysteresis == 0 ||
                    0.5 * body->contact_hysteresis < PetscMin(body->contact_angle, 180 - body->contact_angle),
                  body->domain->comm,
-                 "-%scontact_hysteresis %g: half of it below and above the contact angle, %g, must stay in (0, 180)",
+                 "-%scontact_hysteresis %g: the contact angle, %g, plus and minus half of it must lie in (0, 180)",
                  body->prefix, (double)body->contact_hysteresis, (double)body->contact_angle);
   PetscCheckUser(body->contact_angle == 0 || !body->free, body->domain->comm,
-                 "-%scontact_angle cannot be used with -%smass: the surface's pull on a free body is not computed",
+                 "-%scontact_angle cannot be used with -%smass: the surface tension's force on a free body is not "
+                 "computed",
                  body->prefix, body->prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -217,7 +219,7 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscCall(MotionSetUp(body));
   PetscCall(ReadContactAngle(body, PetscOptionsObject));
@@ -232,12 +234,13 @@ PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Region %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(TakeShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shows the options of each choice of a list; option: the one that makes it; data: its place in the body. */
+/* Makes -help list the options of each choice of a list. option: it selects the choice; data: of the choice, in the
+   body. */
 static PetscErrorCode HelpChoices(Body body, PetscFunctionList list, const char option[], void **data)
 {
   const char    **names;
@@ -267,7 +270,7 @@ PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
 
   PetscFunctionBegin;
   PetscCall(DomainCreate(comm, &domain));
-  PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no body of a scene is called so */
+  PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no name of a scene's body has these signs */
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
   PetscCall(ReadMaterial(body, PetscOptionsObject));

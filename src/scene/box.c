@@ -1,4 +1,4 @@
-/* Box with faces normal to the axes; a corner not given is that of the simulation box. */
+/* Box with faces normal to the axes. The default corners are those of the simulation box. */
 #include "scene_impl.h"
 
 typedef struct {
@@ -14,9 +14,9 @@ static PetscErrorCode BoxSetFromOptions(Body body, OptionItems PetscOptionsObjec
   PetscCall(PetscArraycpy(box->lower, domain->lower, DIM));
   PetscCall(PetscArraycpy(box->upper, domain->upper, DIM));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower",
-                                "Lower corner of a box (m); default: the scene's", "ShapeBox", box->lower, NULL));
+                                "Lower corner of a box (m); default: -box_lower", "ShapeBox", box->lower, NULL));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
-                                "Upper corner of a box (m); default: the scene's", "ShapeBox", box->upper, NULL));
+                                "Upper corner of a box (m); default: -box_upper", "ShapeBox", box->upper, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,7 +39,6 @@ static PetscReal BoxDistance(Body body, const PetscReal x[DIM])
   const Box *box  = (const Box *)body->shape_data;
   PetscReal  deep = PETSC_MIN_REAL, out = 0;
 
-  /* The distance of the corner region outside, the nearest face inside. */
   for (PetscInt d = 0; d < body->domain->dim; d++) {
     const PetscReal s = PetscMax(box->lower[d] - x[d], x[d] - box->upper[d]);
 

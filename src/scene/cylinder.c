@@ -1,9 +1,9 @@
-/* Circular cylinder about any axis, infinite unless a height is given. In two dimensions: a circle about z, a strip
-   about another axis. With rings: about their axis, y. */
+/* Circular cylinder about any axis, infinite unless it has a height. In two dimensions: a circle if the axis is z, a
+   strip for an axis in the plane. With rings: a cylinder about their axis, y. */
 #include "scene_impl.h"
 
 typedef struct {
-  PetscReal center[DIM]; /* half-way up, m */
+  PetscReal center[DIM]; /* at half the height, m */
   PetscReal axis[DIM];   /* unit vector */
   PetscReal radius;      /* m */
   PetscReal height;      /* m; 0: infinite */
@@ -22,7 +22,8 @@ static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptions
   cylinder->axis[domain->rings ? 1 : 2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
                             cylinder->axis));
-  PetscCall(OptionReal("-height", "Height of a cylinder, centered (m); 0: infinite", "[0, inf)", &cylinder->height));
+  PetscCall(OptionReal("-height", "Height of a cylinder, half of it on either side of the center (m); 0: infinite",
+                       "[0, inf)", &cylinder->height));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -34,10 +35,10 @@ static PetscErrorCode CylinderSetUp(Body body)
   PetscCall(BodyCheckLength(body, "-radius", cylinder->radius));
   PetscCheckUser(!body->domain->rings || (cylinder->center[0] == 0 && PetscAbsReal(cylinder->axis[1]) == 1),
                  body->domain->comm,
-                 "-%sshape cylinder must be about the axis with -dimension axisymmetric: the first number of "
+                 "with -dimension axisymmetric -%sshape cylinder must be about the axis: the first number of "
                  "-%scenter must be 0, and -%saxis y; a tube is a box",
                  body->prefix, body->prefix, body->prefix);
-  /* In two dimensions the plane cuts a cylinder about z half-way up, whatever its height. */
+  /* In two dimensions the plane cuts a cylinder about z at half its height. */
   if (body->domain->dim == 2 && cylinder->axis[2] != 0) cylinder->height = 0;
   cylinder->half_height = cylinder->height > 0 ? 0.5 * cylinder->height : PETSC_MAX_REAL;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -63,7 +64,7 @@ static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal a    = cylinder->axis[d];
-    PetscReal       half = cylinder->radius * PetscSqrtReal(PetscMax(0, 1 - a * a)); /* of the disc at either end */
+    PetscReal       half = cylinder->radius * PetscSqrtReal(PetscMax(0, 1 - a * a)); /* extent of an end disc */
 
     if (a != 0)
       half = cylinder->half_height == PETSC_MAX_REAL ? PETSC_MAX_REAL : half + PetscAbsReal(a) * cylinder->half_height;

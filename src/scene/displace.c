@@ -1,7 +1,7 @@
-/* What shapes with waves share: maps along a flow, and Bessel functions. */
+/* Shared by the shapes with waves: maps along a flow, and Bessel functions. */
 #include "scene_impl.h"
 
-#define TERMS 24 /* of the Bessel functions' series: exact to rounding for arguments up to 2 pi */
+#define TERMS 24 /* of the series: exact to rounding for arguments up to 2 pi */
 
 void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x)
 {

@@ -1,12 +1,12 @@
 /* Ellipsoid with axes along x, y, z; an ellipse in two dimensions. */
 #include "scene_impl.h"
 
-#define NEWTON_MAX 200 /* steps, several times what a start next to a pole takes */
+#define NEWTON_MAX 200 /* steps; a start next to a pole takes a fraction of them */
 
 typedef struct {
   PetscReal center[DIM]; /* m */
   PetscReal radii[DIM];  /* m */
-  PetscBool given;       /* the radii */
+  PetscBool given;       /* -<b>_radii is given */
 } Ellipsoid;
 
 static PetscErrorCode EllipsoidSetFromOptions(Body body, OptionItems PetscOptionsObject)
@@ -38,8 +38,8 @@ static PetscErrorCode EllipsoidSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* sum_d (r_d y_d / p_d)^2 - 1 and its derivative with p_d = s + r_d^2 - least^2; y_d = 0 contributes nothing, also at
-   its pole. */
+/* sum_d (r_d y_d / p_d)^2 - 1 with p_d = s + r_d^2 - least^2, and its derivative to s. A term with y_d = 0 is zero even
+   at its pole. */
 static PetscReal Excess(PetscInt dim, const PetscReal r[], const PetscReal y[], PetscReal least, PetscReal s,
                         PetscReal *slope)
 {
@@ -57,9 +57,9 @@ static PetscReal Excess(PetscInt dim, const PetscReal r[], const PetscReal y[], 
   return value;
 }
 
-/* The nearest point z of the surface to y >= 0 (one octant) has z_d = r_d^2 y_d / p_d with s the root of Excess (D.
-   Eberly, Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid, Geometric Tools). Excess is convex
-   and falls for s > 0, so that Newton from a point where it is positive climbs to the root without overshoot. */
+/* The surface point nearest to y >= 0 (one octant) is z_d = r_d^2 y_d / p_d with s the root of Excess (D. Eberly,
+   Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid, Geometric Tools). Excess is convex and
+   decreases for s > 0, so Newton's method does not overshoot if Excess is positive at the start. */
 static PetscReal EllipsoidDistance(Body body, const PetscReal x[DIM])
 {
   const Ellipsoid *ellipsoid = (const Ellipsoid *)body->shape_data;
@@ -76,7 +76,7 @@ static PetscReal EllipsoidDistance(Body body, const PetscReal x[DIM])
   for (PetscInt d = 0; d < dim; d++) {
     if (r[d] == least) thin += y[d] * y[d];
   }
-  s      = least * PetscSqrtReal(thin); /* the terms of the shortest radius alone make Excess >= 0 here */
+  s      = least * PetscSqrtReal(thin); /* the terms of the shortest radius make Excess >= 0 */
   value  = Excess(dim, r, y, least, s, &slope);
   rooted = thin > 0 || value > 0 ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt i = 0; i < NEWTON_MAX && value > 0; i++) {
@@ -92,7 +92,7 @@ static PetscReal EllipsoidDistance(Body body, const PetscReal x[DIM])
     square += PetscSqr(nearest - y[d]);
     rest -= PetscSqr(nearest / r[d]);
   }
-  /* On the mid-plane of the shortest radius, deep inside: no root; the nearest point is above or below. */
+  /* Deep inside on the mid-plane of the shortest radius Excess has no root; the nearest point is off that plane. */
   if (!rooted) square += least * least * PetscMax(0, rest);
   return level < 0 ? -PetscSqrtReal(square) : PetscSqrtReal(square);
 }

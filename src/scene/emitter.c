@@ -1,14 +1,14 @@
-/* Types of bodies: liquid that is there from the start, and emitters that bring it in time after time. */
+/* Types of bodies: liquid, which exists from the start, and emitters, which add liquid at intervals. */
 #include "scene_impl.h"
 
-#define FILLINGS_BEFORE   1000 /* most fillings before time 0: each is gone through */
-#define INTERVAL_ROUNDING 1e-9 /* of the interval: an emission that is due now is not missed by rounding */
+#define FILLINGS_BEFORE   1000 /* largest number of fillings before the time 0 */
+#define INTERVAL_ROUNDING 1e-9 /* of the interval: a filling that is due must not be missed by rounding */
 
 typedef struct {
   PetscReal start, interval;       /* s */
-  PetscInt  count;                 /* of emissions; 0: no end */
+  PetscInt  count;                 /* of fillings; 0: no end */
   PetscReal nozzle;                /* m */
-  PetscReal modulation, frequency; /* of the speed: e (1), 2 pi f (rad/s) */
+  PetscReal modulation, frequency; /* of the speed: amplitude e (1), 2 pi f (rad/s) */
 } Emitter;
 
 const BodyChoice *BodyTypeLiquid(void)
@@ -37,14 +37,17 @@ static PetscErrorCode EmitterSetFromOptions(Body body, OptionItems PetscOptionsO
 
   PetscFunctionBegin;
   e->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
-  PetscCall(PetscOptionsReal("-interval", "Time between fillings of an emitter (s); default: a jet without gaps",
+  PetscCall(PetscOptionsReal("-interval",
+                             "Time between fillings of an emitter (s); default: that of a jet without gaps",
                              "SceneSetFromOptions", e->interval, &e->interval, NULL));
   PetscCall(OptionReal("-start", "Time of an emitter's first filling (s)", "(-inf, inf)", &e->start));
   PetscCall(OptionInt("-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", &e->count));
-  PetscCall(OptionReal("-nozzle", "Length beyond an emitter's shape in which its liquid keeps the emitter's speed (m)",
+  PetscCall(OptionReal("-nozzle",
+                       "Length downstream of an emitter's shape in which the liquid keeps the emitter's velocity (m)",
                        "[0, inf)", &e->nozzle));
-  PetscCall(OptionReal("-modulation", "Amplitude of an emitter's speed over the speed (1)", "[0, 1)", &e->modulation));
-  PetscCall(OptionReal("-modulation_frequency", "Frequency of an emitter's speed (Hz)", "[0, inf)", &e->frequency));
+  PetscCall(OptionReal("-modulation", "Amplitude of the oscillation of an emitter's speed, over the speed (1)",
+                       "[0, 1)", &e->modulation));
+  PetscCall(OptionReal("-modulation_frequency", "Frequency of that oscillation (Hz)", "[0, inf)", &e->frequency));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,15 +58,15 @@ static PetscErrorCode EmitterSetUp(Body body)
   Emitter        *e     = (Emitter *)body->emitter;
 
   PetscFunctionBegin;
-  PetscCheckUser(speed > 0, comm, "-%stype emitter needs -%svelocity, not zero: the liquid must leave the shape",
+  PetscCheckUser(speed > 0, comm, "-%stype emitter needs a non-zero -%svelocity: the liquid must leave the shape",
                  body->prefix, body->prefix);
   PetscCheckUser(e->interval >= LengthAlong(body, speed) / speed * (1 - INTERVAL_ROUNDING) &&
                    !PetscIsInfOrNanReal(e->interval),
                  comm, "-%sinterval is %g s; it must be at least %g s, in which the liquid leaves the shape",
                  body->prefix, (double)e->interval, (double)(LengthAlong(body, speed) / speed));
   PetscCheckUser(e->start >= -FILLINGS_BEFORE * e->interval, comm,
-                 "-%sstart is %g s; it must not be more than %d times -%sinterval (%g s) before 0", body->prefix,
-                 (double)e->start, FILLINGS_BEFORE, body->prefix, (double)e->interval);
+                 "-%sstart is %g s; it must be at least -%d times -%sinterval (%g s)", body->prefix, (double)e->start,
+                 FILLINGS_BEFORE, body->prefix, (double)e->interval);
   PetscCheckUser(e->frequency > 0 || e->modulation == 0, comm, "-%smodulation needs -%smodulation_frequency, in Hz",
                  body->prefix, body->prefix);
   e->frequency *= 2 * PETSC_PI;
@@ -82,8 +85,8 @@ PetscBool BodyEmits(Body body)
   return (PetscBool)(body->emitter != NULL);
 }
 
-/* The time (s) in which liquid of the unmodulated speed would have come as far as it has since the start. */
-static PetscReal Travelled(const Emitter *e, PetscReal time)
+/* The distance that the emitter's liquid has moved since the start, over the speed without modulation (s). */
+static PetscReal TravelTime(const Emitter *e, PetscReal time)
 {
   const PetscReal t = time - e->start;
 
@@ -96,7 +99,7 @@ PetscInt BodyEmissions(Body body, PetscReal time)
   PetscInt       n;
 
   if (time < e->start) return 0;
-  n = (PetscInt)PetscFloorReal(Travelled(e, time) / e->interval + INTERVAL_ROUNDING) + 1;
+  n = (PetscInt)PetscFloorReal(TravelTime(e, time) / e->interval + INTERVAL_ROUNDING) + 1;
   return e->count > 0 ? PetscMin(n, e->count) : n;
 }
 
@@ -104,7 +107,7 @@ void BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DI
 {
   const Emitter *e = (const Emitter *)body->emitter;
 
-  for (PetscInt d = 0; d < DIM; d++) shift[d] = (Travelled(e, time) - (PetscReal)k * e->interval) * body->uniform[d];
+  for (PetscInt d = 0; d < DIM; d++) shift[d] = (TravelTime(e, time) - (PetscReal)k * e->interval) * body->uniform[d];
 }
 
 void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
@@ -127,7 +130,7 @@ PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
   reach    = behind + e->nozzle;
   if (distance < 0 || distance >= reach) return (PetscBool)(distance < 0);
   speed = Norm(body->uniform);
-  steps = (PetscInt)PetscCeilReal(reach / body->domain->spacing); /* backwards, each at most a spacing */
+  steps = (PetscInt)PetscCeilReal(reach / body->domain->spacing); /* upstream */
   for (PetscInt k = 1; k <= steps; k++) {
     PetscReal rear[DIM];
 

@@ -1,40 +1,40 @@
-/* Solids that move freely: bodies of a given mass, which the liquid and the body force push. Between the moments at
-   which the stepper gives them a new velocity they move on with the one they have:
+/* Free bodies: solids with a mass, which the liquid and the body force accelerate. At the time t_0 of a push (FreePush)
+   the velocity v and the angular velocity w change. Between two pushes a point moves as
 
      x(t) = C + shift + v (t - t_0) + R(w (t - t_0)) turn (X - C),
 
-   X the place at the start, C the centre of mass there, t_0 the last such moment, R a rotation. Their moment of inertia
-   turns with them; what torques change is the angular momentum. */
+   with X its position and C the centre of mass at the start, R a rotation, shift and turn those at t_0. The moment of
+   inertia rotates with the body. Torques change the angular momentum, from which w follows at each push. */
 #include "scene_impl.h"
 
-#define SAMPLES 64 /* of a shape a direction, for its volume, centre and moment of inertia */
-/* What a body's density may be over that of the densest liquid, and its moment of inertia over its mass times the
-   square of its extent. Lighter ones are thrown out of the liquid within steps, heavier ones are as good as held; far
-   beyond, the pressure cannot be solved for. */
-#define LEAST_SHARE 1e-5
-#define MOST_SHARE  1e9
+#define SHAPE_SAMPLES 64 /* a direction, for volume, centre and moment of inertia of a shape */
+/* Allowed ratios of a body's density to that of the densest liquid, and of its moment of inertia to its mass times the
+   square of its extent. A lighter body leaves the liquid within a few steps, a heavier one hardly moves; far outside
+   the pressure solve fails. */
+#define RATIO_MIN 1e-5
+#define RATIO_MAX 1e9
 
-/* What changes, and what a checkpoint holds: numbers only. */
+/* The state that a checkpoint stores; PetscReal only, see FreeNumbers. */
 typedef struct {
   PetscReal time;                                      /* t_0, s */
-  PetscReal shift[DIM], turn[DIM][DIM];                /* m, 1 */
+  PetscReal shift[DIM], turn[DIM][DIM];                /* translation, m, and rotation matrix */
   PetscReal velocity[DIM], rate[DIM];                  /* m/s, rad/s */
   PetscReal spin[DIM];                                 /* angular momentum about the centre, kg m2/s */
-  PetscReal force[FREE_MOTIONS], excess[FREE_MOTIONS]; /* of FreeForces */
+  PetscReal force[FREE_MOTIONS], excess[FREE_MOTIONS]; /* see FreeForces */
 } FreeState;
 
 struct _p_Free {
   PetscReal mass;                    /* kg; kg/m in two dimensions; 0: the solid is not free */
-  PetscBool turns;                   /* it may */
-  PetscReal given[DIM + 1];          /* moments of inertia about x, y, z, kg m2; one number more, to notice too many */
-  PetscInt  numbers;                 /* of them */
-  PetscReal inertia[DIM][DIM];       /* at the start */
-  PetscReal inverse[DIM][DIM];       /* its inverse at the time set last; 0 if the body does not turn */
-  PetscBool here[DIM];               /* directions in which it may move */
-  PetscReal start[DIM], center[DIM]; /* centre of mass at the start, at the time set last, m */
+  PetscBool turns;                   /* the body may rotate */
+  PetscReal given[DIM + 1];          /* -<s>_inertia, kg m2; one number more than allowed, to detect too many */
+  PetscInt  given_count;             /* of these numbers */
+  PetscReal inertia[DIM][DIM];       /* at the start, kg m2 */
+  PetscReal inverse[DIM][DIM];       /* of the inertia at the time of FreeSetTime; 0 if the body may not rotate */
+  PetscBool moves[DIM];              /* the body may move in this direction */
+  PetscReal start[DIM], center[DIM]; /* centre of mass at the start and at the time of FreeSetTime, m */
   PetscReal volume;                  /* of the shape, m3; m2 in two dimensions */
-  PetscBool held;                    /* it does not move for now */
-  FreeState now, kept;
+  PetscBool frozen;                  /* see SceneFreeze */
+  FreeState now, saved;              /* the present state and that of SceneSave */
 };
 
 /* --- options --- */
@@ -45,24 +45,25 @@ PetscErrorCode FreeSetFromOptions(Body body, OptionItems PetscOptionsObject)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&f));
-  body->free = f;
-  f->turns   = (PetscBool)!body->domain->rings;
-  f->numbers = DIM + 1;
+  body->free     = f;
+  f->turns       = (PetscBool)!body->domain->rings;
+  f->given_count = DIM + 1;
   PetscCall(OptionReal("-mass",
-                       "Mass with which a solid moves freely, pushed by the liquid and gravity (kg); in two dimensions "
-                       "kg per metre of depth; 0: it moves as its other options say",
+                       "Mass of a solid that liquid and gravity move freely (kg); in two dimensions kg per metre of "
+                       "depth; 0: the solid has the motion of its other options",
                        "[0, inf)", &f->mass));
   PetscCall(PetscOptionsRealArray("-inertia",
-                                  "Moment of inertia of a solid of a mass about its centre (kg m2), one number, or "
-                                  "three, about x, y and z; in two dimensions one, per metre of depth; default: of its "
-                                  "shape, evenly filled",
-                                  "SceneSetFromOptions", f->given, &f->numbers, NULL));
-  PetscCall(PetscOptionsBool("-turns", "A solid of a mass may turn", "SceneSetFromOptions", f->turns, &f->turns, NULL));
+                                  "Moment of inertia of a solid with a mass about its centre (kg m2): one number, or "
+                                  "three about x, y and z; in two dimensions one number, per metre of depth; default: "
+                                  "that of a constant density",
+                                  "SceneSetFromOptions", f->given, &f->given_count, NULL));
+  PetscCall(
+    PetscOptionsBool("-turns", "A solid with a mass may rotate", "SceneSetFromOptions", f->turns, &f->turns, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses where a free body cannot be. */
-static PetscErrorCode CheckPlace(Body body)
+/* Refuses a free body that reaches out of the box, or in a box with a symmetry face. */
+static PetscErrorCode CheckBounds(Body body)
 {
   const Domain domain = body->domain;
   PetscReal    lower[DIM], upper[DIM];
@@ -73,10 +74,11 @@ static PetscErrorCode CheckPlace(Body body)
     const PetscBool axis = (PetscBool)(domain->rings && d == 0);
 
     for (PetscInt s = 0; s < 2; s++)
-      PetscCheckUser(domain->face[d][s] != FACE_SYMMETRY || (axis && s == 0), domain->comm,
-                     "-%smass cannot be used with the symmetry face -box_%c%s: what the liquid does behind it would be "
-                     "missing in the force on the body; compute the whole scene",
-                     body->prefix, "xyz"[d], s ? "max" : "min");
+      PetscCheckUser(
+        domain->face[d][s] != FACE_SYMMETRY || (axis && s == 0), domain->comm,
+        "-%smass cannot be used with the symmetry face -box_%c%s: the force on the body would lack that of "
+        "the liquid behind the face; compute the whole scene",
+        body->prefix, "xyz"[d], s ? "max" : "min");
     PetscCheckUser(upper[d] <= domain->upper[d] && (axis || lower[d] >= domain->lower[d]), domain->comm,
                    "the solid %s has a mass and must lie wholly in the box; it reaches from %g to %g m along %c",
                    body->name, (double)lower[d], (double)upper[d], "xyz"[d]);
@@ -84,9 +86,9 @@ static PetscErrorCode CheckPlace(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Volume (m3) of the shape, the middle of it (m), and the second moments of the middles of cells about 'about' (m5) for
-   the moment of inertia, if that is given. Cells of rings count with their length. */
-static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, PetscReal middle[DIM],
+/* Volume (m3) and centroid (m) of the shape from samples, and its second moments (m5) about the point 'about' (m)
+   unless that is NULL. With rings a sample counts with the length of its ring. */
+static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, PetscReal centroid[DIM],
                         PetscReal moment[DIM][DIM])
 {
   const Domain domain = body->domain;
@@ -95,50 +97,51 @@ static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, Pe
   body->shape->bounds(body, lower, upper);
   *volume = 0;
   for (PetscInt d = 0; d < DIM; d++) {
-    middle[d] = 0;
+    centroid[d] = 0;
     for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] = 0;
     if (domain->rings && d == 0) lower[d] = PetscMax(lower[d], 0);
-    if (d < domain->dim) cell *= (upper[d] - lower[d]) / SAMPLES;
+    if (d < domain->dim) cell *= (upper[d] - lower[d]) / SHAPE_SAMPLES;
   }
-  for (PetscInt k = 0; k < PetscPowInt(SAMPLES, domain->dim); k++) {
-    const PetscInt place[DIM] = {k % SAMPLES, k / SAMPLES % SAMPLES, k / (SAMPLES * SAMPLES)};
+  for (PetscInt k = 0; k < PetscPowInt(SHAPE_SAMPLES, domain->dim); k++) {
+    const PetscInt index[DIM] = {k % SHAPE_SAMPLES, k / SHAPE_SAMPLES % SHAPE_SAMPLES,
+                                 k / (SHAPE_SAMPLES * SHAPE_SAMPLES)};
     PetscReal      x[DIM]     = {0, 0, 0}, share;
 
     for (PetscInt d = 0; d < domain->dim; d++)
-      x[d] = lower[d] + (upper[d] - lower[d]) * ((PetscReal)place[d] + 0.5) / SAMPLES;
+      x[d] = lower[d] + (upper[d] - lower[d]) * ((PetscReal)index[d] + 0.5) / SHAPE_SAMPLES;
     if (body->shape->distance(body, x) > 0) continue;
     share = cell * DomainRingLength(domain, x, 1);
     *volume += share;
     for (PetscInt d = 0; d < DIM; d++) {
-      middle[d] += share * (domain->rings && d == 0 ? 0 : x[d]);
+      centroid[d] += share * (domain->rings && d == 0 ? 0 : x[d]);
       for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] += share * (x[d] - about[d]) * (x[e] - about[e]);
     }
   }
   if (*volume > 0)
-    for (PetscInt d = 0; d < DIM; d++) middle[d] /= *volume;
+    for (PetscInt d = 0; d < DIM; d++) centroid[d] /= *volume;
 }
 
-/* The moment of inertia at the start: as given, or of the shape evenly filled. */
+/* Sets the moment of inertia at the start: as given, or that of a constant density. */
 static PetscErrorCode SetInertia(Body body, const PetscReal center[DIM])
 {
   const Domain    domain = body->domain;
   struct _p_Free *f      = body->free;
-  const PetscBool one = (PetscBool)(f->numbers == 1), flat = (PetscBool)(domain->dim == 2);
-  PetscReal       volume, middle[DIM], moment[DIM][DIM], trace = 0;
+  const PetscBool one = (PetscBool)(f->given_count == 1), flat = (PetscBool)(domain->dim == 2);
+  PetscReal       volume, centroid[DIM], moment[DIM][DIM], trace = 0;
 
   PetscFunctionBegin;
-  PetscCheckUser(f->numbers == 0 || one || (f->numbers == DIM && !flat), domain->comm, "-%sinertia must have %s",
-                 body->prefix, flat ? "one number" : "one number or three");
-  for (PetscInt d = 0; d < f->numbers; d++)
+  PetscCheckUser(f->given_count == 0 || one || (f->given_count == DIM && !flat), domain->comm,
+                 "-%sinertia must have %s", body->prefix, flat ? "one number" : "one number or three");
+  for (PetscInt d = 0; d < f->given_count; d++)
     PetscCheckUser(f->given[d] > 0 && !PetscIsInfOrNanReal(f->given[d]), domain->comm,
                    "-%sinertia must have positive numbers", body->prefix);
   if (!f->turns) PetscFunctionReturn(PETSC_SUCCESS);
-  SampleShape(body, center, &volume, middle, moment);
+  SampleShape(body, center, &volume, centroid, moment);
   for (PetscInt d = 0; d < DIM; d++) trace += moment[d][d];
   for (PetscInt d = 0; d < DIM; d++)
     for (PetscInt e = 0; e < DIM; e++)
-      f->inertia[d][e] =
-        f->numbers ? (d == e ? f->given[one ? 0 : d] : 0) : f->mass / volume * ((d == e ? trace : 0) - moment[d][e]);
+      f->inertia[d][e] = f->given_count ? (d == e ? f->given[one ? 0 : d] : 0)
+                                        : f->mass / volume * ((d == e ? trace : 0) - moment[d][e]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -147,36 +150,37 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
 {
   const Domain    domain = body->domain;
   struct _p_Free *f      = body->free;
-  PetscReal       middle[DIM];
+  PetscReal       centroid[DIM];
 
   PetscFunctionBegin;
-  PetscCheckUser(f->mass > 0 || (f->numbers == 0 && f->turns == !domain->rings), domain->comm,
-                 "-%sinertia and -%sturns need -%smass: the solid %s does not move freely", body->prefix, body->prefix,
+  PetscCheckUser(f->mass > 0 || (f->given_count == 0 && f->turns == !domain->rings), domain->comm,
+                 "-%sinertia and -%sturns need -%smass: the solid %s is no free body", body->prefix, body->prefix,
                  body->prefix, body->name);
   if (f->mass == 0) {
     PetscCall(PetscFree(body->free));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCheckUser(!domain->rings || (!f->turns && f->numbers == 0), domain->comm,
-                 "with -dimension axisymmetric the solid %s can move along the axis only: -%sinertia and -%sturns have "
-                 "no place",
-                 body->name, body->prefix, body->prefix);
-  PetscCall(CheckPlace(body));
-  SampleShape(body, NULL, &f->volume, middle, NULL);
-  PetscCheckUser(f->volume > 0, domain->comm, "the solid %s has a mass, but no volume", body->name);
-  for (PetscInt d = 0; d < DIM && !centered; d++) center[d] = middle[d];
+  PetscCheckUser(
+    !domain->rings || (!f->turns && f->given_count == 0), domain->comm,
+    "with -dimension axisymmetric the solid %s can move along the axis only: -%sinertia and -%sturns cannot "
+    "be used",
+    body->name, body->prefix, body->prefix);
+  PetscCall(CheckBounds(body));
+  SampleShape(body, NULL, &f->volume, centroid, NULL);
+  PetscCheckUser(f->volume > 0, domain->comm, "the solid %s has a mass but no volume", body->name);
+  for (PetscInt d = 0; d < DIM && !centered; d++) center[d] = centroid[d];
   PetscCall(SetInertia(body, center));
   for (PetscInt d = 0; d < DIM; d++) {
-    f->here[d]         = (PetscBool)(d < domain->dim && !(domain->rings && d == 0));
+    f->moves[d]        = (PetscBool)(d < domain->dim && !(domain->rings && d == 0));
     f->now.velocity[d] = velocity[d];
     f->now.rate[d]     = rate[d];
     f->now.turn[d][d]  = 1;
     f->start[d]        = center[d];
     for (PetscInt e = 0; e < DIM; e++) f->now.spin[d] += f->inertia[d][e] * rate[e];
   }
-  PetscCheckUser(f->turns || Norm(rate) == 0, domain->comm, "-%srotation_rate has no place with -%sturns 0",
+  PetscCheckUser(f->turns || Norm(rate) == 0, domain->comm, "-%srotation_rate cannot be used with -%sturns 0",
                  body->prefix, body->prefix);
-  f->kept = f->now;
+  f->saved = f->now;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,24 +193,22 @@ PetscErrorCode FreeCheck(Body body, PetscReal density)
 
   PetscFunctionBegin;
   if (!f) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheckUser(f->mass >= LEAST_SHARE * density * f->volume && f->mass <= MOST_SHARE * density * f->volume,
-                 domain->comm,
-                 "-%smass is %g kg%s; it must lie in [%.3g, %.3g]: the liquid in the body's place has %.3g kg%s",
-                 body->prefix, (double)f->mass, flat, (double)(LEAST_SHARE * density * f->volume),
-                 (double)(MOST_SHARE * density * f->volume), (double)(density * f->volume), flat);
+  PetscCheckUser(f->mass >= RATIO_MIN * density * f->volume && f->mass <= RATIO_MAX * density * f->volume, domain->comm,
+                 "-%smass is %g kg%s; it must lie in [%.3g, %.3g]: liquid of the body's volume has %.3g kg%s",
+                 body->prefix, (double)f->mass, flat, (double)(RATIO_MIN * density * f->volume),
+                 (double)(RATIO_MAX * density * f->volume), (double)(density * f->volume), flat);
   body->shape->bounds(body, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++) {
     scale += f->mass * PetscSqr(upper[d] - lower[d]);
-    PetscCheckUser(!f->here[d] || (f->start[d] >= lower[d] && f->start[d] <= upper[d]), domain->comm,
-                   "-%srotation_center: the solid %s has a mass and reaches from %g to %g m along %c; its centre of "
-                   "mass cannot be at %g m",
+    PetscCheckUser(!f->moves[d] || (f->start[d] >= lower[d] && f->start[d] <= upper[d]), domain->comm,
+                   "-%srotation_center: the centre of mass of the solid %s, which reaches from %g to %g m along %c, "
+                   "cannot be at %g m",
                    body->prefix, body->name, (double)lower[d], (double)upper[d], "xyz"[d], (double)(f->start[d]));
   }
-  for (PetscInt d = 0; d < f->numbers; d++)
-    PetscCheckUser(f->given[d] >= LEAST_SHARE * scale && f->given[d] <= MOST_SHARE * scale, domain->comm,
-                   "-%sinertia has %g kg m2%s; with this mass and shape its numbers must lie in [%.3g, %.3g]",
-                   body->prefix, (double)f->given[d], flat, (double)(LEAST_SHARE * scale),
-                   (double)(MOST_SHARE * scale));
+  for (PetscInt d = 0; d < f->given_count; d++)
+    PetscCheckUser(f->given[d] >= RATIO_MIN * scale && f->given[d] <= RATIO_MAX * scale, domain->comm,
+                   "-%sinertia has %g kg m2%s; with this mass and shape it must lie in [%.3g, %.3g]", body->prefix,
+                   (double)f->given[d], flat, (double)(RATIO_MIN * scale), (double)(RATIO_MAX * scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,7 +221,7 @@ PetscErrorCode FreeView(Body body, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "moves freely: mass %g kg%s, %g kg/m3, inertia %g, %g, %g kg m2%s about %g, %g, %g "
-                                   "m; from velocity %g, %g, %g m/s, rotation %g, %g, %g rad/s on\n",
+                                   "m; at the start velocity %g, %g, %g m/s, rotation %g, %g, %g rad/s\n",
                                    (double)f->mass, flat, (double)(f->mass / f->volume), (double)f->inertia[0][0],
                                    (double)f->inertia[1][1], (double)f->inertia[2][2], flat, (double)f->start[0],
                                    (double)f->start[1], (double)f->start[2], (double)f->now.velocity[0],
@@ -229,12 +231,12 @@ PetscErrorCode FreeView(Body body, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --- where it is --- */
+/* --- position and velocity --- */
 
-void FreePlace(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM])
+void FreePose(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM])
 {
   const FreeState *s  = &body->free->now;
-  const PetscReal  on = body->free->held ? 0 : time - s->time; /* s */
+  const PetscReal  on = body->free->frozen ? 0 : time - s->time; /* s */
   PetscReal        further[DIM][DIM], before[DIM][DIM];
 
   for (PetscInt d = 0; d < DIM; d++) {
@@ -250,8 +252,8 @@ void FreeVelocity(Body body, PetscReal velocity[DIM], PetscReal rate[DIM])
   const struct _p_Free *f = body->free;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    velocity[d] = f->held ? 0 : f->now.velocity[d];
-    rate[d]     = f->held ? 0 : f->now.rate[d];
+    velocity[d] = f->frozen ? 0 : f->now.velocity[d];
+    rate[d]     = f->frozen ? 0 : f->now.rate[d];
   }
 }
 
@@ -269,7 +271,7 @@ void FreeSetTime(Body body, const PetscReal shift[DIM], PetscReal turn[DIM][DIM]
   RotationInverse(inertia, f->inverse);
 }
 
-/* --- what moves it; the solid must be free --- */
+/* --- forces; the solid must be free --- */
 
 void FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS])
 {
@@ -278,8 +280,8 @@ void FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS
 
   for (PetscInt d = 0; d < DIM; d++) {
     center[d]       = f->center[d];
-    motion[d]       = f->held ? 0 : s->velocity[d];
-    motion[DIM + d] = f->held ? 0 : Dot(f->inverse[d], s->spin);
+    motion[d]       = f->frozen ? 0 : s->velocity[d];
+    motion[DIM + d] = f->frozen ? 0 : Dot(f->inverse[d], s->spin);
   }
 }
 
@@ -288,8 +290,8 @@ void FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal c
   const struct _p_Free *f = solid->free;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    change[d]       = f->here[d] && !f->held ? impulse[d] / f->mass : 0;
-    change[DIM + d] = f->held ? 0 : Dot(f->inverse[d], impulse + DIM);
+    change[d]       = f->moves[d] && !f->frozen ? impulse[d] / f->mass : 0;
+    change[DIM + d] = f->frozen ? 0 : Dot(f->inverse[d], impulse + DIM);
   }
 }
 
@@ -299,13 +301,13 @@ void FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS])
   FreeState      *s = &f->now;
   PetscReal       shift[DIM], turn[DIM][DIM];
 
-  if (f->held) return;
-  FreePlace(solid, time, shift, turn);
+  if (f->frozen) return;
+  FreePose(solid, time, shift, turn);
   RotationStraighten(turn);
   s->time = time;
   for (PetscInt d = 0; d < DIM; d++) {
     s->shift[d] = shift[d];
-    s->velocity[d] += f->here[d] ? impulse[d] / f->mass : 0;
+    s->velocity[d] += f->moves[d] ? impulse[d] / f->mass : 0;
     s->spin[d] += f->turns ? impulse[DIM + d] : 0;
     for (PetscInt e = 0; e < DIM; e++) s->turn[d][e] = turn[d][e];
   }
@@ -320,8 +322,8 @@ void FreeForces(Body solid, PetscReal **force, PetscReal **excess)
   *excess = f->now.excess;
 }
 
-void FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
-             PetscReal sum[FREE_MOTIONS])
+void FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
+                  PetscReal sum[FREE_MOTIONS])
 {
   PetscReal arm[DIM], acting[DIM], torque[DIM];
 
@@ -390,7 +392,7 @@ void SceneFreeze(Scene scene, PetscBool frozen)
     if (BodyMass(scene->solid[b]) > 0) {
       struct _p_Free *f = scene->solid[b]->free;
 
-      f->held = frozen;
+      f->frozen = frozen;
       for (PetscInt k = 0; k < FREE_MOTIONS && !frozen; k++) f->now.force[k] = f->now.excess[k] = 0;
     }
 }
@@ -405,11 +407,11 @@ PetscBool SceneDriven(Scene scene)
 void SceneSave(Scene scene)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->kept = scene->solid[b]->free->now;
+    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->saved = scene->solid[b]->free->now;
 }
 
 void SceneRestore(Scene scene)
 {
   for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->now = scene->solid[b]->free->kept;
+    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->now = scene->solid[b]->free->saved;
 }

@@ -33,7 +33,7 @@ static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 {
   const HalfSpace *half = (const HalfSpace *)body->shape_data;
 
-  /* Bounded in one direction when the normal is along it. */
+  /* Bounded in one direction only if the normal is along an axis. */
   for (PetscInt d = 0; d < DIM; d++) {
     lower[d] = half->normal[d] == -1 ? half->point[d] : -PETSC_MAX_REAL;
     upper[d] = half->normal[d] == 1 ? half->point[d] : PETSC_MAX_REAL;

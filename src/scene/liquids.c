@@ -1,17 +1,18 @@
-/* Two liquids that do not mix: which bodies are which, and the tension of the interface between them. */
+/* Two immiscible liquids: the liquid of each body, and the tension of the interface. */
 #include "scene_impl.h"
 
-/* Reads -interface_bodies; makes its bodies the second liquid, without it all but the first body. */
-static PetscErrorCode Divide(Scene scene, PetscInt names, char *name[])
+/* Makes the named bodies the second liquid; without names the second body. */
+static PetscErrorCode AssignLiquids(Scene scene, PetscInt names, char *name[])
 {
   const MPI_Comm comm = scene->domain->comm;
   PetscInt       second;
 
   PetscFunctionBegin;
-  PetscCheckUser(names > 0 || scene->count == 2, comm,
-                 "-interface_tension needs two bodies, or the names of those of one liquid as -interface_bodies: "
-                 "there %s %" PetscInt_FMT " in -bodies",
-                 scene->count == 1 ? "is" : "are", scene->count);
+  PetscCheckUser(
+    names > 0 || scene->count == 2, comm,
+    "-interface_tension needs two bodies, or -interface_bodies with the names of the bodies of one liquid: "
+    "there %s %" PetscInt_FMT " in -bodies",
+    scene->count == 1 ? "is" : "are", scene->count);
   if (names == 0) scene->liquid[1] = 1;
   for (PetscInt k = 0; k < names; k++) {
     PetscBool same = PETSC_FALSE;
@@ -25,11 +26,11 @@ static PetscErrorCode Divide(Scene scene, PetscInt names, char *name[])
   second = 0;
   for (PetscInt b = 0; b < scene->count; b++) second += scene->liquid[b];
   PetscCheckUser(second < scene->count, comm,
-                 "-interface_bodies names all of -bodies: those that it does not name are the other liquid");
+                 "-interface_bodies names all of -bodies: the other liquid needs a body, too");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A liquid has one surface tension. */
+/* Refuses bodies of one liquid with different surface tensions. */
 static PetscErrorCode CheckTensions(Scene scene)
 {
   PetscFunctionBegin;
@@ -38,8 +39,8 @@ static PetscErrorCode CheckTensions(Scene scene)
       PetscCheckUser(scene->liquid[a] != scene->liquid[b] ||
                        scene->body[a]->material.tension == scene->body[b]->material.tension,
                      scene->domain->comm,
-                     "-%stension and -%stension differ, but with -interface_tension both bodies are of one liquid: "
-                     "-interface_bodies says which are",
+                     "-%stension and -%stension differ, but both bodies are of one liquid: -interface_bodies names the "
+                     "bodies of one of the two liquids",
                      scene->body[a]->prefix, scene->body[b]->prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,12 +55,13 @@ PetscErrorCode LiquidsSetFromOptions(Scene scene)
   PetscOptionsBegin(scene->domain->comm, NULL, "Two liquids that do not mix", "Scene");
   PetscCall(OptionReal("-interface_tension", "Tension of the interface between two liquids (N/m); 0: they mix",
                        "[0, inf)", &scene->interface_tension));
-  PetscCall(PetscOptionsStringArray("-interface_bodies",
-                                    "Names of the bodies of one of these liquids; default with two bodies: the second",
-                                    "SceneSetFromOptions", name, &names, &set));
+  PetscCall(
+    PetscOptionsStringArray("-interface_bodies",
+                            "Names of the bodies of one of the two liquids; default with two bodies: the second",
+                            "SceneSetFromOptions", name, &names, &set));
   PetscOptionsEnd();
   if (scene->interface_tension > 0) {
-    PetscCall(Divide(scene, set ? names : 0, name));
+    PetscCall(AssignLiquids(scene, set ? names : 0, name));
     PetscCall(CheckTensions(scene));
   }
   for (PetscInt k = 0; set && k < names; k++) PetscCall(PetscFree(name[k]));
@@ -112,11 +114,11 @@ PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length)
 PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer)
 {
   static const char *const spreads[3] = {
-    "the other liquid spreads between this one and gas, as a film that gets thinner than a particle",
-    "this liquid spreads between the other one and gas, as a film that gets thinner than a particle",
-    "gas comes between the liquids, which part"};
+    "the other liquid spreads between this liquid and gas, as a film that becomes thinner than a particle",
+    "this liquid spreads between the other liquid and gas, as a film that becomes thinner than a particle",
+    "gas spreads between the liquids, which separate"};
   PetscReal part[3];
-  PetscBool gas; /* it has a tension with one of them */
+  PetscBool gas; /* a liquid has a surface tension */
   char      names[SCENE_MAX_BODIES * SCENE_NAME_LENGTH];
 
   PetscFunctionBegin;
@@ -129,8 +131,8 @@ PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer)
   for (PetscInt k = 0; k < 3; k++)
     if (part[k] < 0 && (gas || k != 2))
       PetscCall(PetscViewerASCIIPrintf(viewer,
-                                       "  warning: where both meet gas no angles balance the tensions: %s (spreading "
-                                       "coefficient %.3g N/m)\n",
+                                       "  warning: where both liquids meet gas no contact angles balance the tensions: "
+                                       "%s (spreading coefficient %.3g N/m)\n",
                                        spreads[k], (double)(-2 * part[k])));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

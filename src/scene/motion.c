@@ -1,12 +1,12 @@
-/* Motion of solids: where a solid is at each time, as a function of the time alone, so that a run that is continued has
-   it where it was; free solids, whose motion a checkpoint holds, are in free.c. At the time 0 it is where its shape
-   says:
+/* Prescribed motion of solids. It is a function of the time alone, so a checkpoint does not store it; free bodies,
+   whose state a checkpoint stores, are in free.c. A point of the solid moves as
 
      x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)) + table(t),
 
-   X the place at the time 0, c the centre of the rotation, R(t) the rotation by the angle |rate| t about the direction
-   of the rate. The table is a file of lines t, x, y (and z): a curve through its points, straight up to its first and
-   from its last one on, of which the solid leaves the first and reaches the last from rest and to rest. */
+   with X its position at the time 0, where the solid has the position of its shape, c the centre of rotation, and R(t)
+   the rotation by the angle |rate| t about the direction of the rate. The table is a file of lines t, x, y (and z). A
+   cubic curve connects its points, with velocity zero at the first and the last point; before and after them the
+   displacement is constant. */
 #include "scene_impl.h"
 #include <ctype.h>
 #include <stddef.h>
@@ -14,37 +14,37 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define DEGREE      (PETSC_PI / 180)
-#define LINE_LENGTH 4096
-#define NUMBER_MOST (PETSC_MAX_REAL / 4) /* in a table, so that differences are finite */
-#define BYTE_ORDER  "\xef\xbb\xbf"       /* the mark that some programs put before the text of a file */
-#define SAMPLES     16                   /* between two rows of a table, of its speed */
+#define DEGREE        (PETSC_PI / 180)
+#define LINE_LENGTH   4096
+#define NUMBER_MOST   (PETSC_MAX_REAL / 4) /* in a table: differences are finite */
+#define BYTE_ORDER    "\xef\xbb\xbf"       /* byte-order mark, which some programs write at the start of a text file */
+#define TABLE_SAMPLES 16                   /* between two rows of a table, for its largest speed */
 
 struct _p_Motion {
   PetscReal  velocity[DIM];              /* m/s */
   PetscReal  amplitude[DIM], w, phase;   /* m, rad/s, rad */
-  PetscReal  rate[DIM + 1], center[DIM]; /* rad/s; m; one number more, to notice too many */
-  PetscInt   rates;                      /* numbers given */
+  PetscReal  rate[DIM + 1], center[DIM]; /* rad/s, m; one number more than allowed, to detect too many */
+  PetscInt   rates;                      /* count of the numbers given */
   char       file[PETSC_MAX_PATH_LEN];   /* of the table; empty: none */
-  PetscReal  shift[DIM], turn[DIM][DIM]; /* s and R at the time set last */
-  PetscBool  centered;                   /* the centre was given */
+  PetscReal  shift[DIM], turn[DIM][DIM]; /* s and R at the time of MotionSetTime */
+  PetscBool  centered;                   /* the centre is given */
   PetscInt   rows;                       /* of the table */
   PetscReal *table;                      /* [rows][1 + 3]: time (s), displacement (m) */
 };
 
-/* The displacement (m) of a row of the table, and its rate (m/s): that from the row before to the row after, 0 at the
-   ends. */
-static void Row(const struct _p_Motion *m, PetscInt k, PetscReal place[DIM], PetscReal rate[DIM])
+/* Displacement (m) and velocity (m/s) at a row of the table. The velocity is the difference of the rows after and
+   before over that of their times, and 0 at the first and the last row. */
+static void Row(const struct _p_Motion *m, PetscInt k, PetscReal displacement[DIM], PetscReal rate[DIM])
 {
   const PetscReal *row = m->table + (DIM + 1) * k;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    place[d] = row[1 + d];
-    rate[d]  = k == 0 || k == m->rows - 1 ? 0 : (row[DIM + 2 + d] - row[d - DIM]) / (row[DIM + 1] - row[-(DIM + 1)]);
+    displacement[d] = row[1 + d];
+    rate[d] = k == 0 || k == m->rows - 1 ? 0 : (row[DIM + 2 + d] - row[d - DIM]) / (row[DIM + 1] - row[-(DIM + 1)]);
   }
 }
 
-/* Adds the table's displacement (m) and its rate (m/s) at the time: cubic between its rows. */
+/* Adds the table's displacement (m) and velocity (m/s) at a time (s): a cubic Hermite curve between the rows. */
 static void AddTable(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
 {
   PetscInt  k = 0, last = m->rows - 1;
@@ -68,15 +68,15 @@ static void AddTable(const struct _p_Motion *m, PetscReal time, PetscReal shift[
     return;
   }
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal way = b[d] - a[d], bend = length * (va[d] + vb[d]) - 2 * way,
-                    lift = 3 * way - length * (2 * va[d] + vb[d]);
+    const PetscReal step = b[d] - a[d], cubic = length * (va[d] + vb[d]) - 2 * step,
+                    square = 3 * step - length * (2 * va[d] + vb[d]);
 
-    shift[d] += a[d] + u * (length * va[d] + u * (lift + u * bend));
-    if (rate) rate[d] += va[d] + u * (2 * lift + 3 * u * bend) / length;
+    shift[d] += a[d] + u * (length * va[d] + u * (square + u * cubic));
+    if (rate) rate[d] += va[d] + u * (2 * square + 3 * u * cubic) / length;
   }
 }
 
-/* s (m) and, if wanted, its rate (m/s) at the time (s), of a motion as the options say. */
+/* s (m) and, unless 'rate' is NULL, its derivative (m/s) at a time (s), for a prescribed motion. */
 static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
@@ -87,18 +87,18 @@ static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM
   AddTable(m, time, shift, rate);
 }
 
-/* s and R of a solid at the time. */
-static void Place(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM])
+/* s and R of a solid at a time (s). */
+static void Pose(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM])
 {
   if (body->free)
-    FreePlace(body, time, shift, turn);
+    FreePose(body, time, shift, turn);
   else {
     Shift(body->motion, time, shift, NULL);
     RotationMatrix(body->motion->rate, time, turn);
   }
 }
 
-/* y = c + R^T (x - c - s): the place at the time 0 of the point that is at x. */
+/* y = c + R^T (x - c - s): the position at the time 0 of the point that is at x. */
 static void Back(const struct _p_Motion *m, const PetscReal shift[DIM], const PetscReal turn[DIM][DIM],
                  const PetscReal x[DIM], PetscReal y[DIM])
 {
@@ -118,27 +118,28 @@ PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
   PetscCall(PetscNew(&m));
   body->motion = m;
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, "-velocity",
-                                "Velocity with which the solid moves (m/s)", "SceneSetFromOptions", m->velocity, NULL));
+                                "Velocity of the solid (m/s)", "SceneSetFromOptions", m->velocity, NULL));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, "-oscillation_amplitude",
-                                "Amplitude a of a motion a (sin(2 pi f t + phase) - sin(phase)) (m)",
+                                "Amplitude a of an oscillation a (sin(2 pi f t + phase) - sin(phase)) (m)",
                                 "SceneSetFromOptions", m->amplitude, NULL));
-  PetscCall(OptionReal("-oscillation_frequency", "Frequency f of that motion (Hz)", "[0, inf)", &frequency));
-  PetscCall(OptionReal("-oscillation_phase", "Phase of that motion (degrees); -90: it starts from rest", "[-360, 360]",
-                       &phase));
+  PetscCall(OptionReal("-oscillation_frequency", "Frequency f of that oscillation (Hz)", "[0, inf)", &frequency));
+  PetscCall(OptionReal("-oscillation_phase", "Phase of that oscillation (degrees); -90: it starts from rest",
+                       "[-360, 360]", &phase));
   m->rates = DIM + 1;
   PetscCall(PetscOptionsRealArray("-rotation_rate",
-                                  "Angular velocity of the solid about an axis of this direction; in two dimensions "
-                                  "one number will do (rad/s)",
+                                  "Angular velocity vector of the solid (rad/s); in two dimensions one number is "
+                                  "enough",
                                   "SceneSetFromOptions", m->rate, &m->rates, NULL));
   PetscCall(
     DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
-                        "Point on that axis (m), which moves with the solid; of a solid of a mass its centre, by "
-                        "default that of its shape",
+                        "Point on the axis of the solid's rotation (m), which moves with the solid; for a solid with a "
+                        "mass the centre of mass, by default that of its shape",
                         "SceneSetFromOptions", m->center, &m->centered));
-  PetscCall(PetscOptionsString("-motion_file",
-                               "File of lines t,x,y or t,x,y,z: how far the solid is from its place (m) at rising "
-                               "times (s); a smooth curve between them",
-                               "SceneSetFromOptions", m->file, m->file, sizeof(m->file), NULL));
+  PetscCall(
+    PetscOptionsString("-motion_file",
+                       "File of lines t,x,y or t,x,y,z: displacements of the solid (m) at increasing times (s), "
+                       "which a smooth curve connects",
+                       "SceneSetFromOptions", m->file, m->file, sizeof(m->file), NULL));
   m->w     = 2 * PETSC_PI * frequency;
   m->phase = DEGREE * phase;
   PetscCall(FreeSetFromOptions(body, PetscOptionsObject));
@@ -151,7 +152,7 @@ PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, Pet
 
   PetscFunctionBegin;
   PetscCheckUser(count == 0 || count == DIM || (flat && count == 1), domain->comm, "-%srotation_rate must have %s",
-                 prefix, flat ? "one number, or three of which the first two are 0" : "three numbers");
+                 prefix, flat ? "one number, or three numbers of which the first two are 0" : "three numbers");
   if (count == 1) {
     rate[2] = rate[0];
     rate[0] = 0;
@@ -163,13 +164,13 @@ PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a line of a table's file can be, if it has no numbers. */
+/* Results of ReadLine for a line that is no row of a table. */
 enum {
-  LINE_BAD   = -1, /* numbers, but not only, too many, or none that are finite */
-  LINE_NAMES = -2  /* words only, of which the first begins with a letter, quoted or not */
+  LINE_BAD   = -1, /* numbers and words, too many numbers, or a number that is not finite */
+  LINE_NAMES = -2  /* words, the first of which begins with a letter, perhaps in quotes */
 };
 
-/* Reads the numbers of a line; returns how many there are, or what the line is instead. */
+/* Reads the numbers of a line. Returns their count, LINE_BAD or LINE_NAMES. */
 static int ReadLine(char line[], PetscReal number[DIM + 2])
 {
   int       count = 0, others = 0;
@@ -183,7 +184,7 @@ static int ReadLine(char line[], PetscReal number[DIM + 2])
     word += *word == '"' || *word == '\'';
     value = (PetscReal)strtod(word, &end);
     if (count + others == 0) named = (PetscBool)(isalpha((unsigned char)*word) != 0);
-    if (end == word || (*end && isalpha((unsigned char)*word))) { /* as in "information" */
+    if (end == word || (*end && isalpha((unsigned char)*word))) { /* a word; strtod reads "inf" from "information" */
       others++;
       continue;
     }
@@ -193,8 +194,8 @@ static int ReadLine(char line[], PetscReal number[DIM + 2])
   return others == 0 ? count : named && count == 0 ? LINE_NAMES : LINE_BAD;
 }
 
-/* Rank 0: reads the table; *bad: the line that is none of a table, -1: no such file. Passed over are blank lines,
-   comments (#), names of the columns in the first line that is neither, and a mark of the byte order before all. */
+/* Reads the table on rank 0. *bad: the number of the first bad line, or -1 if the file cannot be read. Skips a
+   byte-order mark, blank lines, comments (#), and a first other line that has the names of the columns. */
 static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
 {
   PetscSegBuffer rows;
@@ -211,7 +212,7 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
   *bad = 0;
   PetscCall(PetscSegBufferCreate((DIM + 1) * sizeof(PetscReal), 64, &rows));
   for (int n = 1; !*bad && fgets(line, sizeof(line), file); n++) {
-    const PetscBool whole = (PetscBool)(strchr(line, '\n') || feof(file)); /* neither too long nor with a zero in it */
+    const PetscBool whole = (PetscBool)(strchr(line, '\n') || feof(file)); /* neither too long nor with a byte 0 */
     char           *text  = line;
     PetscReal       number[DIM + 2] = {0}, *row;
     int             count;
@@ -237,25 +238,25 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a table that moves the solid faster between two rows than any solid may be; the same on all ranks. */
+/* Refuses a table in which the solid is faster than SPEED_MAX. */
 static PetscErrorCode CheckTable(Body body)
 {
   const struct _p_Motion *m = body->motion;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k + 1 < m->rows; k++) {
-    const PetscReal *a = m->table + (DIM + 1) * k, *b = a + DIM + 1, way[DIM] = {b[1] - a[1], b[2] - a[2], b[3] - a[3]},
-                    speed = Norm(way) / (b[0] - a[0]);
+    const PetscReal *a = m->table + (DIM + 1) * k, *b = a + DIM + 1,
+                    step[DIM] = {b[1] - a[1], b[2] - a[2], b[3] - a[3]}, speed = Norm(step) / (b[0] - a[0]);
 
-    PetscCheckUser(speed <= SPEED_MOST, body->domain->comm,
-                   "-%smotion_file %s: between the times %g and %g s the solid moves by %g m, with %g m/s; at most %g "
-                   "m/s are allowed",
-                   body->prefix, m->file, (double)a[0], (double)b[0], (double)Norm(way), (double)speed, SPEED_MOST);
+    PetscCheckUser(speed <= SPEED_MAX, body->domain->comm,
+                   "-%smotion_file %s: between %g and %g s the solid moves by %g m, with %g m/s; at most %g m/s are "
+                   "allowed",
+                   body->prefix, m->file, (double)a[0], (double)b[0], (double)Norm(step), (double)speed, SPEED_MAX);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the table on rank 0, for all. */
+/* Reads the table on rank 0 and sends it to the other ranks. */
 static PetscErrorCode ShareTable(Body body)
 {
   struct _p_Motion *m    = body->motion;
@@ -269,17 +270,18 @@ static PetscErrorCode ShareTable(Body body)
   if (!rank) PetscCall(ReadTable(m, body->domain->dim, &bad));
   PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(&m->rows, 1, MPIU_INT, 0, comm));
-  PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read, or is no regular file", body->prefix, m->file);
+  PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read or is no regular file", body->prefix, m->file);
   PetscCheckUser(bad == 0, comm,
                  "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, and a later time than the line "
-                 "before; the first may have the names of these columns",
+                 "before; the first line may have the names of the columns",
                  body->prefix, m->file, bad, (int)body->domain->dim + 1, body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
   PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file);
   if (rank) PetscCall(PetscMalloc1((DIM + 1) * m->rows, &m->table));
   PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)((DIM + 1) * m->rows), MPIU_REAL, 0, comm));
   for (PetscInt k = 0; k < m->rows; k++)
     PetscCheckUser(!body->domain->rings || m->table[(DIM + 1) * k + 1] == 0, comm,
-                   "-%smotion_file %s: with -dimension axisymmetric x must be 0: a solid can move along the axis only",
+                   "-%smotion_file %s: with -dimension axisymmetric a solid can move along the axis only, so x must be "
+                   "0",
                    body->prefix, m->file);
   PetscCall(CheckTable(body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -305,10 +307,13 @@ PetscErrorCode MotionSetUp(Body body)
   PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
   PetscCheckUser(!domain->rings || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0), domain->comm,
-                 "with -dimension axisymmetric the solid %s can move along the axis only, and not turn", body->name);
-  PetscCheckUser(BodyMass(body) == 0 || (Norm(m->amplitude) == 0 && m->rows == 0), domain->comm,
-                 "-%smass: a solid that moves freely cannot have -%soscillation_amplitude or -%smotion_file too",
-                 body->prefix, body->prefix, body->prefix);
+                 "with -dimension axisymmetric the solid %s can move along the axis only and cannot rotate",
+                 body->name);
+  PetscCheckUser(
+    BodyMass(body) == 0 || (Norm(m->amplitude) == 0 && m->rows == 0), domain->comm,
+    "-%smass cannot be used with -%soscillation_amplitude or -%smotion_file: a free body has no prescribed "
+    "motion",
+    body->prefix, body->prefix, body->prefix);
   PetscCall(FreeSetUp(body, m->centered, m->center, m->velocity, m->rate));
   if (!body->free && Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0 && m->rows == 0)
     PetscCall(MotionDestroy(body));
@@ -322,7 +327,7 @@ void MotionSetTime(Body body, PetscReal time)
   struct _p_Motion *m = body->motion;
 
   if (!m) return;
-  Place(body, time, m->shift, m->turn);
+  Pose(body, time, m->shift, m->turn);
   if (body->free) FreeSetTime(body, m->shift, m->turn);
 }
 
@@ -356,7 +361,7 @@ PetscBool BodyMoves(Body solid)
   return (PetscBool)(solid->motion != NULL);
 }
 
-/* Motions start as zeros, and are compared up to their table, whose file has a name. */
+/* Unset numbers are zero, so the bytes before 'rows' can be compared; the name of the file stands for the table. */
 PetscBool BodyMovesAs(Body solid, Body other)
 {
   if (!solid->motion || !other->motion || solid->free || other->free)
@@ -369,9 +374,9 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
   const struct _p_Motion *m = solid->motion;
   PetscReal               shift[DIM], turn[DIM][DIM], y[DIM];
 
-  Place(solid, from, shift, turn);
+  Pose(solid, from, shift, turn);
   Back(m, shift, turn, x, y);
-  Place(solid, to, shift, turn);
+  Pose(solid, to, shift, turn);
   for (PetscInt i = 0; i < DIM; i++) {
     x[i] = m->center[i] + shift[i];
     for (PetscInt j = 0; j < DIM; j++) x[i] += turn[i][j] * (y[j] - m->center[j]);
@@ -387,7 +392,7 @@ void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[
   if (!m) return;
   for (PetscInt d = 0; d < DIM; d++) rate[d] = m->rate[d];
   if (solid->free) {
-    FreePlace(solid, time, shift, turn);
+    FreePose(solid, time, shift, turn);
     FreeVelocity(solid, v, rate);
   } else
     Shift(m, time, shift, v);
@@ -427,14 +432,14 @@ PetscReal SceneSolidTime(Scene scene)
   return scene->solid_time;
 }
 
-/* The largest speed of the table, at samples. */
+/* The largest speed (m/s) of the table, from samples. */
 static PetscReal TableSpeed(const struct _p_Motion *m)
 {
   PetscReal speed = 0;
 
-  for (PetscInt k = 0; k < SAMPLES * (m->rows - 1); k++) {
-    const PetscReal *row        = m->table + (DIM + 1) * (k / SAMPLES);
-    const PetscReal  time       = row[0] + (row[DIM + 1] - row[0]) * ((PetscReal)(k % SAMPLES) + 0.5) / SAMPLES;
+  for (PetscInt k = 0; k < TABLE_SAMPLES * (m->rows - 1); k++) {
+    const PetscReal *row  = m->table + (DIM + 1) * (k / TABLE_SAMPLES);
+    const PetscReal  time = row[0] + (row[DIM + 1] - row[0]) * ((PetscReal)(k % TABLE_SAMPLES) + 0.5) / TABLE_SAMPLES;
     PetscReal        shift[DIM] = {0, 0, 0}, rate[DIM] = {0, 0, 0};
 
     AddTable(m, time, shift, rate);
@@ -443,13 +448,13 @@ static PetscReal TableSpeed(const struct _p_Motion *m)
   return speed;
 }
 
-/* Of a point at the end of the arm, which may be beyond all numbers where nothing turns. */
+/* The speed (m/s) of the end of an arm (m). Without rotation the arm may be infinite. */
 static PetscReal TurningSpeed(const PetscReal rate[DIM], const PetscReal arm[DIM])
 {
   return Norm(rate) > 0 ? Norm(rate) * Norm(arm) : 0;
 }
 
-/* The velocity, the largest of the oscillation, and the rate times the distance of the farthest corner. */
+/* Adds the speeds of velocity, oscillation, rotation at the farthest corner, and table. */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
   const struct _p_Motion *m        = body->motion;

@@ -1,10 +1,10 @@
-/* Whether bodies reach into the box, and whether they overlap. */
+/* Refuses bodies that are outside the box, and bodies that overlap. */
 #include "scene_impl.h"
 
-/* Looks for a point where the signed distances of two bodies, which may be one, are both below a bound (m): among the
-   centres of the lattice cells of the particle spacing, counted from the lower corner of the box, that the bounds of
-   both bodies touch. Skips what the distances exclude. Returns whether there is such a point, and the point x (m). */
-static PetscBool Meet(Body a, Body b, PetscReal bound, PetscReal x[DIM])
+/* Searches for a point x (m) where the signed distances to two bodies, which may be the same, are both below 'bound'
+   (m). Candidates are the cell centres of a lattice of the particle spacing from the lower corner of the box, within
+   the bounds of both bodies. The distances exclude most of them. Returns whether there is a point. */
+static PetscBool FindCommonPoint(Body a, Body b, PetscReal bound, PetscReal x[DIM])
 {
   Domain          domain = a->domain;
   const PetscReal d0     = domain->spacing;
@@ -32,7 +32,7 @@ static PetscBool Meet(Body a, Body b, PetscReal bound, PetscReal x[DIM])
         x[0] = domain->lower[0] + ((PetscReal)i + 0.5) * d0;
         s    = PetscMax(BodyDistance(a, x), BodyDistance(b, x));
         if (s < bound) return PETSC_TRUE;
-        /* No point nearer than s - bound has a distance below the bound. */
+        /* The distance is at least 'bound' at all points within s - bound. */
         i += 1 + (PetscInt64)PetscMin((s - bound) / d0, (PetscReal)(last[0] - i));
       }
     }
@@ -40,7 +40,7 @@ static PetscBool Meet(Body a, Body b, PetscReal bound, PetscReal x[DIM])
   return PETSC_FALSE;
 }
 
-/* Its bounds miss the box, or every lattice point is farther from it than a cell's diagonal. */
+/* A body is outside if its bounds miss the box, or if each lattice point is farther from it than a cell's diagonal. */
 PetscErrorCode BodyCheckInside(Body body)
 {
   Domain    domain = body->domain;
@@ -52,36 +52,36 @@ PetscErrorCode BodyCheckInside(Body body)
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (upper[d] - lower[d] <= POINT_TOLERANCE * domain->spacing) inside = PETSC_FALSE;
   }
-  if (inside) inside = Meet(body, body, PetscSqrtReal((PetscReal)domain->dim) * domain->spacing, x);
+  if (inside) inside = FindCommonPoint(body, body, PetscSqrtReal((PetscReal)domain->dim) * domain->spacing, x);
   PetscCheckUser(inside, domain->comm,
                  "the body %s is wholly outside the box: its shape must reach into -box_lower to -box_upper",
                  body->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether an option says what shape it has; if not it fills the box. */
-static PetscErrorCode HasShape(Body body, PetscBool *has)
+/* Whether an option sets the shape; without one the body fills the box. */
+static PetscErrorCode ShapeGiven(Body body, PetscBool *given)
 {
   const char *const options[] = {"-shape", "-lower", "-upper"};
 
   PetscFunctionBegin;
-  *has = PETSC_FALSE;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options) && !*has; k++)
-    PetscCall(PetscOptionsHasName(NULL, body->prefix, options[k], has));
+  *given = PETSC_FALSE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options) && !*given; k++)
+    PetscCall(PetscOptionsHasName(NULL, body->prefix, options[k], given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of two bodies that overlap one may have no shape, or a misspelt one. */
+/* Refuses a body without a shape, perhaps for a misspelt option: it is the likely cause of an overlap. */
 static PetscErrorCode RefuseShapeless(Body body)
 {
   char      option[2 * SCENE_NAME_LENGTH];
-  PetscBool has;
+  PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(HasShape(body, &has));
+  PetscCall(ShapeGiven(body, &given));
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%sshape", body->prefix));
   PetscCheckUser(
-    has, body->domain->comm,
+    given, body->domain->comm,
     "the body %s has no shape and would fill the whole box over the others: %s%s, or the corners of a box, "
     "-%slower and -%supper, must be given",
     body->name, option, OptionMeant(option), body->prefix, body->prefix);
@@ -96,13 +96,13 @@ PetscErrorCode SceneCheckOverlap(Scene scene)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->count; a++) {
     for (PetscInt b = a + 1; b < scene->count; b++) {
-      const PetscBool overlap = Meet(scene->body[a], scene->body[b], -tolerance, x);
+      const PetscBool overlap = FindCommonPoint(scene->body[a], scene->body[b], -tolerance, x);
 
       if (overlap) PetscCall(RefuseShapeless(scene->body[b]));
       if (overlap) PetscCall(RefuseShapeless(scene->body[a]));
       PetscCheckUser(!overlap, scene->domain->comm,
                      "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch, or "
-                     "-bodies_overlap gives what several have to the first in -bodies",
+                     "-bodies_overlap gives the common part to the first in -bodies",
                      scene->body[a]->name, scene->body[b]->name, (double)x[0], (double)x[1], (double)x[2]);
     }
   }

@@ -1,7 +1,7 @@
-/* Rotations as matrices. */
+/* Rotation matrices. */
 #include "scene_impl.h"
 
-/* After Rodrigues. */
+/* Rodrigues' formula. */
 void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM])
 {
   const PetscReal size = Norm(rate), c = PetscCosReal(size * time), s = PetscSinReal(size * time);
@@ -26,7 +26,7 @@ void RotationMultiply(PetscReal A[DIM][DIM], PetscReal B[DIM][DIM], PetscReal ou
     }
 }
 
-/* The rows of the inverse times the determinant are products of the columns. */
+/* The rows of the inverse, times the determinant, are cross products of the columns. */
 void RotationInverse(PetscReal A[DIM][DIM], PetscReal out[DIM][DIM])
 {
   PetscReal column[DIM][DIM], determinant;
@@ -51,8 +51,7 @@ void RotationStraighten(PetscReal turn[DIM][DIM])
   Cross(turn[0], turn[1], turn[2]);
 }
 
-/* The part of R that changes its sign when it is transposed is sin(angle) along the axis; the trace is
-   1 + 2 cos(angle). */
+/* The antisymmetric part of R is sin(angle) times the axis; the trace is 1 + 2 cos(angle). */
 void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM])
 {
   const PetscReal cosine = 0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1);

@@ -1,12 +1,12 @@
-/* The scene: its bodies by name, the registered shapes, and the body forces. */
+/* The scene: its named bodies, the registered shapes, and the body forces. */
 #include "scene_impl.h"
 #include <ctype.h>
 
-#define NORMAL_STEP   0.1  /* of the spacing, of the differences that give a normal */
-#define AXIS_SAMPLES  9    /* points of an axis of rings at which a body's velocity is looked at */
-#define AXIS_ROUNDING 1e-9 /* of the speed: its rounding */
+#define NORMAL_STEP   0.1  /* of the differences that give a normal, spacings */
+#define AXIS_SAMPLES  9    /* points on the axis of rings at which CheckRings computes a body's velocity */
+#define AXIS_ROUNDING 1e-9 /* of a velocity, relative */
 
-static BodyChoices Choices = {NULL, NULL, NULL, NULL}; /* the registered ones */
+static BodyChoices Choices = {NULL, NULL, NULL, NULL};
 
 static PetscErrorCode SceneFinalizePackage(void)
 {
@@ -58,14 +58,14 @@ PetscErrorCode SceneDestroy(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Names of the bodies or solids: [count] strings to be freed. */
+/* Names of bodies, solids or regions: [count] strings to be freed. */
 typedef struct {
   const char *option;
-  char       *name[SCENE_MAX_BODIES + 1]; /* one more than allowed, to notice too many */
+  char       *name[SCENE_MAX_BODIES + 1]; /* one more than allowed, to detect too many */
   PetscInt    count;
 } Names;
 
-/* Reads the forces and the names. */
+/* Reads the body forces and the names. */
 static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names *fine)
 {
   PetscReal frequency = 0;
@@ -74,21 +74,20 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
   PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
                                     "SceneSetFromOptions", bodies->name, &bodies->count, NULL));
-  PetscCall(PetscOptionsStringArray("-solids", "Names of solids, separated by commas", "SceneSetFromOptions",
+  PetscCall(PetscOptionsStringArray("-solids", "Names of the solids, separated by commas", "SceneSetFromOptions",
                                     solids->name, &solids->count, NULL));
   PetscCall(PetscOptionsStringArray("-fine",
-                                    "Names of the regions of the fine spacing, shaped like bodies, separated by "
-                                    "commas; with -spacing_coarse",
+                                    "Names of the regions where the spacing is -spacing, separated by commas; each "
+                                    "has a shape like a body; needs -spacing_coarse",
                                     "SceneSetFromOptions", fine->name, &fine->count, NULL));
-  PetscCall(PetscOptionsBool("-bodies_overlap",
-                             "Bodies may overlap: where they do the liquid is that of the first in -bodies",
+  PetscCall(PetscOptionsBool("-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part",
                              "SceneSetFromOptions", scene->overlap, &scene->overlap, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
                                 "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
   PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity_amplitude",
-                                "Amplitude of a part a sin(2 pi f t) of gravity, as in a tank that is shaken (m/s2)",
+                                "Amplitude a of an oscillating part a sin(2 pi f t) of gravity (m/s2): a shaken tank",
                                 "SceneSetFromOptions", scene->amplitude, NULL));
-  PetscCall(OptionReal("-gravity_frequency", "Frequency f of that part (Hz)", "[0, inf)", &frequency));
+  PetscCall(OptionReal("-gravity_frequency", "Frequency f of that oscillating part (Hz)", "[0, inf)", &frequency));
   PetscCall(OptionReal("-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
                        "[0, inf)", &scene->central_rate));
   PetscCall(FrameSetFromOptions(scene, PetscOptionsObject));
@@ -99,7 +98,7 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* An identifier that is new and does not collide with the options of the box. */
+/* Refuses a name that is no identifier, appears twice or collides with the options of the box. */
 static PetscErrorCode CheckName(Scene scene, const char option[], const char name[])
 {
   MPI_Comm  comm = scene->domain->comm;
@@ -113,7 +112,8 @@ static PetscErrorCode CheckName(Scene scene, const char option[], const char nam
     if (!isalnum((unsigned char)name[k]) && name[k] != '_') good = PETSC_FALSE;
   }
   PetscCheckUser(good, comm,
-                 "%s: '%s' is not a name; a letter, then letters, digits and underscores, fewer than %d, are allowed",
+                 "%s: '%s' is not a name; a name is a letter, then letters, digits and underscores, fewer than %d in "
+                 "all",
                  option, name, SCENE_NAME_LENGTH);
   PetscCall(PetscStrcmp(name, "box", &same));
   if (!same) PetscCall(PetscStrncmp(name, "box_", 4, &same));
@@ -125,7 +125,7 @@ static PetscErrorCode CheckName(Scene scene, const char option[], const char nam
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the bodies of the names, which are freed. */
+/* Creates a body for each name and frees the names. */
 static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], PetscInt *count)
 {
   PetscErrorCode bad = PETSC_SUCCESS;
@@ -145,7 +145,7 @@ static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses what is not the same all around the axis, or what rings cannot do. */
+/* Refuses options that are not axisymmetric. */
 static PetscErrorCode CheckRings(Scene scene)
 {
   const Domain domain = scene->domain;
@@ -160,8 +160,8 @@ static PetscErrorCode CheckRings(Scene scene)
     PetscReal  lower[DIM], upper[DIM];
 
     PetscCheckUser(!BodyEmits(body) || (body->uniform[0] == 0 && !body->velocity->add), domain->comm,
-                   "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, with 0 as the "
-                   "first number of -%svelocity and -%svelocity_type uniform; else rings would grow on the way out",
+                   "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, so the first "
+                   "number of -%svelocity must be 0 and -%svelocity_type uniform; else the rings would grow",
                    body->prefix, body->prefix, body->prefix);
     BodyBounds(body, lower, upper);
     for (PetscInt k = 0; k < AXIS_SAMPLES && lower[0] <= 0; k++) {
@@ -171,15 +171,15 @@ static PetscErrorCode CheckRings(Scene scene)
       BodyVelocity(body, x, v);
       PetscCheckUser(
         PetscAbsReal(v[0]) <= AXIS_ROUNDING * Norm(v), domain->comm,
-        "the initial velocity of the body %s points away from the axis at (0, %g) m, with %g m/s: there it "
-        "must be along the axis",
+        "the initial velocity of the body %s at (0, %g) m has %g m/s away from the axis: on the axis it must be along "
+        "the axis",
         body->name, (double)x[1], (double)v[0]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses half a grading. */
+/* Refuses -fine without -spacing_coarse and the reverse. */
 static PetscErrorCode CheckGrading(Scene scene)
 {
   const Domain domain = scene->domain;
@@ -187,12 +187,12 @@ static PetscErrorCode CheckGrading(Scene scene)
   PetscFunctionBegin;
   PetscCheckUser(domain->graded == (PetscBool)(scene->fine_regions > 0), domain->comm,
                  "-spacing_coarse and -fine belong together: %s is missing%s",
-                 domain->graded ? "-fine, the names of the regions that have the fine spacing," : "-spacing_coarse (m)",
+                 domain->graded ? "-fine, the names of the regions of the fine spacing," : "-spacing_coarse (m)",
                  OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a solid of which any point would be too fast, be it for one of the options or for their sum. */
+/* Refuses a solid that could be faster than SPEED_MAX. */
 static PetscErrorCode CheckSpeed(Body solid)
 {
   PetscReal lower[DIM], upper[DIM], speed;
@@ -200,10 +200,11 @@ static PetscErrorCode CheckSpeed(Body solid)
   PetscFunctionBegin;
   BodyBounds(solid, lower, upper);
   speed = MotionSpeed(solid, lower, upper);
-  PetscCheckUser(speed <= SPEED_MOST, solid->domain->comm,
-                 "the solid %s moves with up to %g m/s, as -%svelocity, -%srotation_rate and what else moves it say; "
-                 "at most %g m/s are allowed",
-                 solid->name, (double)speed, solid->prefix, solid->prefix, SPEED_MOST);
+  PetscCheckUser(
+    speed <= SPEED_MAX, solid->domain->comm,
+    "the solid %s moves with up to %g m/s, by -%svelocity, -%srotation_rate and its other motions; at most "
+    "%g m/s are allowed",
+    solid->name, (double)speed, solid->prefix, solid->prefix, SPEED_MAX);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -216,7 +217,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
         fine        = {.option = "-fine", .count = SCENE_MAX_BODIES + 1};
 
   PetscFunctionBegin;
-  PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read once only");
+  PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read only once");
   PetscCall(ReadScene(scene, &bodies, &solids, &fine));
   PetscCheckUser(bodies.count > 0, domain->comm,
                  "-bodies is missing%s: the names of one or more bodies of liquid must be given",
@@ -368,7 +369,6 @@ void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
   if (SceneFrameTurns(scene)) FrameAdd(scene, x, g);
 }
 
-/* The acceleration is minus its gradient. */
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM])
 {
   const PetscReal square = scene->central_rate * scene->central_rate;
@@ -383,7 +383,7 @@ PetscBool SceneBodiesOverlap(Scene scene)
   return scene->overlap;
 }
 
-PetscReal SceneFreeDistance(Scene scene, PetscInt body, const PetscReal x[DIM])
+PetscReal SceneOwnDistance(Scene scene, PetscInt body, const PetscReal x[DIM])
 {
   PetscReal s = BodyDistance(scene->body[body], x);
 

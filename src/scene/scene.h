@@ -8,37 +8,44 @@
    -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
    the uniform part). Every shape is cut by the box and by the solids.
 
-   -<b>_type emitter: the body is not there at the start; its shape is filled anew, with its velocity, each _interval
-   (s) from _start (s) on, _count times (0: without end): a train of drops. The default interval is the shape's length
-   along the velocity over the speed, so that a box or cylinder of a whole number of spacings gives a jet without gaps.
-   Liquid inside the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed is v (1 + e sin
-   2 pi f t).
+   -<b>_type emitter: the body is empty at the start. Its shape is filled with liquid of the body's velocity every
+   _interval (s) from _start (s) on, _count times (0: without end). The default interval is the shape's length along the
+   velocity over the speed; then a box or cylinder of a whole number of spacings gives a jet without gaps. Liquid inside
+   the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed is v (1 + e sin 2 pi f t).
 
-   -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes: obstacles, no-slip as far as the viscous form
-   makes the walls of the box so. They may touch and overlap each other and the faces of the box. They are fixed or move
-   as their options say (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
-   _rotation_center, _motion_file; what is asked about them is so at the time set last (SceneMoveSolids). Or they are
-   free bodies, which the liquid moves (free.c): -<s>_mass, _inertia, _turns.
+   -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes. Solids have the same no-slip condition as the
+   walls of the box. They may touch and overlap each other and the faces of the box. A solid is fixed, or it has a
+   prescribed motion (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
+   _rotation_center, _motion_file. Or it is a free body, which the liquid moves (free.c): -<s>_mass, _inertia, _turns.
+   Functions about solids refer to the time of the last SceneMoveSolids unless they have an argument 'time'.
 
-   -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: where the spacing is -spacing, with
-   -spacing_coarse farther away (SceneSpacing).
+   -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: the particle spacing is -spacing in these regions
+   and grows to -spacing_coarse outside (SceneSpacing).
 
-   Sizes (m): box _lower, _upper (default: the simulation box); sphere _center, _radius; cylinder _center, _radius,
-   _axis x|y|z or a vector, _height (0: infinite); ellipsoid _center, _radii; half_space _point, _normal (out of the
-   liquid); wave _lower, _upper (as a box, the last number of _upper is the mean level), _wave_amplitude a,
-   _wave_length (along x; a whole number of half waves in the width). The top of a wave is at a cos k(x - x_lower) + k
-   a^2/2 coth(kH) cos 2k(x - x_lower) from the level: a cosine and what a standing wave of finite height adds in second
-   order. The lattice packing moves its points there along the field of the linear wave, which keeps every volume, so
-   that the amplitude may be a fraction of the spacing; thread (three dimensions only): an infinite cylinder, _center,
-   _radius, _axis, whose radius has waves of _wave_amplitude and _wave_length, thickest at the center, made like a wave;
-   stl: a closed surface of triangles from the file _file, times _scale, moved by _offset; its distance comes from a
-   table with a node a half spacing, exact to some tenths of a spacing at edges; in two dimensions its section at z = 0.
-   Velocities: rotation _rotation_rate (rad/s), _rotation_center;
-   strain _strain_rate (1/s, diagonal or full gradient), _strain_center; shear _shear_rate (1/s), _shear_direction,
-   _shear_normal, _shear_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
-   width of the box). In two dimensions a sphere is a circle and so on; z is ignored. Rings: a shape in two dimensions
-   is the section of a body of revolution: a sphere off the axis is a torus, a box a tube, a half space along an
-   inclined plane a cone; a cylinder must be about the axis. */
+   Shapes and their sizes (m):
+   box         _lower, _upper (default: the simulation box)
+   sphere      _center, _radius; _wave_amplitude, _wave_mode: the shape of an oscillating drop
+   cylinder    _center, _radius, _axis x|y|z or a vector, _height (0: infinite)
+   ellipsoid   _center, _radii
+   half_space  _point, _normal (out of the liquid)
+   wave        _lower, _upper (as a box; the last number of _upper is the mean level), _wave_amplitude a, _wave_length
+               (along x; a whole number of half waves in the width). The surface is at a cos k(x - x_lower) + k a^2/2
+               coth(kH) cos 2k(x - x_lower) from the level, a standing wave to second order. The lattice packing moves
+               its points along the velocity field of the linear wave, which conserves volumes, so the amplitude may be
+               a fraction of the spacing.
+   thread      an infinite cylinder, _center, _radius, _axis, whose radius has waves of _wave_amplitude and
+               _wave_length, with a crest at the center; its points move like those of a wave. Needs three dimensions
+               or rings.
+   stl         a closed surface of triangles from _file, scaled by _scale and moved by _offset. Its distance comes from
+               a table with two nodes a spacing, which has errors of some tenths of a spacing at edges. In two
+               dimensions its section at z = 0.
+   In two dimensions a sphere is a circle, and z is ignored. With rings a shape is the section of a body of revolution:
+   a sphere off the axis is a torus, a box a tube, a half-space with an inclined plane a cone. A cylinder must be about
+   the axis.
+
+   Velocity fields: rotation _rotation_rate (rad/s), _rotation_center; strain _strain_rate (1/s, diagonal or full
+   gradient), _strain_center; shear _shear_rate (1/s), _shear_direction, _shear_normal, _shear_center; taylor_green
+   _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the width of the box). */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
@@ -48,93 +55,95 @@
 
 typedef struct {
   PetscReal density;   /* rho_0, kg/m3 */
-  PetscReal viscosity; /* mu, Pa s; of a model that varies what it starts from, see BodyViscosity */
+  PetscReal viscosity; /* mu, Pa s, or the parameter K of the viscosity model, see viscosity.c */
   PetscReal tension;   /* sigma, N/m */
 } Material;
 
-#define FREE_MOTIONS (2 * DIM) /* of a free body: velocity (m/s), then angular velocity (rad/s) */
+#define FREE_MOTIONS (2 * DIM) /* numbers of the velocity and the angular velocity of a free body */
 
 typedef struct _p_Body  *Body;
 typedef struct _p_Scene *Scene;
 
-/* SceneCreate - a scene in a domain (borrowed, must outlive the scene). Collective. */
+/* SceneCreate - an empty scene in a domain, which is borrowed and must outlive the scene. Collective. */
 PetscErrorCode SceneCreate(Domain domain, Scene *scene);
 /* SceneSetFromOptions - reads the bodies, -gravity (m/s2), -gravity_amplitude (m/s2), -gravity_frequency (Hz),
    -central_force_rate (1/s; acceleration -rate^2 x about the origin), -frame_rotation_rate (rad/s),
-   -frame_rotation_center (m). Refuses unknown shapes and velocity types, names
-   that are not identifiers or appear twice, no body at all, non-positive sizes and densities, negative viscosity or
-   tension, a body wholly outside the box, and bodies that overlap (more than rounding; checked on the points of a
-   lattice of the particle spacing). Collective. */
+   -frame_rotation_center (m). Refuses (UserError) a scene without bodies, unknown shapes and velocity types, names that
+   are not identifiers or appear twice, non-positive sizes and densities, a negative viscosity or tension, a body wholly
+   outside the box, and bodies that overlap at a point of a lattice of the particle spacing. Collective. */
 PetscErrorCode SceneSetFromOptions(Scene scene);
-/* SceneHelp - makes -help list every option that a body can have, with <body> for its name: one block for what all
-   bodies share, then one for each shape, each initial velocity field and each type of body. Reads no value and needs no
-   scene. Prints nothing without -help. Collective. */
+/* SceneHelp - makes -help list every option of a body, with <body> for its name: one block for the options of all
+   bodies, then one for each shape, viscosity model, initial velocity field and type of body. Needs no scene. Prints
+   nothing without -help. Collective. */
 PetscErrorCode SceneHelp(MPI_Comm comm);
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
 PetscErrorCode SceneDestroy(Scene *scene);
 
-/* Not collective from here on. */
+/* The functions below are not collective. */
 PetscInt        SceneCount(Scene scene);                /* number of bodies */
 Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCount */
 const char     *BodyName(Body body);
 const Material *BodyMaterial(Body body);
-/* BodyViscosity - mu (Pa s) at a shear rate sqrt(2 D:D) (1/s). BodyViscosityVaries, SceneViscosityVaries - whether it
-   depends on it. BodyViscosityModel - the name of -<b>_viscosity_model. */
+/* BodyViscosity - mu (Pa s) at a shear rate sqrt(2 D:D) (1/s). BodyViscosityVaries - whether mu depends on the shear
+   rate. SceneViscosityVaries - whether any body's does. BodyViscosityModel - the name of -<b>_viscosity_model. */
 PetscReal   BodyViscosity(Body body, PetscReal rate);
 PetscBool   BodyViscosityVaries(Body body);
 const char *BodyViscosityModel(Body body);
 PetscBool   SceneViscosityVaries(Scene scene);
-PetscInt    BodyColor(Body body);                    /* integer label for pictures; default: the body's index */
+PetscInt    BodyColor(Body body);                    /* label for pictures; default: the body's index */
 PetscInt    SceneSolidCount(Scene scene);            /* number of solids */
-Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; has no material */
-/* BodyContactAngle - of a solid -<s>_contact_angle (degrees), 0 if it has none. BodyContactHysteresis - its
+Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; a solid has no material */
+/* BodyContactAngle - -<s>_contact_angle of a solid (degrees); 0: none. BodyContactHysteresis - its
    -<s>_contact_hysteresis (degrees). */
 PetscReal BodyContactHysteresis(Body solid);
 PetscReal BodyContactAngle(Body solid);
-/* SceneSolidDistance - signed distance of x (m) to the nearest solid or image of one through a periodic face, negative
-   inside; PETSC_MAX_REAL without any.
- *nearest (may be NULL): its index. */
+/* SceneSolidDistance - signed distance (m) of x (m) to the nearest solid or periodic image of a solid, negative inside;
+   PETSC_MAX_REAL without solids. nearest (may be NULL): the index of that solid. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);
-/* SceneSolidNormal - unit vector n out of the nearest solid at x (m), by differences of the distance; zero where that
-   is flat. */
+/* SceneSolidNormal - unit normal n at x (m) out of the nearest solid, from differences of the signed distance; zero
+   where these vanish. */
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM]);
-/* BodyMoves - whether a solid moves; BodyMovesAs - whether it moves as another one does. BodyMove - moves a point of
-   the solid from its place x (m) at one time (s) to its place at another. BodyMotion - the velocity v (m/s) of its
-   point that is at x (m) at the time; zero if it does not move. */
+/* BodyMoves - whether a solid can move. BodyMovesAs - whether two solids have the same motion. BodyMove - moves a point
+   x (m) with the solid from the time 'from' to the time 'to' (s). BodyMotion - the velocity v (m/s) of the solid's
+   point at x (m) at a time (s); zero for a fixed solid. */
 PetscBool BodyMoves(Body solid);
 PetscBool BodyMovesAs(Body solid, Body other);
 void      BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM]);
 void      BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
-/* SceneSolidsMove - whether any solid does. SceneMoveSolids - puts all where they are at the time (s), 0 at first:
-   distances and normals are so from here on. SceneSolidTime - that time. SceneSolidSpeed - no point of any solid is
-   ever faster than this (m/s). */
+/* SceneSolidsMove - whether any solid can move. SceneMoveSolids - moves all solids to their positions at a time (s);
+   they start at the time 0. SceneSolidTime - that time. SceneSolidSpeed - an upper bound of the speed of all points of
+   all solids (m/s). */
 PetscBool SceneSolidsMove(Scene scene);
 void      SceneMoveSolids(Scene scene, PetscReal time);
 PetscReal SceneSolidTime(Scene scene);
 PetscReal SceneSolidSpeed(Scene scene);
-/* Free bodies, solids with -<s>_mass. SceneHasFree - whether there is one. BodyMass - its mass (kg; kg/m in two
-   dimensions), 0 of any other solid. FreeMotion - centre of mass (m) and velocities of a free body, at the time set
-   last by SceneMoveSolids. FreeResponse - by how much an impulse (N s; behind it N m s, about the centre) changes them,
-   as the body lies at that time. FreePush - gives it that impulse at the time, which must be that one: from then on it
-   moves on with its new velocity. FreeForces - room for the force (N) and torque (N m) of the liquid's pressure in the
-   step before, and by how much they exceeded those of the projection: the stepper's, kept with the body.
-   FreeAdd - adds a force (N) at x (m) and its torque about the centre to a sum; normal: of the
-   surface there, along which a pressure acts, so that it turns no circle (NULL: of all of the force). FreeTurned - axis
-   times angle (rad) by which it has turned at its last push. FreeKinetic - its kinetic energy (J). FreeNumbers - all
-   that changes of it, as numbers, for a checkpoint. FreeStart - at the start: its centre (m) and moments of inertia
-   about x, y and z (kg m2, 0 if it does not turn), and whether it may turn. SceneSolidsAtStart - puts all solids where
-   they were at the start. SceneStart - the time (s) of the start, at which free bodies begin to move. SceneFreeze -
-   whether they stay where they are for now; let go, they begin without forces of a step before. SceneDriven - whether a
-   solid moves that is not free. SceneSave, SceneRestore - saves what a step changes of free
-   bodies, at its start, and returns to it. */
+/* Free bodies, solids with -<s>_mass. A motion is a velocity (m/s), then an angular velocity (rad/s). An angular
+   impulse about the centre of mass (N m s) follows an impulse (N s), and a torque (N m) follows a force (N).
+
+   SceneHasFree - whether the scene has a free body. SceneDriven - whether a solid has a prescribed motion. BodyMass -
+   mass (kg; kg/m in two dimensions); 0: the solid is not free.
+
+   FreeMotion - centre of mass (m) and motion at the time of SceneMoveSolids. FreeResponse - the change of the motion by
+   an impulse at that time. FreePush - applies an impulse at that time, which 'time' must equal; the body moves on with
+   the new motion. FreeAddForce - adds a force at x (m) to a sum of forces and torques. normal: only the component of
+   the force along it has a torque, so that pressure does not turn a circle; NULL: all of the force has. FreeForces -
+   the force of the pressure in the last step, and its excess over that of the projection; the stepper computes both,
+   the body stores them. FreeKinetic - kinetic energy (J). FreeTurned - axis times angle (rad) of the rotation from the
+   start to the last FreePush. FreeNumbers - the state of the body as an array, for a checkpoint.
+
+   FreeStart - at the start: centre of mass (m), moments of inertia about x, y and z (kg m2; 0 if the body may not
+   rotate), and whether the body may rotate. SceneSolidsAtStart - moves all solids to their positions at the start.
+   SceneStart - sets the time (s) at which free bodies begin to move. SceneFreeze - fixes all free bodies (true), or
+   releases them with no forces of a last step (false). SceneSave - saves the states of the free bodies at the start of
+   a step. SceneRestore - returns to the saved states. */
 PetscBool  SceneHasFree(Scene scene);
 PetscReal  BodyMass(Body solid);
 void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS]);
 void       FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal change[FREE_MOTIONS]);
 void       FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS]);
 void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
-void       FreeAdd(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
-                   PetscReal sum[FREE_MOTIONS]);
+void       FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
+                        PetscReal sum[FREE_MOTIONS]);
 void       FreeTurned(Body solid, PetscReal angle[DIM]);
 PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);
@@ -145,37 +154,37 @@ void       SceneFreeze(Scene scene, PetscBool frozen);
 PetscBool  SceneDriven(Scene scene);
 void       SceneSave(Scene scene);
 void       SceneRestore(Scene scene);
-/* SceneSpacing - the particle spacing (m) that is wanted at x (m): -spacing in the regions of -fine, growing with the
-   distance from them by -spacing_growth, at most -spacing_coarse. Not collective. */
+/* SceneSpacing - the graded particle spacing (m) at x (m): -spacing plus -spacing_growth times the distance from the
+   regions of -fine, at most -spacing_coarse. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
-/* SceneNames, SceneName - of all that has options of a body: bodies, then solids, then regions of -fine. */
+/* SceneNames, SceneName - count and names of the bodies, then the solids, then the regions of -fine. */
 PetscInt    SceneNames(Scene scene);
 const char *SceneName(Scene scene, PetscInt index);
-/* BodyDistance - signed distance of x (m) to the surface of the shape, negative inside; the box is not part of it. */
+/* BodyDistance - signed distance (m) of x (m) to the surface of the shape, negative inside. The box does not cut the
+   shape here. */
 PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
-/* BodyNearest - that to the nearest of its images through periodic faces, and y (m), the image of x that is as far from
- * the body itself. x must be in the box. */
+/* BodyNearest - signed distance (m) of x (m), in the box, to the nearest periodic image of the body. y (m): the image
+   of x at that distance from the body itself. */
 PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
-/* BodyContains - whether x (m) is inside the shape and inside the box. */
+/* BodyContains - whether x (m) is inside the shape and the box. */
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
-/* BodyBounds - a box (m) that holds shape and box's intersection. */
+/* BodyBounds - bounds (m) of the intersection of shape and box. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
-/* SceneBodyScales - of body b, sampled in the box around it: its extents (m) and the least of them that the dimension
-   has, with what symmetry faces mirror, the largest initial speed (m/s) and size of each component of the body force
-   (m/s2). */
+/* SceneBodyScales - of body b: its extents (m), the least extent including mirror images at symmetry faces (m), and the
+   largest initial speed (m/s) and acceleration along each axis (m/s2), both sampled within the bounds. */
 typedef struct {
   PetscReal extent[DIM], length, speed, acceleration[DIM];
 } BodyScales;
 void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales);
-/* BodyDisplace - moves a point x (m) of a lattice to where it is in the body: a map that keeps volumes and takes the
-   layers of the lattice to layers along a curved surface. The identity for most shapes. */
+/* BodyDisplace - maps a point x (m) of a lattice to a point of the body. The map conserves volumes and bends the
+   lattice's layers along a curved surface. The identity for most shapes. */
 void BodyDisplace(Body body, PetscReal x[DIM]);
 /* BodyVelocity - the initial velocity v (m/s) at x (m). */
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
-/* BodyEmits - whether the body is an emitter. BodyEmissions - how many times it has been filled up to and at the time
-   (s). BodyEmissionShift - how far (m, along x) liquid of emission number k, from 0 on, has moved by then if it moved
-   with the emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). BodyHolds - whether liquid of the
-   body at x (m) still moves with an emitter: no further than its nozzle and 'behind' (m) downstream of its shape. */
+/* BodyEmits - whether the body is an emitter. BodyEmissions - the number of fillings up to and at a time (s).
+   BodyEmissionShift - the displacement (m) of the liquid of filling k = 0, 1, ... at a time (s) if the liquid keeps the
+   emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). BodyHolds - whether an emitter prescribes
+   the velocity of its liquid at x (m): inside the shape, and up to -<b>_nozzle plus 'behind' (m) downstream of it. */
 PetscBool BodyEmits(Body body);
 PetscInt  BodyEmissions(Body body, PetscReal time);
 void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
@@ -183,34 +192,37 @@ void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM]
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
 /* SceneEmits - whether any body is an emitter. */
 PetscBool SceneEmits(Scene scene);
-/* SceneSetTime - the time (s) at which gravity is asked for from here on: it may swing. */
+/* SceneSetTime - sets the time (s) of oscillating gravity. */
 void SceneSetTime(Scene scene, PetscReal time);
-/* SceneShaking - the part of gravity that swings, at that time (m/s2). */
+/* SceneShaking - the oscillating part of gravity at that time (m/s2). */
 void SceneShaking(Scene scene, PetscReal shake[DIM]);
-/* SceneFrameTurns - whether the scene is seen in a frame that turns. SceneFrameRate - how fast (rad/s). */
+/* SceneFrameTurns - whether the frame of reference rotates. SceneFrameRate - its angular velocity (rad/s). */
 PetscBool SceneFrameTurns(Scene scene);
 void      SceneFrameRate(Scene scene, PetscReal rate[DIM]);
-/* SceneAcceleration - gravity, central and centrifugal force g (m/s2) at x (m). SceneForcePotential - its potential
-   energy a unit mass (J/kg), without the part that swings. */
+/* SceneAcceleration - acceleration g (m/s2) of gravity, central force and centrifugal force at x (m).
+   SceneForcePotential - its potential (J/kg) without the oscillating part of gravity. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
-/* SceneHasViscosity, SceneHasTension - whether any body has one: modules nobody needs are skipped. */
+/* SceneHasViscosity, SceneHasTension - whether any body has a viscosity or a surface tension; if not, the step skips
+   that part. */
 PetscBool SceneHasViscosity(Scene scene);
 PetscBool SceneHasTension(Scene scene);
-/* Two liquids that do not mix. SceneInterfaceTension - sigma (N/m) of their interface; 0: there is none.
-   SceneInterfaceDensity - the least densities (kg/m3) on both sides added: what its waves move. SceneLiquid - 0 or 1,
-   which of them a body is; 0 without an interface. SceneTensions - the tension of each pair of liquid 0, liquid
-   1 and gas as the sum of the parts of both (N/m), of which one may be negative. */
+/* Two immiscible liquids. SceneInterfaceTension - sigma (N/m) of their interface; 0: no interface.
+   SceneInterfaceDensity - the sum of the least densities (kg/m3) of both liquids, which the dispersion relation of
+   capillary waves contains. SceneLiquid - the liquid of a body, 0 or 1; 0 without an interface. SceneTensions - splits
+   the tensions into parts of liquid 0, liquid 1 and gas (N/m): the tension of a pair is the sum of both parts. A part
+   may be negative. */
 PetscReal SceneInterfaceTension(Scene scene);
 /* SceneInterfaceBodies - the names of the bodies of liquid 1, separated by commas. */
 PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length);
 PetscReal      SceneInterfaceDensity(Scene scene);
 PetscInt       SceneLiquid(Scene scene, PetscInt body);
 void           SceneTensions(Scene scene, PetscReal part[3]);
-/* SceneBodiesOverlap - whether bodies may: a place in several is that of the first. SceneFreeDistance - signed distance
-   of x (m) to the surface of what a body then has, negative inside. */
+/* SceneBodiesOverlap - whether bodies may overlap; the first body in -bodies gets the common part. SceneOwnDistance -
+   signed distance (m) of x (m) to the surface of a body's shape without the parts that earlier bodies get, negative
+   inside. */
 PetscBool SceneBodiesOverlap(Scene scene);
-PetscReal SceneFreeDistance(Scene scene, PetscInt body, const PetscReal x[DIM]);
+PetscReal SceneOwnDistance(Scene scene, PetscInt body, const PetscReal x[DIM]);
 /* SceneOneDensity - whether all bodies have the same rest density. */
 PetscBool SceneOneDensity(Scene scene);
 

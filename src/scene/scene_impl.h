@@ -1,5 +1,4 @@
-/* Private to scene/: what a body is made of. A shape or velocity field is a table of functions with data of its own in
-   the body. */
+/* Private to scene/: the parts of a body. A shape or a velocity field is a table of functions with data in the body. */
 #ifndef ISPH_SCENEIMPL_H
 #define ISPH_SCENEIMPL_H
 
@@ -7,18 +6,16 @@
 
 #define SCENE_NAME_LENGTH 64
 
-/* Shapes, velocity fields and types of bodies are choices, each a table of functions that begins with this. Any of them
-   may be NULL or 0. */
+/* The head of the tables of shapes, velocity fields, viscosity models and types of bodies. Members may be NULL or 0. */
 typedef struct {
-  size_t size; /* of its own data in the body, bytes; they start as zeros */
-  /* Reads its options inside an options block; refuses a value that is wrong by itself. -help calls no more than this.
-   */
+  size_t size; /* bytes of the choice's data in the body, which start as zeros */
+  /* Reads the options inside an options block and refuses (UserError) values out of range. -help calls nothing else. */
   PetscErrorCode (*setfromoptions)(Body body, OptionItems PetscOptionsObject);
-  /* Refuses what is missing or does not fit together, and prepares the rest. */
+  /* Refuses (UserError) options that are missing or contradict each other, and completes the data. */
   PetscErrorCode (*setup)(Body body);
 } BodyChoice;
 
-/* PetscFunctionList holds functions: each choice is registered as one that returns its table. */
+/* A PetscFunctionList holds functions, so each choice is registered as a function that returns its table. */
 typedef const BodyChoice *(*BodyChoiceTable)(void);
 
 typedef struct {
@@ -28,11 +25,11 @@ typedef struct {
 /* A shape. */
 typedef struct {
   BodyChoice choice;
-  /* Signed distance of x (m), negative inside: of the right sign, and in size at most the distance. */
+  /* Signed distance of x (m), negative inside. The sign is exact; the absolute value may be less than the distance. */
   PetscReal (*distance)(Body body, const PetscReal x[DIM]);
-  void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* corners of a box that holds it, m */
+  void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* bounds of the shape, m */
   void (*displace)(Body body, PetscReal x[DIM]);                         /* see BodyDisplace; NULL: not at all */
-  PetscReal (*wave)(Body body); /* length of the waves on its surface, m, 0 if it has none; NULL: none */
+  PetscReal (*wave)(Body body); /* wavelength of the surface, m; 0 or NULL: no waves */
 } ShapeOps;
 
 /* An initial velocity field, added to the uniform part -<b>_velocity. */
@@ -41,16 +38,16 @@ typedef struct {
   void (*add)(Body body, const PetscReal x[DIM], PetscReal v[DIM]); /* adds to v (m/s) at x (m); NULL: zero */
 } VelocityOps;
 
-/* A model of viscosity, from -<b>_viscosity. */
+/* A viscosity model. */
 typedef struct {
   BodyChoice choice;
-  PetscReal (*at)(Body body, PetscReal rate); /* Pa s, at a shear rate (1/s); NULL: constant */
+  PetscReal (*at)(Body body, PetscReal rate); /* mu (Pa s) at a shear rate (1/s); NULL: constant */
 } ViscosityOps;
 
 struct _p_Body {
   Domain              domain; /* borrowed */
   char                name[SCENE_NAME_LENGTH];
-  char                prefix[SCENE_NAME_LENGTH + 1]; /* of its options: the name and an underscore */
+  char                prefix[SCENE_NAME_LENGTH + 1]; /* of the options: the name and an underscore */
   char                shape_type[SCENE_NAME_LENGTH];
   char                velocity_type[SCENE_NAME_LENGTH];
   const ShapeOps     *shape;
@@ -63,12 +60,12 @@ struct _p_Body {
   PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
   Material            material;
   char                type[SCENE_NAME_LENGTH];
-  void               *emitter; /* the struct of an emitter, as shape_data; NULL: liquid */
+  void               *emitter; /* the emitter's struct, as shape_data; NULL: no emitter */
   PetscInt            color;
-  PetscReal           contact_angle;      /* of a solid, degrees; 0: none given */
+  PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
   PetscReal           contact_hysteresis; /* of a solid, degrees */
-  struct _p_Motion   *motion;             /* of a solid that moves; else NULL */
-  struct _p_Free     *free;               /* of a solid that moves freely; else NULL */
+  struct _p_Motion   *motion;             /* of a solid that can move; else NULL */
+  struct _p_Free     *free;               /* of a free body; else NULL */
 };
 
 struct _p_Scene {
@@ -78,21 +75,21 @@ struct _p_Scene {
   PetscInt  solids;
   Body      solid[SCENE_MAX_BODIES];
   PetscInt  fine_regions;
-  Body      fine[SCENE_MAX_BODIES];                 /* shapes alone, around which the spacing is fine */
-  PetscBool overlap;                                /* bodies may: see SceneBodiesOverlap */
+  Body      fine[SCENE_MAX_BODIES];                 /* regions of -fine; they have a shape only */
+  PetscBool overlap;                                /* see SceneBodiesOverlap */
   PetscReal interface_tension;                      /* N/m; 0: the liquids mix */
-  PetscInt  liquid[SCENE_MAX_BODIES];               /* 0 or 1: see SceneLiquid */
+  PetscInt  liquid[SCENE_MAX_BODIES];               /* 0 or 1, see SceneLiquid */
   PetscReal gravity[DIM];                           /* m/s2 */
   PetscReal central_rate;                           /* 1/s */
-  PetscReal amplitude[DIM], angular_frequency;      /* of the part of gravity that swings, m/s2, rad/s */
-  PetscReal frame_rate[DIM + 1], frame_center[DIM]; /* rad/s; m; one number more, to notice too many */
-  PetscInt  frame_rates;                            /* numbers given */
-  PetscReal solid_time;                             /* at which solids are asked where they are, s */
-  PetscReal shake[DIM];                             /* that part at the time set last, m/s2 */
+  PetscReal amplitude[DIM], angular_frequency;      /* of the oscillating part of gravity, m/s2, rad/s */
+  PetscReal frame_rate[DIM + 1], frame_center[DIM]; /* rad/s, m; one number more than allowed, to detect too many */
+  PetscInt  frame_rates;                            /* count of the numbers given */
+  PetscReal solid_time;                             /* of SceneMoveSolids, s */
+  PetscReal shake[DIM];                             /* oscillating part of gravity at the time of SceneSetTime, m/s2 */
 };
 
-/* The tables of shapes, one file each, and of types; registered in scene.c. The type's options are read last: it may
-   use shape and velocity. */
+/* The tables of the shapes, one file each, and of the types of bodies; scene.c registers them. A type's options are
+   read last, since a type may use shape and velocity. */
 const BodyChoice *ShapeBox(void);
 const BodyChoice *ShapeSphere(void);
 const BodyChoice *ShapeStl(void);
@@ -104,92 +101,94 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
-/* LiquidsSetFromOptions - -interface_tension, -interface_bodies; refuses (UserError) what does not make two liquids.
-   After the bodies. Collective. */
+/* LiquidsSetFromOptions - reads -interface_tension and -interface_bodies, after the bodies' options. Refuses
+   (UserError) bodies that do not make two liquids. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);
-/* LiquidsView - prints the interface and warns if one of the three spreads between the others. Collective. */
+/* LiquidsView - prints the interface. Warns if a liquid or gas spreads between the other two. Collective. */
 PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer);
-/* VelocityRegisterAll - adds the velocity fields of velocity.c to a list. Not collective. */
+/* VelocityRegisterAll - registers the velocity fields of velocity.c. Not collective. */
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
-/* ViscosityRegisterAll - adds the models of viscosity.c to a list. Not collective. */
+/* ViscosityRegisterAll - registers the viscosity models of viscosity.c. Not collective. */
 PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list);
 
-/* BodyCreate - a body of water at rest that fills the box, to be set by its options. BodySetFromOptions - reads all of
-   -<b>_*. Refuses (UserError) what SceneSetFromOptions says of one body. BodyHelp - shows -help the
-   options of all bodies and of each choice, with <body> for the name. Collective. */
+/* BodyCreate - creates a body of water at rest that fills the box. BodySetFromOptions - reads the options -<b>_* and
+   refuses (UserError) wrong values. BodyHelp - makes -help list the options, see SceneHelp. Collective. */
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
 PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices);
-/* SolidSetFromOptions - shape and motion: all a solid has. Collective. */
+/* SolidSetFromOptions - reads shape, motion and contact angle of a solid. Collective. */
 PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
-/* MotionSetFromOptions - makes the motion of a solid from its options; MotionSetUp - refuses what does not fit
-   together, and removes a motion of nothing. Collective. MotionView - prints it. MotionSetTime - the time (s) at which
-   MotionBack finds the place y (m) at the time 0 of the solid's point that is at x (m). */
+/* MotionSetFromOptions - creates the motion of a solid from its options. MotionSetUp - refuses (UserError) options that
+   contradict each other, and destroys the motion of a fixed solid. MotionView - prints the motion.
+   Collective. MotionSetTime - sets the time (s). MotionBack - finds the position y (m) at the time 0 of the solid's
+   point that is at x (m) at the time of MotionSetTime. Not collective. */
 PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
 PetscErrorCode MotionSetUp(Body body);
 PetscErrorCode MotionView(Body body, PetscViewer viewer);
 PetscErrorCode MotionDestroy(Body body);
 void           MotionSetTime(Body body, PetscReal time);
-/* RateCheck - makes what was read from -<prefix>rotation_rate, 'count' numbers, a vector (rad/s), and refuses
-   (UserError) what is none. Collective. */
+/* RateCheck - completes the 'count' numbers of -<prefix>rotation_rate to a vector (rad/s), and refuses (UserError)
+   numbers that are no angular velocity. Collective. */
 PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, PetscReal rate[DIM + 1]);
-/* FrameSetFromOptions - reads -frame_rotation_rate and -frame_rotation_center inside an options block; FrameCheck -
-   refuses (UserError) what does not turn with it. Collective. FrameAdd - adds the centrifugal acceleration at x (m) to
-   g (m/s2). FramePotential - its potential energy a unit mass (J/kg). FrameView - prints the frame if it turns. */
+/* FrameSetFromOptions - reads -frame_rotation_rate and -frame_rotation_center inside an options block. FrameCheck -
+   refuses (UserError) gravity and faces that are not constant in the rotating frame. FrameView - prints the frame if it
+   rotates. Collective. FrameAdd - adds the centrifugal acceleration at x (m) to g (m/s2). FramePotential - the
+   centrifugal potential (J/kg) at x (m). Not collective. */
 PetscErrorCode FrameSetFromOptions(Scene scene, OptionItems PetscOptionsObject);
 PetscErrorCode FrameCheck(Scene scene);
 void           FrameAdd(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
 PetscErrorCode FrameView(Scene scene, PetscViewer viewer);
-/* FreeSetFromOptions - reads -<s>_mass and what belongs to it; FreeSetUp - refuses (UserError) what does not fit, and
-   removes the free body if there is no mass. center (m): of mass, given if 'centered', else found here; velocity (m/s)
-   and rate (rad/s): at the start. FreeCheck - refuses a mass, a moment of inertia or a centre of mass that cannot be in
-   liquids of this density at most (kg/m3). Collective. FreePlace - shift (m) and turn at the time (s) of a free body;
-   FreeVelocity - its velocity (m/s) and rate (rad/s) since it was pushed last; FreeSetTime - where it is from here on.
-   FreeView - prints it. Collective.
- */
+/* FreeSetFromOptions - reads -<s>_mass, -<s>_inertia and -<s>_turns. FreeSetUp - refuses (UserError) options that
+   contradict each other, and removes the free body if its mass is 0. center (m): the centre of mass, given if
+   'centered', else computed; velocity (m/s), rate (rad/s): at the start. FreeCheck - refuses (UserError) a mass, a
+   moment of inertia or a centre of mass out of range; density: the largest one of the liquids (kg/m3). FreeView -
+   prints the free body. Collective. FreePose - translation (m) and rotation matrix of a free body at a time (s).
+   FreeVelocity - velocity (m/s) and angular velocity (rad/s) since the last FreePush. FreeSetTime - sets the pose from
+   which FreeMotion and FreeResponse start. Not collective. */
 PetscErrorCode FreeSetFromOptions(Body body, OptionItems PetscOptionsObject);
 PetscErrorCode FreeCheck(Body body, PetscReal density);
 PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], const PetscReal velocity[DIM],
                          const PetscReal rate[DIM]);
 PetscErrorCode FreeView(Body body, PetscViewer viewer);
-void           FreePlace(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
+void           FreePose(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
 void           FreeVelocity(Body body, PetscReal velocity[DIM], PetscReal rate[DIM]);
 void           FreeSetTime(Body body, const PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
-/* RotationMatrix - of a rotation with this rate (rad/s) for a time (s). RotationMultiply - out = A B. RotationInverse -
-   of A. RotationStraighten - makes a matrix that rounding has bent one of a rotation again. RotationVector - its axis
-   times its angle (rad), between -pi and pi. */
+/* RotationMatrix - the matrix of a rotation with an angular velocity (rad/s) for a time (s). RotationMultiply - out = A
+   B. RotationInverse - the inverse of A. RotationStraighten - orthonormalises a rotation matrix with rounding errors.
+   RotationVector - the axis times the angle (rad, at most pi) of a rotation matrix. Not collective. */
 void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM]);
 void RotationMultiply(PetscReal A[DIM][DIM], PetscReal B[DIM][DIM], PetscReal out[DIM][DIM]);
 void RotationInverse(PetscReal A[DIM][DIM], PetscReal out[DIM][DIM]);
 void RotationStraighten(PetscReal turn[DIM][DIM]);
 void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
-#define SPEED_MOST 1e5 /* m/s, of a solid: some seventy times the speed of sound in water */
-/* MotionSpeed - no point of a solid within these corners (m) at the time 0 is ever faster than this (m/s). */
+#define SPEED_MAX 1e5 /* m/s, of a solid: some seventy times the speed of sound in water */
+/* MotionSpeed - an upper bound of the speed (m/s) of a solid's points that are within these bounds (m) at the time 0.
+   Not collective. */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
-/* RegionSetFromOptions - the shape alone: all a region of -fine has. Collective. */
+/* RegionSetFromOptions - reads the shape of a region of -fine. Collective. */
 PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 
-/* BodyCheckLength - refuses (UserError) a length of 0: its option is missing. Collective. */
+/* BodyCheckLength - refuses (UserError) a length of 0, whose option is missing. Collective. */
 PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length);
-/* BodyOptionsAxis - reads a direction: x, y, z or a vector of any non-zero length; returns the unit vector. axis ([3])
-   holds the default on entry. In two dimensions it must lie in the plane, or along z where 'normal_allowed'.
+/* BodyOptionsAxis - reads a direction: x, y, z or a vector of any non-zero length. axis ([3]): the default on entry,
+   the unit vector on return. In two dimensions the direction must lie in the plane, or along z if 'normal_allowed'.
    Collective. */
 PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
                                PetscBool normal_allowed, PetscReal axis[DIM]);
 
 /* BesselSeries - J0(x) and J1(x)/x for q = -x^2/4, I0(x) and I1(x)/x for q = x^2/4 (Abramowitz and Stegun 9.1.10,
-   9.6.10), x up to 2 pi. MoveAlong - moves x (m) along a flow of the shape for a time (s), by steps of the Runge-Kutta
-   method of fourth order. Not collective. */
+   9.6.10), x up to 2 pi. MoveAlong - moves x (m) along a flow for a time (s) by 'steps' steps of the fourth-order
+   Runge-Kutta method. Not collective. */
 typedef void (*ShapeFlow)(const void *shape, const PetscReal x[DIM], PetscReal v[DIM]); /* v (m/s) at x (m) */
 void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x);
 void MoveAlong(const void *shape, ShapeFlow flow, PetscReal time, PetscInt steps, PetscReal x[DIM]);
 
-/* BodyCheckInside - refuses (UserError) a body without a point in the box. SceneCheckOverlap - refuses bodies that
-   overlap. Collective. */
+/* BodyCheckInside - refuses (UserError) a body wholly outside the box. SceneCheckOverlap - refuses (UserError) bodies
+   that overlap. Collective. */
 PetscErrorCode BodyCheckInside(Body body);
 PetscErrorCode SceneCheckOverlap(Scene scene);
 

@@ -1,11 +1,11 @@
-/* Sphere; a circle in two dimensions. With a wave: its points are moved along the flow of an oscillating drop's mode,
-   grad of r^n P_n, for a unit of time, a map that keeps volumes. */
+/* Sphere; a circle in two dimensions. A wave is the shape of an oscillating drop: its points move for a unit of time
+   along the mode's flow, grad(r^n P_n), which conserves volumes. */
 #include "scene_impl.h"
 
-#define STEPS         8   /* of Runge and Kutta's method along the map */
-#define MODE_LEAST    2   /* 0 and 1 are no oscillations */
-#define FAR           1.5 /* radii: so far out the flow is followed, and no wave reaches there */
-#define STEEPNESS_MAX 0.4 /* of n times amplitude over radius: the mode's linear field describes no larger wave */
+#define STEPS         8   /* of the Runge-Kutta method along the flow */
+#define MODE_LEAST    2   /* modes 0 and 1 are no oscillations */
+#define FAR           1.5 /* radii: the flow ends there, beyond the highest wave */
+#define STEEPNESS_MAX 0.4 /* of n times amplitude over radius: the linear mode describes no larger wave */
 
 typedef struct {
   PetscReal center[DIM]; /* m */
@@ -13,7 +13,7 @@ typedef struct {
   PetscReal amplitude;   /* of the wave at the poles, m */
   PetscInt  mode;        /* n */
   PetscInt  up;          /* the direction of the poles */
-  PetscReal stretch;     /* within FAR the map changes distances at most by this factor, 1 */
+  PetscReal stretch;     /* largest factor by which the map changes distances within FAR, 1 */
 } Sphere;
 
 static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsObject)
@@ -25,7 +25,7 @@ static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsOb
                                 "ShapeSphere", sphere->center, NULL));
   PetscCall(OptionReal("-radius", "Radius of a sphere (m), required", "(0, inf)", &sphere->radius));
   PetscCall(PetscOptionsReal("-wave_amplitude",
-                             "Amplitude of a wave on a sphere, outwards at the upper pole (m); the volume stays",
+                             "Amplitude of a wave on a sphere, outwards at the upper pole (m); it conserves the volume",
                              "ShapeSphere", sphere->amplitude, &sphere->amplitude, NULL));
   sphere->mode = MODE_LEAST;
   PetscCall(OptionInt("-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid (1)",
@@ -41,7 +41,7 @@ static PetscErrorCode SphereSetUp(Body body)
   PetscFunctionBegin;
   PetscCall(BodyCheckLength(body, "-radius", sphere->radius));
   PetscCheckUser(sphere->mode * PetscAbsReal(sphere->amplitude) <= STEEPNESS_MAX * sphere->radius, domain->comm,
-                 "-%swave_amplitude is %g m; it must not be above %g m, 0.4 of the radius over the mode", body->prefix,
+                 "-%swave_amplitude is %g m; it must be at most %g m, 0.4 of the radius over the mode", body->prefix,
                  (double)sphere->amplitude, STEEPNESS_MAX * (double)sphere->radius / (double)sphere->mode);
   PetscCheckUser(sphere->amplitude == 0 || domain->dim == DIM || (domain->rings && sphere->center[0] == 0),
                  domain->comm, "-%swave_amplitude needs three dimensions, or rings and a sphere on their axis",
@@ -52,15 +52,15 @@ static PetscErrorCode SphereSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The mode's velocity, up to a factor a second: (amplitude/n) grad S_n, S_n = r^n P_n of lengths in radii, by
-   (n + 1) S_n+1 = (2 n + 1) z S_n - n r^2 S_n-1 and the same of its slope to the distance from the poles' axis,
-   squared. */
+/* The mode's velocity times 1 s: (amplitude/n) grad S_n, S_n = r^n P_n with lengths in radii. The recursion is
+   (n + 1) S_n+1 = (2 n + 1) z S_n - n r^2 S_n-1; slope is its derivative to the square of the distance from the poles'
+   axis. */
 static void SphereFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Sphere   *sphere = (const Sphere *)shape;
   const PetscInt  up = sphere->up, n = sphere->mode;
   const PetscReal z = (x[up] - sphere->center[up]) / sphere->radius, scale = sphere->amplitude / n;
-  PetscReal       S[2] = {1, z}, slope[2] = {0, 0}, r2 = z * z; /* of n - 1 and n */
+  PetscReal       S[2] = {1, z}, slope[2] = {0, 0}, r2 = z * z; /* [0]: n - 1, [1]: n */
 
   for (PetscInt d = 0; d < up; d++) r2 += PetscSqr((x[d] - sphere->center[d]) / sphere->radius);
   for (PetscInt k = 1; k < n; k++) {
@@ -116,7 +116,7 @@ static void SphereBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-/* A wave of the mode n goes n times round a great circle. */
+/* A great circle has n waves of the mode n. */
 static PetscReal SphereWave(Body body)
 {
   const Sphere *sphere = (const Sphere *)body->shape_data;

@@ -1,14 +1,14 @@
-/* A closed surface of triangles. Its signed distance is tabulated: exact near the surface, capped beyond; the sign by
-   the number of triangles a ray meets. */
+/* A closed surface of triangles. A table holds its signed distance: exact near the surface, constant beyond. The number
+   of triangles that a ray crosses gives the sign. */
 #include "stl.h"
 
-#define FARTHEST  1e6  /* sizes of the box: a file of 32-bit numbers has no better precision there than the box */
-#define BAND      4    /* the distance is exact so many spacings from the surface, and has that size beyond */
-#define TILT      1e-4 /* rays pass the nodes by so many cells, and so miss edges and corners that lie on nodes */
+#define FARTHEST  1e6  /* sizes of the box: the rounding of 32-bit numbers there is as large as the box */
+#define BAND      4    /* spacings from the surface within which the distance is exact; its constant size beyond */
+#define TILT      1e-4 /* cells by which rays pass the nodes, so that they miss edges and corners at nodes */
 #define MAX_NODES 2e8  /* of the table: 0.8 GB */
 
-/* Changes the sign of the nodes behind a triangle, seen along x: after all triangles a node has the sign of the number
-   of crossings. */
+/* Changes the sign of the nodes behind a triangle along x. After all triangles the sign of a node is the parity of the
+   crossings. */
 static void AddCrossings(Stl *stl, const PetscReal corner[9])
 {
   const PetscReal *a = corner, *b = corner + DIM, *c = corner + 2 * DIM;
@@ -39,7 +39,7 @@ static void AddCrossings(Stl *stl, const PetscReal corner[9])
     }
 }
 
-/* The table around the part of the surface that is in reach of the box. */
+/* Makes the table, around the part of the surface within the box and BAND of it. */
 static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], const PetscReal lower[DIM],
                                const PetscReal upper[DIM])
 {
@@ -63,8 +63,7 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
   }
   PetscCheckUser(
     nodes <= MAX_NODES, domain->comm,
-    "the shape of %s needs a table of %.3g numbers, more than the %.3g allowed: use a larger -spacing or a "
-    "smaller shape",
+    "the shape of %s needs a table of %.3g numbers; at most %.3g are allowed: use a larger -spacing or a smaller shape",
     body->name, (double)nodes, MAX_NODES);
   PetscCall(PetscCalloc(sizeof(Stl) + (size_t)nodes * sizeof(float), &stl));
   *stl = head;
@@ -84,9 +83,9 @@ static PetscErrorCode StlSetFromOptions(Body body, OptionItems PetscOptionsObjec
   stl->scale = 1;
   PetscCall(PetscOptionsString("-file", "STL file with a closed surface, binary or text, required", "ShapeStl",
                                stl->path, stl->path, sizeof(stl->path), NULL));
-  PetscCall(OptionReal("-scale", "Length of the unit of an STL file (m)", "(0, inf)", &stl->scale));
+  PetscCall(OptionReal("-scale", "Length unit of an STL file (m)", "(0, inf)", &stl->scale));
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-offset",
-                                "Where the origin of an STL file lies (m)", "ShapeStl", stl->offset, NULL));
+                                "Position of the origin of an STL file (m)", "ShapeStl", stl->offset, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -100,7 +99,8 @@ static PetscErrorCode StlSetUp(Body body)
   PetscInt        n;
 
   PetscFunctionBegin;
-  PetscCheckUser(path[0], domain->comm, "-%sfile is missing: the STL file of the shape must be given", body->prefix);
+  PetscCheckUser(path[0], domain->comm, "-%sfile is missing: the name of the shape's STL file must be given",
+                 body->prefix);
   PetscCall(StlRead(domain->comm, path, &n, &corner));
   for (PetscInt d = 0; d < DIM; d++) {
     lower[d] = PETSC_MAX_REAL;
@@ -112,7 +112,7 @@ static PetscErrorCode StlSetUp(Body body)
     PetscCheckUser(corner[k] - domain->lower[k % DIM] <= farthest && domain->lower[k % DIM] - corner[k] <= farthest,
                    domain->comm,
                    "the STL file %s has a corner at %c = %g m in triangle %" PetscInt_FMT
-                   ", not a place near the box; check the file and -%sscale",
+                   ", far from the box; check the file and -%sscale",
                    path, "xyz"[k % DIM], (double)corner[k], k / 9 + 1, body->prefix);
   }
   PetscCall(StlClose(domain->comm, path, &n, corner));
@@ -131,7 +131,7 @@ static PetscErrorCode StlSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Linear between the nodes; outside of the table the distance to it more. */
+/* Linear between the nodes. Outside the table the distance to the table is added. */
 static PetscReal StlDistance(Body body, const PetscReal x[DIM])
 {
   const Stl *stl = (const Stl *)body->shape_data;
@@ -139,9 +139,9 @@ static PetscReal StlDistance(Body body, const PetscReal x[DIM])
   PetscInt   at[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal place = (x[d] - stl->origin[d]) / stl->cell, inside = PetscMax(0, PetscMin(place, stl->n[d] - 1));
+    const PetscReal node = (x[d] - stl->origin[d]) / stl->cell, inside = PetscMax(0, PetscMin(node, stl->n[d] - 1));
 
-    out += PetscSqr((place - inside) * stl->cell);
+    out += PetscSqr((node - inside) * stl->cell);
     at[d] = PetscMin((PetscInt)inside, stl->n[d] - 2);
     t[d]  = inside - at[d];
   }

@@ -1,11 +1,11 @@
-/* The distances of the nodes of a table to the triangles of a surface, all of them within its band. */
+/* The distances of a table's nodes to the triangles of a surface, for nodes within the band around the surface. */
 #include "stl.h"
 #include <stdlib.h>
 
-#define GROUP        1.0        /* triangles with centres in a cube of so many spacings are looked at together */
-#define BOUND_EXCESS (1 + 1e-6) /* bounds of distances are larger by this: more than they are rounded by */
+#define GROUP_CELL   1.0        /* edge of the cells whose triangles make a group, spacings */
+#define BOUND_EXCESS (1 + 1e-6) /* factor of upper bounds of distances: more than their rounding */
 
-/* Squared distance of p to the triangle a, b, c (Ericson 2005, Real-Time Collision Detection, 5.1.5). */
+/* Squared distance of p to a triangle a, b, c (Ericson 2005, Real-Time Collision Detection, 5.1.5). */
 static PetscReal TriangleDistance2(const PetscReal p[DIM], const PetscReal corner[9])
 {
   PetscReal        ab[DIM], ac[DIM], ap[DIM], bp[DIM], cp[DIM], near[DIM], d1, d2, d3, d4, d5, d6, va, vb, vc, v, w;
@@ -52,21 +52,21 @@ static PetscReal TriangleDistance2(const PetscReal p[DIM], const PetscReal corne
   return Dot(near, near);
 }
 
-/* A triangle with the cell of its centre in a grid of GROUP spacings, and a ball around it, m. */
+/* A triangle with the group cell of its centre and its bounding sphere, m. */
 typedef struct {
   PetscInt64       cell;
   const PetscReal *corner; /* [3][3] */
   PetscReal        centre[DIM], radius;
 } Triangle;
 
-/* Triangles of one cell, and the box around them, m. */
+/* The triangles of a group cell and their bounding box, m. */
 typedef struct {
   const Triangle *triangle;
   PetscInt        n;
   PetscReal       lower[DIM], upper[DIM];
 } Group;
 
-/* The nodes within the band around a group: first[d] <= i[d] <= last[d]. */
+/* The nodes first[d] <= i[d] <= last[d], which include those within the band around a group. */
 static void NodesAround(const Stl *stl, const Group *group, PetscInt first[DIM], PetscInt last[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
@@ -76,7 +76,7 @@ static void NodesAround(const Stl *stl, const Group *group, PetscInt first[DIM],
   }
 }
 
-/* Lowers the distances of nodes to a bit more than that to one corner of a group, a point of the surface. */
+/* Lowers the distances of nodes to an upper bound: the distance to one corner of a group, times BOUND_EXCESS. */
 static void AddCorner(Stl *stl, const Group *group)
 {
   const PetscReal *x = group->triangle->corner;
@@ -98,7 +98,7 @@ static void AddCorner(Stl *stl, const Group *group)
     }
 }
 
-/* Squared distance of p to the box of a group. */
+/* Squared distance of p to the bounding box of a group. */
 static inline PetscReal BoxDistance2(const Group *group, const PetscReal p[DIM])
 {
   PetscReal sum = 0;
@@ -108,8 +108,8 @@ static inline PetscReal BoxDistance2(const Group *group, const PetscReal p[DIM])
   return sum;
 }
 
-/* Lowers the distances of the nodes within the band around a group to those to its triangles; passes over a node that
-   is nearer to the surface already than the group or the triangle can be. */
+/* Lowers the distances of the nodes around a group to those to its triangles. Skips groups and triangles that cannot be
+   nearer to a node than the distance found so far. */
 static void AddTriangles(Stl *stl, const Group *group)
 {
   PetscInt first[DIM], last[DIM];
@@ -134,7 +134,7 @@ static void AddTriangles(Stl *stl, const Group *group)
 
 static void FindCell(const Stl *stl, const PetscReal corner[9], Triangle *t)
 {
-  const PetscReal size = stl->cell / STL_CELL * GROUP;
+  const PetscReal size = stl->cell / STL_CELL * GROUP_CELL;
 
   *t = (Triangle){.corner = corner};
   for (PetscInt d = DIM - 1; d >= 0; d--) {
@@ -159,7 +159,7 @@ static int CompareCells(const void *left, const void *right)
   return a->corner < b->corner ? -1 : a->corner > b->corner;
 }
 
-/* The group that begins with a triangle, of the n there are from it on. */
+/* The group that begins with the first of n triangles. */
 static Group GroupFrom(const Triangle triangle[], PetscInt n)
 {
   Group group = {.triangle = triangle};
@@ -178,7 +178,7 @@ static Group GroupFrom(const Triangle triangle[], PetscInt n)
   return group;
 }
 
-/* One corner of each group first: then most triangles are seen to be too far from most nodes. */
+/* The upper bounds come first: then AddTriangles can skip most triangles. */
 PetscErrorCode StlDistances(Stl *stl, PetscInt n, const PetscReal corner[])
 {
   Triangle *triangle;

@@ -9,10 +9,10 @@
 
 #define HEADER_BYTES   80
 #define TRIANGLE_BYTES 50             /* of a binary file: normal, three corners, two bytes */
-#define BYTE_ORDER     "\xEF\xBB\xBF" /* the mark that some editors put before a text */
-#define WORD_LENGTH    32             /* of a word in a text file, at most */
+#define BYTE_ORDER     "\xEF\xBB\xBF" /* byte-order mark, which some editors write at the start of a text */
+#define WORD_LENGTH    32             /* of a word in a text file */
 
-/* The whole file; NULL if it cannot be read. */
+/* The content of a file with a byte 0 after it; NULL if the file cannot be read. */
 static char *ReadAll(const char path[], long *size)
 {
   struct stat info;
@@ -20,7 +20,7 @@ static char *ReadAll(const char path[], long *size)
   char       *text = NULL;
 
   *size = -1;
-  if (stat(path, &info) || !S_ISREG(info.st_mode)) return NULL; /* a pipe may never be written to */
+  if (stat(path, &info) || !S_ISREG(info.st_mode)) return NULL; /* opening a pipe could wait for ever */
   file = fopen(path, "rb");
   if (!file) return NULL;
   if (!fseek(file, 0, SEEK_END) && (*size = ftell(file)) >= 0 && !fseek(file, 0, SEEK_SET)) {
@@ -35,9 +35,9 @@ static char *ReadAll(const char path[], long *size)
   return text;
 }
 
-/* --- binary: 80 bytes, the number of triangles, the triangles; little-endian as the machine is --- */
+/* --- binary: 80 bytes, the number of triangles, the triangles; little-endian like the machine --- */
 
-/* The number of triangles that a binary file says it has; -1 if it is too short to say. */
+/* The number of triangles that a binary file states; -1 if the file is too short. */
 static long CountBinary(const char *bytes, long size)
 {
   unsigned count;
@@ -62,15 +62,15 @@ static void ParseBinary(const char *bytes, long n, PetscReal corner[])
   }
 }
 
-/* --- text: words between blanks, in capitals or not; "solid" and "endsolid" are followed by a name of any words --- */
+/* --- text: words between blanks, in any case; a name of any words follows "solid" and "endsolid" --- */
 
 typedef struct {
   const char *at, *end;
   long        line;
 } Text;
 
-/* Goes on to the next word and copies it in small letters; empty at the end of the text. A word that is too long is cut
-   and so is none of the format's. */
+/* Copies the next word in lower case; empty at the end of the text. A long word is truncated: no word of the format is
+   as long. */
 static void NextWord(Text *text, char word[WORD_LENGTH])
 {
   int length = 0;
@@ -94,7 +94,7 @@ static void SkipLine(Text *text)
   while (text->at < text->end && *text->at != '\n' && *text->at != '\r') text->at++;
 }
 
-/* Three numbers; what they mean may be left open (NULL). */
+/* Reads three numbers; number may be NULL. */
 static PetscBool Numbers(Text *text, PetscReal number[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
@@ -108,7 +108,7 @@ static PetscBool Numbers(Text *text, PetscReal number[DIM])
   return PETSC_TRUE;
 }
 
-/* "facet" has been read: the rest of it. */
+/* Reads a facet after the word "facet". */
 static PetscBool Facet(Text *text, PetscReal corner[9])
 {
   if (!Expect(text, "normal") || !Numbers(text, NULL) || !Expect(text, "outer") || !Expect(text, "loop"))
@@ -118,12 +118,12 @@ static PetscBool Facet(Text *text, PetscReal corner[9])
   return (PetscBool)(Expect(text, "endloop") && Expect(text, "endfacet"));
 }
 
-/* All triangles, in a buffer to be freed with free. Returns false at what is no such text, at text->line. */
+/* Reads all triangles into a buffer to be freed with free(). Returns false at an error in text->line. */
 static PetscBool ParseText(Text *text, long *n, PetscReal **corner)
 {
   char      word[WORD_LENGTH];
   long      room  = 0;
-  PetscBool solid = PETSC_FALSE; /* inside one */
+  PetscBool solid = PETSC_FALSE; /* between "solid" and "endsolid" */
 
   *n      = 0;
   *corner = NULL;
@@ -146,13 +146,13 @@ static PetscBool ParseText(Text *text, long *n, PetscReal **corner)
     } else
       return PETSC_FALSE;
   }
-  return (PetscBool)!solid; /* else it is cut off */
+  return (PetscBool)!solid;
 }
 
 /* --- both --- */
 
-/* Whether a file begins like a text: perhaps a byte-order mark, blanks, "solid"; and has no byte 0 where the header of
-   a binary file stands, which may begin with "solid" too. */
+/* Whether a file is a text: an optional byte-order mark, blanks and "solid" at the start, and no byte 0 within the
+   length of a binary header, which may begin with "solid", too. *start: after the byte-order mark and blanks. */
 static PetscBool BeginsLikeText(const char *bytes, long size, const char **start)
 {
   const char *at = bytes;
@@ -175,12 +175,12 @@ static PetscErrorCode ReadTextFile(MPI_Comm comm, const char path[], const char 
 
   PetscFunctionBegin;
   if (!whole || count > PETSC_MAX_INT / 9) free(found);
-  PetscCheckUser(whole || !ended, comm, "the STL file %s is cut off: it ends before its 'endsolid'", path);
+  PetscCheckUser(whole || !ended, comm, "the STL file %s is truncated: it ends before its 'endsolid'", path);
   PetscCheckUser(whole, comm,
-                 "the STL file %s is broken at its line %ld: 'solid', then triangles of 'facet normal', 'outer loop', "
-                 "three times 'vertex', 'endloop', 'endfacet', and 'endsolid' are expected",
+                 "the STL file %s has an error in line %ld: it must have 'solid', then triangles of 'facet normal', "
+                 "'outer loop', three times 'vertex', 'endloop', 'endfacet', and then 'endsolid'",
                  path, text.line);
-  PetscCheckUser(count <= PETSC_MAX_INT / 9, comm, "the STL file %s has %ld triangles, more than the %ld allowed", path,
+  PetscCheckUser(count <= PETSC_MAX_INT / 9, comm, "the STL file %s has %ld triangles; at most %ld are allowed", path,
                  count, (long)PETSC_MAX_INT / 9);
   *n = (PetscInt)count;
   PetscCall(PetscMalloc1(9 * count + 1, corner));
@@ -208,10 +208,11 @@ PetscErrorCode StlRead(MPI_Comm comm, const char path[], PetscInt *n, PetscReal 
     bad = ReadTextFile(comm, path, start, bytes + size, n, corner);
   free(bytes);
   PetscCall(bad);
-  PetscCheckUser(*n >= 0 || said < 0, comm,
-                 "%s is no whole STL file: it does not begin with 'solid', and as a binary file it says %ld triangles, "
-                 "%ld bytes, but is %ld bytes long (at most %ld triangles are allowed)",
-                 path, said, BinaryLength(said), size, (long)PETSC_MAX_INT / 9);
+  PetscCheckUser(
+    *n >= 0 || said < 0, comm,
+    "%s is no whole STL file: it does not begin with 'solid', and as a binary file it states %ld triangles, "
+    "which need %ld bytes, but it is %ld bytes long (at most %ld triangles are allowed)",
+    path, said, BinaryLength(said), size, (long)PETSC_MAX_INT / 9);
   PetscCheckUser(*n >= 0, comm, "%s is no STL file: it does not begin with 'solid' and is too short for a binary one",
                  path);
   PetscCheckUser(*n > 0, comm, "the STL file %s has no triangle", path);

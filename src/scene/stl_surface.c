@@ -1,18 +1,18 @@
-/* Makes a closed surface of the triangles of an STL file, which has each corner as often as triangles meet there. */
+/* Makes a closed surface of the triangles of an STL file, which repeats a corner in each triangle that meets there. */
 #include "stl.h"
 #include <stdlib.h>
 
-#define WELD          1e-4  /* of the shortest edges at two corners: closer ones are joined */
-#define SMALLEST_CELL 1e-12 /* of the coordinates, in which they are looked up: their numbers fit into 64 bits */
+#define WELD          1e-4  /* corners closer than this fraction of the shortest edges at both are joined */
+#define SMALLEST_CELL 1e-12 /* of Weld's cells, over the coordinates: cell numbers fit into 64 bits */
 
-/* The corners of triangles by number: those at one place, to the last bit, have one number. */
+/* Triangles as numbers of points. Corners at the same position, to the last bit, are one point. */
 typedef struct {
   PetscInt   n, points;
   PetscReal *x;      /* [points][3] m */
-  PetscInt (*of)[3]; /* [n] */
+  PetscInt (*of)[3]; /* [n] points of a triangle */
 } Mesh;
 
-/* A table of numbers by hash: place h, h + 1, ... modulo 'size', a power of two, holds the number plus 1, or 0. */
+/* A hash table of point numbers with linear probing: a slot holds the number plus 1, or 0. 'size' is a power of two. */
 typedef struct {
   size_t    size;
   PetscInt *number;
@@ -27,7 +27,7 @@ static PetscErrorCode TableMake(PetscInt n, Table *table)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The hash of three numbers of eight bytes. */
+/* Hashes three numbers of eight bytes. */
 static unsigned long long HashOf(const void *three)
 {
   unsigned long long word[DIM];
@@ -47,21 +47,21 @@ static PetscErrorCode NumberCorners(PetscInt n, const PetscReal corner[], Mesh *
   mesh->points = 0;
   for (PetscInt k = 0; k < 3 * n; k++) {
     const PetscReal x[DIM] = {corner[3 * k] + 0.0, corner[3 * k + 1] + 0.0, corner[3 * k + 2] + 0.0}; /* no -0 */
-    size_t          place  = HashOf(x) & (table.size - 1);
+    size_t          slot   = HashOf(x) & (table.size - 1);
 
-    while (table.number[place] && memcmp(mesh->x + DIM * (table.number[place] - 1), x, sizeof(x)))
-      place = (place + 1) & (table.size - 1);
-    if (!table.number[place]) {
+    while (table.number[slot] && memcmp(mesh->x + DIM * (table.number[slot] - 1), x, sizeof(x)))
+      slot = (slot + 1) & (table.size - 1);
+    if (!table.number[slot]) {
       PetscCall(PetscArraycpy(mesh->x + DIM * mesh->points, x, DIM));
-      table.number[place] = ++mesh->points;
+      table.number[slot] = ++mesh->points;
     }
-    mesh->of[k / 3][k % 3] = table.number[place] - 1;
+    mesh->of[k / 3][k % 3] = table.number[slot] - 1;
   }
   PetscCall(PetscFree(table.number));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Apart(const Mesh *mesh, PetscInt a, PetscInt b)
+static PetscReal PointDistance(const Mesh *mesh, PetscInt a, PetscInt b)
 {
   const PetscReal *x = mesh->x + DIM * a, *y = mesh->x + DIM * b;
   const PetscReal  r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
@@ -69,15 +69,16 @@ static PetscReal Apart(const Mesh *mesh, PetscInt a, PetscInt b)
   return Norm(r);
 }
 
-/* The point that stands for a point and all that are joined to it. */
+/* The representative of the points that are joined to a point (union-find). */
 static PetscInt Root(PetscInt joined[], PetscInt a)
 {
   while (joined[a] != a) a = joined[a] = joined[joined[a]];
   return a;
 }
 
-/* Joins points closer to each other than WELD of the shortest edges at both. They are looked up in cells of the largest
-   such distance: first[place of the cell in the table], then next[]. */
+/* Joins points closer to each other than WELD times the shortest edges at both. A grid whose cells are as large as the
+   largest of these distances finds the candidates: a slot of the table holds the first point of a cell, next[] the
+   others. */
 static PetscErrorCode Weld(Mesh *mesh)
 {
   PetscReal *reach, cell = 0;
@@ -93,7 +94,7 @@ static PetscErrorCode Weld(Mesh *mesh)
   }
   for (PetscInt k = 0; k < 3 * mesh->n; k++) {
     const PetscInt  a = mesh->of[k / 3][k % 3], b = mesh->of[k / 3][(k + 1) % 3];
-    const PetscReal length = WELD * Apart(mesh, a, b);
+    const PetscReal length = WELD * PointDistance(mesh, a, b);
 
     if (a == b) continue;
     reach[a] = PetscMin(reach[a], length);
@@ -109,17 +110,17 @@ static PetscErrorCode Weld(Mesh *mesh)
     const PetscReal *x = mesh->x + DIM * a;
     long long        at[DIM];
 
-    for (PetscInt c = 0; c < 27; c++) { /* the cells around it, its own last, to which it is added */
+    for (PetscInt c = 0; c < 27; c++) { /* the cells around the point; its own cell, which receives it, is last */
       const PetscInt shift[DIM] = {(c + 14) % 3 - 1, (c / 3 + 5) % 3 - 1, (c / 9 + 2) % 3 - 1};
-      size_t         place;
+      size_t         slot;
 
       for (PetscInt d = 0; d < DIM; d++) at[d] = (long long)PetscFloorReal(x[d] / cell) + shift[d];
-      place = HashOf(at) & (table.size - 1);
-      for (PetscInt b = table.number[place] - 1; b >= 0; b = next[b])
-        if (Apart(mesh, a, b) < PetscMin(reach[a], reach[b])) joined[Root(joined, a)] = Root(joined, b);
+      slot = HashOf(at) & (table.size - 1);
+      for (PetscInt b = table.number[slot] - 1; b >= 0; b = next[b])
+        if (PointDistance(mesh, a, b) < PetscMin(reach[a], reach[b])) joined[Root(joined, a)] = Root(joined, b);
       if (c < 26) continue;
-      next[a]             = table.number[place] - 1;
-      table.number[place] = a + 1;
+      next[a]            = table.number[slot] - 1;
+      table.number[slot] = a + 1;
     }
   }
   for (PetscInt k = 0; k < 3 * mesh->n; k++) mesh->of[k / 3][k % 3] = Root(joined, mesh->of[k / 3][k % 3]);
@@ -128,10 +129,10 @@ static PetscErrorCode Weld(Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A triangle by its points in ascending order, and which way it looks: 1 or -1. */
+/* A triangle with its points in ascending order; orientation: 1 or -1, the sign of the permutation. */
 typedef struct {
   PetscInt point[3], triangle;
-  int      way;
+  int      orientation;
 } Face;
 
 static int CompareFaces(const void *left, const void *right)
@@ -143,19 +144,19 @@ static int CompareFaces(const void *left, const void *right)
   return a->triangle < b->triangle ? -1 : a->triangle > b->triangle;
 }
 
-static void Order(PetscInt *a, PetscInt *b, int *way)
+static void Order(PetscInt *a, PetscInt *b, int *orientation)
 {
   const PetscInt kept = *a;
 
   if (*a <= *b) return;
-  *a   = *b;
-  *b   = kept;
-  *way = -*way;
+  *a           = *b;
+  *b           = kept;
+  *orientation = -*orientation;
 }
 
-/* Keeps one of the triangles with the same three points, and none where as many look one way as the other: liquid is
-   on both sides there, or on neither. repeated: how many were dropped; those without area go, too. */
-static PetscErrorCode KeepOnce(Mesh *mesh, PetscInt *repeated)
+/* Keeps one of the triangles with the same three points, or none if as many have one orientation as the other: then the
+   same medium is on both sides. Removes triangles without area. repeated: number of triangles that repeat others. */
+static PetscErrorCode RemoveRepeated(Mesh *mesh, PetscInt *repeated)
 {
   Face      *face;
   PetscBool *keep;
@@ -164,24 +165,24 @@ static PetscErrorCode KeepOnce(Mesh *mesh, PetscInt *repeated)
   PetscFunctionBegin;
   PetscCall(PetscCalloc2(mesh->n, &face, mesh->n, &keep));
   for (PetscInt t = 0; t < mesh->n; t++) {
-    Face f = {.point = {mesh->of[t][0], mesh->of[t][1], mesh->of[t][2]}, .triangle = t, .way = 1};
+    Face f = {.point = {mesh->of[t][0], mesh->of[t][1], mesh->of[t][2]}, .triangle = t, .orientation = 1};
 
-    Order(&f.point[0], &f.point[1], &f.way);
-    Order(&f.point[1], &f.point[2], &f.way);
-    Order(&f.point[0], &f.point[1], &f.way);
+    Order(&f.point[0], &f.point[1], &f.orientation);
+    Order(&f.point[1], &f.point[2], &f.orientation);
+    Order(&f.point[0], &f.point[1], &f.orientation);
     if (f.point[0] != f.point[1] && f.point[1] != f.point[2]) face[faces++] = f;
   }
   if (faces) qsort(face, (size_t)faces, sizeof(*face), CompareFaces);
   for (PetscInt k = 0, next; k < faces; k = next) {
-    int ways = 0;
+    int sum = 0; /* of the orientations */
 
     for (next = k; next < faces && !memcmp(face[next].point, face[k].point, sizeof(face[k].point)); next++)
-      ways += face[next].way;
-    keep[face[k].triangle] = (PetscBool)(ways != 0);
-    kept += ways != 0;
+      sum += face[next].orientation;
+    keep[face[k].triangle] = (PetscBool)(sum != 0);
+    kept += sum != 0;
   }
-  for (PetscInt t = 0, place = 0; t < mesh->n; t++) /* in the order of the file */
-    if (keep[t]) PetscCall(PetscArraycpy(mesh->of[place++], mesh->of[t], 3));
+  for (PetscInt t = 0, next = 0; t < mesh->n; t++) /* in the order of the file */
+    if (keep[t]) PetscCall(PetscArraycpy(mesh->of[next++], mesh->of[t], 3));
   *repeated = faces - kept;
   mesh->n   = kept;
   PetscCall(PetscFree2(face, keep));
@@ -195,10 +196,10 @@ static int CompareKeys(const void *left, const void *right)
   return a < b ? -1 : a > b;
 }
 
-/* How many edges belong to an odd number of triangles. */
+/* Counts the edges that belong to an odd number of triangles. */
 static PetscErrorCode CountOpen(const Mesh *mesh, PetscInt *open)
 {
-  unsigned long long *edge; /* the lower point of an edge, then the other */
+  unsigned long long *edge; /* the lower point number in the upper 32 bits, the other in the lower 32 */
   const PetscInt      edges = 3 * mesh->n;
 
   PetscFunctionBegin;
@@ -227,13 +228,13 @@ PetscErrorCode StlClose(MPI_Comm comm, const char path[], PetscInt *n, PetscReal
 
   PetscFunctionBegin;
   PetscCall(NumberCorners(all, corner, &mesh));
-  PetscCall(KeepOnce(&mesh, &repeated));
+  PetscCall(RemoveRepeated(&mesh, &repeated));
   PetscCall(CountOpen(&mesh, &open));
-  if (open) { /* corners that should be one may differ in their last digits */
+  if (open) { /* corners of one point may differ in their last digits */
     PetscInt more;
 
     PetscCall(Weld(&mesh));
-    PetscCall(KeepOnce(&mesh, &more));
+    PetscCall(RemoveRepeated(&mesh, &more));
     PetscCall(CountOpen(&mesh, &open));
     repeated += more;
   }
@@ -243,12 +244,13 @@ PetscErrorCode StlClose(MPI_Comm comm, const char path[], PetscInt *n, PetscReal
   PetscCall(PetscFree2(mesh.x, mesh.of));
   PetscCheckUser(open == 0, comm,
                  "the surface in the STL file %s is not closed: %" PetscInt_FMT " edges belong to an odd number of "
-                 "triangles; repair it, so that inside and outside differ",
+                 "triangles; repair the surface",
                  path, open);
-  PetscCheckUser(mesh.n > 0, comm,
-                 "the surface in the STL file %s encloses nothing: its triangles are points and lines, or as many look "
-                 "one way as the other at the same place",
-                 path);
+  PetscCheckUser(
+    mesh.n > 0, comm,
+    "the surface in the STL file %s encloses no volume: its triangles are points or lines, or triangles of "
+    "opposite orientation cancel",
+    path);
   if (repeated)
     PetscCall(PetscPrintf(comm,
                           "The STL file %s: %" PetscInt_FMT " of its %" PetscInt_FMT

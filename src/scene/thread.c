@@ -1,11 +1,10 @@
-/* Infinite thread of liquid with waves along it, Rayleigh's varicose mode: a circular cylinder whose points are moved
-   along the mode's velocity field for a unit of time, a map that keeps volumes. */
+/* Infinite thread of liquid with waves along its axis, Rayleigh's varicose mode. The points of a circular cylinder move
+   for a unit of time along the mode's velocity field, which conserves volumes. */
 #include "scene_impl.h"
 
-#define STEPS 8 /* of Runge and Kutta's method along the map */
-#define FAR                                                                                                            \
-  2 /* radii from the axis: beyond, the distance is that to the cylinder of this radius, and a bound of the rest */
-#define AMPLITUDE_MAX 0.2 /* of the radius: the mode's linear field describes no larger wave */
+#define STEPS         8   /* of the Runge-Kutta method along the flow */
+#define FAR           2   /* radii from the axis: the flow ends there */
+#define AMPLITUDE_MAX 0.2 /* of the radius: the linear mode describes no larger wave */
 
 typedef struct {
   PetscReal center[DIM]; /* at a crest, m */
@@ -13,9 +12,9 @@ typedef struct {
   PetscReal radius;      /* m */
   PetscReal amplitude;   /* m */
   PetscReal wave_length; /* m */
-  PetscReal k;           /* 2 pi over the wave's length, 1/m */
+  PetscReal k;           /* wave number, 1/m */
   PetscReal scale;       /* amplitude/I1(k radius), m */
-  PetscReal stretch;     /* the map changes distances at most by this factor, 1 */
+  PetscReal stretch;     /* largest factor by which the map changes distances within FAR, 1 */
 } Thread;
 
 static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
@@ -29,13 +28,13 @@ static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsOb
 
   PetscFunctionBegin;
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center",
-                                "A point on the axis where the thread is thickest (m)", "ShapeThread", thread->center,
+                                "Point on the axis at a crest of the thread's waves (m)", "ShapeThread", thread->center,
                                 NULL));
   PetscCall(OptionReal("-radius", "Radius of a thread (m), required", "(0, inf)", &thread->radius));
   thread->axis[body->domain->rings ? 1 : 2] = 1;
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a thread: x, y, z or a vector", PETSC_FALSE,
                             thread->axis));
-  PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves of a thread's radius (m)", "ShapeThread",
+  PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves on a thread's radius (m)", "ShapeThread",
                              thread->amplitude, &thread->amplitude, NULL));
   PetscCall(
     OptionReal("-wave_length", "Length of the waves along a thread (m), required", "(0, inf)", &thread->wave_length));
@@ -58,10 +57,10 @@ static PetscErrorCode ThreadSetUp(Body body)
   PetscCall(BodyCheckLength(body, "-wave_length", thread->wave_length));
   thread->k = 2 * PETSC_PI / thread->wave_length;
   PetscCheckUser(PetscAbsReal(thread->amplitude) <= AMPLITUDE_MAX * thread->radius, domain->comm,
-                 "-%swave_amplitude is %g m; it must not be above a fifth of the radius", body->prefix,
+                 "-%swave_amplitude is %g m; it must be at most a fifth of the radius", body->prefix,
                  (double)thread->amplitude);
   PetscCheckUser(thread->k * thread->radius <= PETSC_PI, domain->comm,
-                 "-%swave_length is %g m; it must not be below twice the radius", body->prefix,
+                 "-%swave_length is %g m; it must be at least twice the radius", body->prefix,
                  (double)thread->wave_length);
   Bessel(thread->k * thread->radius, &I0, &I1);
   thread->scale = thread->amplitude / (I1 * thread->k * thread->radius);
@@ -70,7 +69,7 @@ static PetscErrorCode ThreadSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* r = x - center, its part along the axis, and its distance from the axis (m). */
+/* Splits x - center into a part along the axis and a part r normal to it (m). Returns the distance from the axis. */
 static PetscReal Split(const Thread *thread, const PetscReal x[DIM], PetscReal r[DIM], PetscReal *along)
 {
   *along = 0;
@@ -79,7 +78,7 @@ static PetscReal Split(const Thread *thread, const PetscReal x[DIM], PetscReal r
   return Norm(r);
 }
 
-/* The mode's velocity, up to a factor a second: grad of I0(kr) cos(kz), without divergence. */
+/* The mode's velocity times 1 s: scale/k grad(I0(kr) cos(kz)). It has no divergence. */
 static void Flow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Thread   *thread = (const Thread *)shape;

@@ -1,16 +1,16 @@
-/* Initial velocity fields. Each adds to the uniform part; one table and one registration line a field. */
+/* Initial velocity fields, which add to the uniform part. A field needs one table and one registration line. */
 #include "scene_impl.h"
 
 #define GRADIENT_SIZE  (DIM * DIM)
 #define TRACE_ROUNDING 1e-9 /* relative to the largest rate */
 
-/* Velocity gradients are linear fields v = G (x - center): rotation, strain and shear are of this form. */
+/* A linear field v = G (x - center): rotation, strain and shear. */
 typedef struct {
   PetscReal gradient[DIM][DIM];      /* G_ij = dv_i/dx_j, 1/s */
   PetscReal center[DIM];             /* m */
-  PetscReal flow[DIM], normal[DIM];  /* of a shear: unit vectors of the flow and of the direction in which it grows */
-  PetscReal rate[GRADIENT_SIZE + 1]; /* the numbers given, 1/s; one more than allowed, to notice too many */
-  PetscInt  rates;                   /* how many */
+  PetscReal flow[DIM], normal[DIM];  /* of a shear: unit vectors of the flow and of its gradient */
+  PetscReal rate[GRADIENT_SIZE + 1]; /* the numbers given, 1/s; one more than allowed, to detect too many */
+  PetscInt  rates;                   /* count of the numbers given */
 } Linear;
 
 static void LinearAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
@@ -22,7 +22,7 @@ static void LinearAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   }
 }
 
-/* Reads up to 'most' finite numbers; count is how many there were, 0 without the option. */
+/* Reads up to 'most' finite numbers. count: of the numbers read; 0 without the option. */
 static PetscErrorCode ReadNumbers(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
                                   PetscInt most, PetscReal number[], PetscInt *count)
 {
@@ -39,7 +39,7 @@ static PetscErrorCode ReadNumbers(Body body, OptionItems PetscOptionsObject, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses the absence of such numbers. */
+/* Refuses an option that is missing. */
 static PetscErrorCode CheckGiven(Body body, const char option[], PetscInt count)
 {
   PetscFunctionBegin;
@@ -48,7 +48,7 @@ static PetscErrorCode CheckGiven(Body body, const char option[], PetscInt count)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rigid rotation v = omega x (x - center). The square patch v = omega (y, -x) of Colagrossi (2005) has the rate
+/* Rigid rotation v = omega x (x - center). The square patch of Colagrossi (2005), v = omega (y, -x), has the rate
    0,0,-omega. */
 static PetscErrorCode RotationSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
@@ -56,7 +56,7 @@ static PetscErrorCode RotationSetFromOptions(Body body, OptionItems PetscOptions
 
   PetscFunctionBegin;
   PetscCall(ReadNumbers(body, PetscOptionsObject, "-rotation_rate",
-                        "Angular velocity; in two dimensions one number will do (rad/s)", DIM + 1, linear->rate,
+                        "Angular velocity (rad/s); in two dimensions one number is enough", DIM + 1, linear->rate,
                         &linear->rates));
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
                                 "Point on the axis of rotation (m)", "Velocity", linear->center, NULL));
@@ -72,7 +72,8 @@ static PetscErrorCode RotationSetUp(Body body)
   PetscCall(CheckGiven(body, "-rotation_rate", linear->rates));
   PetscCheckUser(linear->rates == DIM || (linear->rates == 1 && body->domain->dim == 2), body->domain->comm,
                  "-%srotation_rate must have %s", body->prefix,
-                 body->domain->dim == 2 ? "one number, or three in which the first two are 0" : "three numbers");
+                 body->domain->dim == 2 ? "one number, or three numbers of which the first two are 0"
+                                        : "three numbers");
   if (linear->rates == 1)
     rate[2] = linear->rate[0];
   else
@@ -88,18 +89,18 @@ static PetscErrorCode RotationSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* v = G (x - center), G diagonal or full, of zero trace. The stretching drop v = (-A x, A y) of Monaghan (1994) has the
-   rates -A,A. */
+/* v = G (x - center), G diagonal or full, with zero trace. The stretching drop of Monaghan (1994), v = (-A x, A y), has
+   the rates -A,A. */
 static PetscErrorCode StrainSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Linear *linear = (Linear *)body->velocity_data;
 
   PetscFunctionBegin;
   PetscCall(ReadNumbers(body, PetscOptionsObject, "-strain_rate",
-                        "Velocity gradient dv_i/dx_j: its diagonal, or all of it row by row (1/s)", GRADIENT_SIZE + 1,
+                        "Velocity gradient dv_i/dx_j (1/s): its diagonal, or all numbers row by row", GRADIENT_SIZE + 1,
                         linear->rate, &linear->rates));
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-strain_center",
-                                "Point the strain leaves at rest (m)", "Velocity", linear->center, NULL));
+                                "Point at rest in the strain (m)", "Velocity", linear->center, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,12 +127,13 @@ static PetscErrorCode StrainSetUp(Body body)
   }
   if (body->domain->rings) trace += linear->gradient[0][0]; /* v_r/r */
   PetscCheckUser(PetscAbsReal(trace) <= TRACE_ROUNDING * largest, body->domain->comm,
-                 "-%sstrain_rate must not change the volume: its diagonal must sum to 0%s, not %g 1/s", body->prefix,
-                 body->domain->rings ? ", the first number of rings counted twice" : "", (double)trace);
+                 "-%sstrain_rate must not change the volume: the sum of its diagonal must be 0%s, not %g 1/s",
+                 body->prefix, body->domain->rings ? ", with the first number counted twice for rings" : "",
+                 (double)trace);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Simple shear v = rate (n . (x - center)) e with e normal to n; plane Couette flow. */
+/* Simple shear v = rate (n . (x - center)) e, with e normal to n: plane Couette flow. */
 static PetscErrorCode ShearSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   Linear *linear = (Linear *)body->velocity_data;
@@ -143,7 +145,7 @@ static PetscErrorCode ShearSetFromOptions(Body body, OptionItems PetscOptionsObj
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-shear_direction", "Direction of the flow: x, y, z or a vector",
                             PETSC_FALSE, linear->flow));
   PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-shear_normal",
-                            "Direction in which the flow grows: x, y, z or a vector", PETSC_FALSE, linear->normal));
+                            "Direction of the flow's gradient: x, y, z or a vector", PETSC_FALSE, linear->normal));
   PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-shear_center",
                                 "Point of the plane at rest (m)", "Velocity", linear->center, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -165,8 +167,8 @@ static PetscErrorCode ShearSetUp(Body body)
 }
 
 typedef struct {
-  PetscReal amplitude[2]; /* m/s; the second one to notice too many */
-  PetscInt  amplitudes;   /* numbers given */
+  PetscReal amplitude[2]; /* m/s; one more than allowed, to detect too many */
+  PetscInt  amplitudes;   /* count of the numbers given */
   PetscReal wavelength;   /* m */
 } TaylorGreen;
 
@@ -196,8 +198,8 @@ static PetscErrorCode TaylorGreenSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Taylor & Green (1937), at t = 0 in the plane and constant along z: u = -U cos(2 pi x/L) sin(2 pi y/L), v = U sin(2 pi
-   x/L) cos(2 pi y/L). */
+/* Taylor & Green (1937), plane and constant along z: u = -U cos(2 pi x/L) sin(2 pi y/L),
+   v = U sin(2 pi x/L) cos(2 pi y/L). */
 static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const TaylorGreen *vortex = (const TaylorGreen *)body->velocity_data;

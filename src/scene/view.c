@@ -1,12 +1,12 @@
-/* SceneView: the bodies, their sizes, speeds and accelerations, the dimensionless numbers that follow from them, and
-   what they say about the spacing and the units of a scene. */
+/* SceneView: the bodies with their sizes and dimensionless numbers, and warnings of too coarse a spacing and of wrong
+   units. */
 #include "scene_impl.h"
 
-#define SAMPLES      5   /* points a direction at which velocity and body force of a body are read */
-#define FEW_ACROSS   6   /* spacings: a body thinner than this is hardly resolved */
-#define SHORT_WAVE   12  /* spacings: a shorter wave is hardly resolved: six to each half */
-#define BOND_WITHOUT 1e4 /* beyond this Bond number tension cannot matter: a drop of water of a quarter of a metre */
-#define WEBER_SPRAY  1e7 /* beyond this Weber number nothing is whole: lengths in mm look like that */
+#define BODY_SAMPLES 5   /* points a direction at which a body's velocity and body force are sampled */
+#define ACROSS_MIN   6   /* spacings across a body: fewer hardly resolve its flow */
+#define WAVE_MIN     12  /* spacings a wavelength: fewer hardly resolve the wave */
+#define BOND_MAX     1e4 /* with a larger Bond number tension cannot matter: a drop of water of a quarter of a metre */
+#define WEBER_MAX    1e7 /* with a larger Weber number the liquid is spray: a likely cause is lengths in mm */
 
 void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
 {
@@ -23,10 +23,10 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
     scales->extent[d] = upper[d] - lower[d];
     if (d < domain->dim) scales->length = PetscMin(scales->length, (mirrored ? 2 : 1) * scales->extent[d]);
   }
-  for (PetscInt k = 0; k < SAMPLES * SAMPLES * SAMPLES; k++) {
-    const PetscInt at[DIM] = {k % SAMPLES, (k / SAMPLES) % SAMPLES, k / (SAMPLES * SAMPLES)};
+  for (PetscInt k = 0; k < BODY_SAMPLES * BODY_SAMPLES * BODY_SAMPLES; k++) {
+    const PetscInt at[DIM] = {k % BODY_SAMPLES, (k / BODY_SAMPLES) % BODY_SAMPLES, k / (BODY_SAMPLES * BODY_SAMPLES)};
 
-    for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (SAMPLES - 1);
+    for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (BODY_SAMPLES - 1);
     BodyVelocity(body, x, v);
     SceneAcceleration(scene, x, g);
     scales->speed = PetscMax(scales->speed, Norm(v));
@@ -34,29 +34,28 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
   }
 }
 
-/* Prints what looks like a mistake, and what to check. */
+/* Warns of too coarse a spacing and of wrong units. */
 static PetscErrorCode Warn(Body body, PetscReal across, PetscReal bond, PetscReal weber, PetscViewer viewer)
 {
   const PetscReal wave = body->shape->wave ? body->shape->wave(body) / body->domain->spacing : 0;
 
   PetscFunctionBegin;
-  if (across < FEW_ACROSS)
-    PetscCall(PetscViewerASCIIPrintf(viewer, "warning: %s is only %.2g spacings across; %d and more show its flow\n",
-                                     body->name, (double)across, FEW_ACROSS));
-  if (wave > 0 && wave < SHORT_WAVE)
+  if (across < ACROSS_MIN)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "warning: %s is only %.2g spacings across; its flow needs %d or more\n",
+                                     body->name, (double)across, ACROSS_MIN));
+  if (wave > 0 && wave < WAVE_MIN)
     PetscCall(PetscViewerASCIIPrintf(viewer,
-                                     "warning: the waves of %s are only %.2g spacings long; %d and more hold them\n",
-                                     body->name, (double)wave, SHORT_WAVE));
-  if (bond > BOND_WITHOUT || weber > WEBER_SPRAY)
+                                     "warning: the waves of %s are only %.2g spacings long; they need %d or more\n",
+                                     body->name, (double)wave, WAVE_MIN));
+  if (bond > BOND_MAX || weber > WEBER_MAX)
     PetscCall(PetscViewerASCIIPrintf(
-      viewer,
-      "warning: surface tension hardly matters to %s at this size and speed: do without, or are lengths not in m?\n",
+      viewer, "warning: surface tension hardly affects %s at this size and speed: omit it, or are lengths not in m?\n",
       body->name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of body b: its least extent, in spacings too, and the dimensionless numbers made of it, of the initial speed and of
-   the body force; warns of what looks like wrong units or too coarse a spacing. */
+/* Prints the least extent of body b, the dimensionless numbers of least extent, initial speed and body force, and the
+   warnings. */
 static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
 {
   Body            body = SceneBody(scene, b);
@@ -120,8 +119,9 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
     PetscCall(BodyView(scene->solid[b], viewer));
     if (BodyMass(scene->solid[b]) > 0 && SceneHasTension(scene))
       PetscCall(PetscViewerASCIIPrintf(viewer,
-                                       "  warning: surface tension does not pull at %s where a surface meets it: what "
-                                       "that would carry, 2 sigma in a plane, must be little against its weight\n",
+                                       "  warning: the force of surface tension on %s at its contact lines is not "
+                                       "computed; in a plane it is up to 2 sigma, which must be small against the "
+                                       "weight\n",
                                        scene->solid[b]->name));
   }
   PetscCall(PetscViewerASCIIPopTab(viewer));

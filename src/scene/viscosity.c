@@ -1,15 +1,15 @@
-/* Models of viscosity: the viscosity mu of a liquid as a function of its shear rate g = sqrt(2 D:D), D the rate of
-   strain. One table and one registration line a model.
+/* Viscosity models: the viscosity mu of a liquid as a function of its shear rate g = sqrt(2 D:D), D the rate of strain
+   tensor. A model needs one table and one registration line.
 
    newtonian         mu = K, where K is -<b>_viscosity
    power_law         mu = K g^(n-1), at most -<b>_viscosity_max
    carreau           mu = mu_inf + (K - mu_inf) (1 + (t g)^2)^((n-1)/2)
-   herschel_bulkley  mu = tau_y (1 - exp(-m g))/g + K g^(n-1), at most -<b>_viscosity_max, m that over tau_y: the form
-   of Papanastasiou (1987), in which a liquid below its yield stress creeps; n = 1: Bingham */
+   herschel_bulkley  mu = tau_y (1 - exp(-m g))/g + K g^(n-1), at most -<b>_viscosity_max, m = -<b>_viscosity_max/tau_y:
+                     the form of Papanastasiou (1987): a liquid below its yield stress creeps; n = 1: Bingham */
 #include "scene_impl.h"
 
-#define STIFF        1000 /* default of the largest viscosity, over that at a shear rate of 1/s */
-#define EXPONENT_MAX 2    /* beyond, the viscosity of the step before is no guide to that of the next */
+#define STIFF        1000 /* default of the largest viscosity, over the viscosity at a shear rate of 1/s */
+#define EXPONENT_MAX 2    /* with a larger n the viscosity changes too much in a step */
 
 typedef struct {
   PetscReal exponent;     /* n; 0: not given */
@@ -25,8 +25,8 @@ static PetscErrorCode ReadExponent(Body body, OptionItems PetscOptionsObject)
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-viscosity_exponent",
-                       "Exponent n of the shear rate in the stress (1): below 1 the liquid thins when sheared, above "
-                       "it thickens; required but for herschel_bulkley",
+                       "Exponent n of the shear rate in the stress (1): below 1 shear thinning, above 1 shear "
+                       "thickening; required except for herschel_bulkley",
                        "(0, 2]", &law->exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -37,20 +37,19 @@ static PetscErrorCode ReadMax(Body body, OptionItems PetscOptionsObject)
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-viscosity_max",
-                       "Largest viscosity (Pa s), that of liquid at rest; default: 1000 times that at a shear rate of "
-                       "1/s",
-                       "(0, inf)", &law->max));
+                       "Largest viscosity (Pa s); default: 1000 times the viscosity at a shear rate of 1/s", "(0, inf)",
+                       &law->max));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a liquid without viscosity, and the absence of a number (unit; "": none). */
+/* Refuses a viscosity of 0 and a number that is missing; unit: of the number, may be "". */
 static PetscErrorCode CheckGiven(Body body, const char option[], const char unit[], PetscReal value)
 {
   PetscFunctionBegin;
   PetscCheckUser(body->material.viscosity > 0, body->domain->comm,
-                 "-%sviscosity is 0: -%sviscosity_model %s needs a positive one", body->prefix, body->prefix,
+                 "-%sviscosity is 0: -%sviscosity_model %s needs a positive viscosity", body->prefix, body->prefix,
                  body->viscosity_type);
-  PetscCheckUser(value > 0, body->domain->comm, "-%s%s is missing: -%sviscosity_model %s needs it, positive%s%s",
+  PetscCheckUser(value > 0, body->domain->comm, "-%s%s is missing: -%sviscosity_model %s needs a positive value%s%s",
                  body->prefix, option + 1, body->prefix, body->viscosity_type, unit[0] ? ", in " : "", unit);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -73,7 +72,7 @@ static PetscErrorCode PowerLawSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* rate^(n-1), not more than 'most'; without a division by a rate of zero. */
+/* rate^(n-1), at most 'most', also for a rate of zero. */
 static PetscReal Power(PetscReal rate, PetscReal n, PetscReal most)
 {
   if (n == 1) return 1;
@@ -96,7 +95,7 @@ static PetscErrorCode CarreauSetFromOptions(Body body, OptionItems PetscOptionsO
   PetscFunctionBegin;
   PetscCall(ReadExponent(body, PetscOptionsObject));
   PetscCall(OptionReal("-viscosity_time",
-                       "Time t of the liquid (s): at shear rates above 1/t it thins or thickens; required", "(0, inf)",
+                       "Time constant t (s): the viscosity changes at shear rates above 1/t; required", "(0, inf)",
                        &law->time));
   PetscCall(OptionReal("-viscosity_infinite", "Viscosity at infinite shear rate (Pa s)", "[0, inf)", &law->infinite));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -129,8 +128,8 @@ static PetscErrorCode HerschelBulkleySetFromOptions(Body body, OptionItems Petsc
 
   PetscFunctionBegin;
   law->exponent = 1;
-  PetscCall(OptionReal("-yield_stress", "Yield stress (Pa): sheared by less the liquid only creeps; required",
-                       "(0, inf)", &law->yield_stress));
+  PetscCall(OptionReal("-yield_stress", "Yield stress (Pa), below which the liquid only creeps; required", "(0, inf)",
+                       &law->yield_stress));
   PetscCall(ReadExponent(body, PetscOptionsObject));
   PetscCall(ReadMax(body, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,7 +148,7 @@ static PetscErrorCode HerschelBulkleySetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* expm1 keeps its digits at small rates, where the first term tends to the largest viscosity. */
+/* expm1 is accurate at small rates, where the first term tends to the largest viscosity. */
 static PetscReal HerschelBulkleyAt(Body body, PetscReal rate)
 {
   const Law      *law = (const Law *)body->viscosity_data;

@@ -1,24 +1,24 @@
-/* Box whose top is a standing wave along x at its largest displacement; of rings, a cylinder with the first wave that
-   is symmetric about the axis. */
+/* Box whose top is a standing wave along x at its largest displacement. With rings: a cylinder with the first
+   axisymmetric standing wave. */
 #include "scene_impl.h"
 
-#define STEPS         16                 /* of Runge and Kutta's method along the map */
-#define SAMPLES       64                 /* of half a wave: the best one brackets the nearest point, ... */
-#define BISECTIONS    60                 /* ... which so many halvings find to the last bit */
-#define WAVE_ROUNDING 1e-6               /* of a half wave: rounding of decimal input is forgiven */
+#define STEPS         16                 /* of the Runge-Kutta method along the flow */
+#define WAVE_SAMPLES  64                 /* of half a wave; the nearest sample brackets the nearest point */
+#define BISECTIONS    60                 /* to the nearest point, exact to the last bit */
+#define WAVE_ROUNDING 1e-6               /* of a half wave, for the rounding of decimal input */
 #define FIRST_ZERO    3.8317059702075125 /* of J1 */
-#define RING_HEIGHT   2                  /* amplitudes above the level: no crest is higher */
+#define RING_HEIGHT   2                  /* amplitudes above the level: an upper bound of the crests */
 #define STEEPNESS_MAX 0.5                /* of k a: the expansion to second order describes no steeper wave */
 
 typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m; upper[up]: the level */
   PetscReal amplitude;              /* m */
   PetscReal length;                 /* m */
-  PetscReal k;       /* 2 pi over the wave's length, of rings the first zero of J1 over the radius, 1/m */
-  PetscReal stretch; /* of rings: the map changes distances at most by this factor, 1 */
-  PetscInt  up;      /* the direction upwards */
+  PetscReal k;                      /* wave number, with rings the first zero of J1 over the radius, 1/m */
+  PetscReal stretch;                /* with rings: largest factor by which the map changes distances, 1 */
+  PetscInt  up;                     /* the direction upwards */
   PetscBool rings;
-  PetscBool given; /* the amplitude */
+  PetscBool given; /* -<b>_wave_amplitude is given */
 } Wave;
 
 static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObject)
@@ -30,14 +30,14 @@ static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObje
   PetscCall(PetscArraycpy(wave->lower, domain->lower, DIM));
   PetscCall(PetscArraycpy(wave->upper, domain->upper, DIM));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower",
-                                "Lower corner of a wave's box (m); default: the scene's", "ShapeWave", wave->lower,
+                                "Lower corner of a wave's box (m); default: -box_lower", "ShapeWave", wave->lower,
                                 NULL));
   PetscCall(
     DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
-                        "Upper corner of a wave's box, the last number is the mean level (m); default: the scene's",
+                        "Upper corner of a wave's box (m), whose last number is the mean level; default: -box_upper",
                         "ShapeWave", wave->upper, NULL));
   PetscCall(PetscOptionsReal("-wave_amplitude",
-                             "Amplitude of the wave (m), positive: a crest stands at the lower x, required",
+                             "Amplitude of the wave, if positive with a crest at the lower x (m), required",
                              "ShapeWave", wave->amplitude, &wave->amplitude, &wave->given));
   wave->length = PetscMax(0, wave->upper[0] - wave->lower[0]);
   PetscCall(OptionReal("-wave_length", "Length of the wave along x (m); default: the width of its box", "(0, inf)",
@@ -62,8 +62,8 @@ static PetscErrorCode WaveSetUp(Body body)
   wave->rings = domain->rings;
   if (wave->rings) {
     PetscCheckUser(wave->lower[0] == 0 && wave->length == wave->upper[0], domain->comm,
-                   "-%slower must have 0 as its first number, and -%swave_length cannot be given: with -dimension "
-                   "axisymmetric the wave is the first that is symmetric about the axis",
+                   "-%slower must have 0 as its first number, and -%swave_length cannot be used: with -dimension "
+                   "axisymmetric the wave is the first axisymmetric one",
                    body->prefix, body->prefix);
     wave->length = 2 * PETSC_PI / FIRST_ZERO * wave->upper[0];
   }
@@ -76,12 +76,12 @@ static PetscErrorCode WaveSetUp(Body body)
                  "-%swave_length is %g m: the width of the body, %g m, must hold a whole number of half waves",
                  body->prefix, (double)wave->length, (double)(wave->upper[0] - wave->lower[0]));
   PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < STEEPNESS_MAX, domain->comm,
-                 "-%swave_amplitude is %g m: more than 0.08 of the wave's length is no wave of this form", body->prefix,
+                 "-%swave_amplitude is %g m: it must be at most 0.08 of the wave's length", body->prefix,
                  (double)wave->amplitude);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The velocity of WaveFlow, of rings. */
+/* WaveFlow for rings. */
 static void RingFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Wave     *wave = (const Wave *)shape;
@@ -95,7 +95,7 @@ static void RingFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM]
   v[2] = 0;
 }
 
-/* The surface above the level (m) at s = x - lower[0] (m), and its slope. */
+/* Elevation of the surface above the level (m) at s = x - lower[0] (m), and its slope. */
 static PetscReal WaveSurface(const Wave *wave, PetscInt up, PetscReal s, PetscReal *slope)
 {
   const PetscReal a = wave->amplitude, k = wave->k, depth = wave->upper[up] - wave->lower[up],
@@ -105,8 +105,9 @@ static PetscReal WaveSurface(const Wave *wave, PetscInt up, PetscReal s, PetscRe
   return a * PetscCosReal(k * s) + second * PetscCosReal(2 * k * s);
 }
 
-/* Distance of a point to the surface, negative below. The nearest point is in the same half wave, between two mirrors
-   of the curve: the best of some samples, then the zero of the derivative of the squared distance around it. */
+/* Signed distance of a point to the surface, negative below. The nearest point is in the same half wave, since the
+   curve is symmetric at both ends of it. It is the zero of the derivative of the squared distance next to the best
+   sample. */
 static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal x[DIM])
 {
   const PetscReal half = PETSC_PI / wave->k, z = x[up] - wave->upper[up], across = x[0] - wave->lower[0];
@@ -114,15 +115,15 @@ static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal 
   PetscReal       slope, eta, square;
 
   s = PetscMin(s, 2 * half - s);
-  for (PetscInt m = 0; m <= SAMPLES; m++) {
-    const PetscReal at = half * m / SAMPLES;
+  for (PetscInt m = 0; m <= WAVE_SAMPLES; m++) {
+    const PetscReal at = half * m / WAVE_SAMPLES;
 
     eta    = WaveSurface(wave, up, at, &slope);
     square = PetscSqr(at - s) + PetscSqr(eta - z);
     if (square >= best) continue;
     best = square;
-    low  = half * PetscMax(m - 1, 0) / SAMPLES;
-    high = half * PetscMin(m + 1, SAMPLES) / SAMPLES;
+    low  = half * PetscMax(m - 1, 0) / WAVE_SAMPLES;
+    high = half * PetscMin(m + 1, WAVE_SAMPLES) / WAVE_SAMPLES;
   }
   for (PetscInt n = 0; n < BISECTIONS; n++) {
     const PetscReal middle = 0.5 * (low + high);
@@ -138,7 +139,7 @@ static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal 
   return z < WaveSurface(wave, up, s, &slope) ? -square : square;
 }
 
-/* Of rings: distance from the surface as that from the level before the displacement, at most the true one. */
+/* With rings: a lower bound of the distance, from the distance to the level before the displacement. */
 static PetscReal RingDistance(const Wave *wave, const PetscReal x[DIM])
 {
   const PetscReal level = wave->upper[1], top = level + RING_HEIGHT * PetscAbsReal(wave->amplitude);
@@ -178,8 +179,7 @@ static void WaveBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
     upper[up] += PetscMax(WaveSurface(wave, up, 0, &slope), WaveSurface(wave, up, PETSC_PI / wave->k, &slope));
 }
 
-/* The velocity, up to a factor a second, of the linear standing wave: without divergence, zero through the bottom and
-   the sides. */
+/* The velocity of the linear standing wave times 1 s. It has no divergence and is tangential at bottom and sides. */
 static void WaveFlow(const Wave *wave, PetscInt up, PetscReal x, PetscReal z, PetscReal v[2])
 {
   const PetscReal k = wave->k, depth = wave->upper[up] - wave->lower[up], height = z - wave->lower[up],
@@ -189,7 +189,7 @@ static void WaveFlow(const Wave *wave, PetscInt up, PetscReal x, PetscReal z, Pe
   v[1] = scale * PetscCosReal(phase) * PetscSinhReal(k * height);
 }
 
-/* Runge and Kutta's fourth-order steps along WaveFlow over the unit of time. */
+/* Fourth-order Runge-Kutta steps along WaveFlow over a unit of time. */
 static void WaveDisplace(Body body, PetscReal x[DIM])
 {
   const Wave     *wave = (const Wave *)body->shape_data;

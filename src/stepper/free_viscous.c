@@ -32,8 +32,8 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
     const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
 
     if (!cloud->integer[INT_LAYER][b] || solid < 0 || BodyMass(SceneSolid(cloud->scene, solid)) == 0) continue;
-    FreeAdd(SceneSolid(cloud->scene, solid), cloud->field[FIELD_POSITION] + DIM * b, each + DIM * b,
-            normal ? normal + DIM * b : NULL, sum + FREE_MOTIONS * solid);
+    FreeAddForce(SceneSolid(cloud->scene, solid), cloud->field[FIELD_POSITION] + DIM * b, each + DIM * b,
+                 normal ? normal + DIM * b : NULL, sum + FREE_MOTIONS * solid);
   }
   PetscCallMPI(
     MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(FREE_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));

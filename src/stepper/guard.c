@@ -40,7 +40,7 @@ static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscRea
       taken[d] = cloud->volume[a] * cloud->rest_density[a] * inwards * n[d];
     }
     if (BodyMass(SceneSolid(cloud->scene, solid)) > 0)
-      FreeAdd(SceneSolid(cloud->scene, solid), x + DIM * a, taken, NULL, impulse + FREE_MOTIONS * solid);
+      FreeAddForce(SceneSolid(cloud->scene, solid), x + DIM * a, taken, NULL, impulse + FREE_MOTIONS * solid);
   }
 }
 

@@ -236,7 +236,7 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
 
 /* FreeSetVelocities - the dummy particles of a free solid, by its index, get the velocities of a motion: velocity[]
    ([n_owned][3], m/s). Not collective. FreeSum - sum[solids][FREE_MOTIONS] of the forces on their dummy particles, each
-   ([n_total][3], N), of all ranks; 0 of solids that are not free. normal ([n_total][3]): see FreeAdd, or NULL.
+   ([n_total][3], N), of all ranks; 0 of solids that are not free. normal ([n_total][3]): see FreeAddForce, or NULL.
    FreeViscousHold, FreeViscousFollow, FreeViscousDrag - the hooks. Collective. */
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
 PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[]);

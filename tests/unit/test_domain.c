@@ -77,7 +77,8 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(RINGS "-box_lower 0.1,0", 0.1, "begins at the axis", "refuse_rings_off_the_axis"));
   PetscCall(Refused(RINGS "-box_upper 1,1,1", 0.1, "two (distance", "refuse_rings_with_three_numbers"));
   PetscCall(Refused(RINGS "-box_xmax periodic", 0.1, "opposite", "refuse_rings_with_a_period"));
-  PetscCall(Refused(RINGS "-box_ymin wall -box_ymin_velocity 1,0", 0.1, "moves along it", "refuse_rings_with_a_lid"));
+  PetscCall(
+    Refused(RINGS "-box_ymin wall -box_ymin_velocity 1,0", 0.1, "moves along the axis", "refuse_rings_with_a_lid"));
   PetscCall(Refused("-spacing 0.1 -box_lower 0,0,0", 0.1, "-box_upper is missing", "refuse_no_upper"));
   PetscCall(Refused(CUBE "-box_upper 1,1", 0.1, "-box_upper", "refuse_two_numbers"));
   PetscCall(Refused(CUBE "-box_upper 1,1,1,1", 0.1, "-box_upper", "refuse_four_numbers"));

@@ -254,7 +254,7 @@ static PetscErrorCode TestFree(void)
   PetscCall(Read(FLOAT "-s_mass 1e11", &domain, &scene));
   PetscCall(Free(&domain, &scene));
   PetscCall(Refused(FLOAT "-s_mass 1 -s_turns 0 -s_rotation_rate 1,0,0", "-s_turns 0", "refuse_rate_of_no_turn"));
-  PetscCall(Refused(FLOAT "-s_mass 1 -s_oscillation_amplitude 1,0,0 -s_oscillation_frequency 1", "moves freely",
+  PetscCall(Refused(FLOAT "-s_mass 1 -s_oscillation_amplitude 1,0,0 -s_oscillation_frequency 1", "cannot be used",
                     "refuse_two_ways_of_moving"));
   PetscCall(Refused(FLOAT "-s_mass 1 -s_upper 0.3,0.4,1.3", "wholly in the box", "refuse_free_body_outside"));
   PetscCall(Refused(FLOAT "-s_mass 1 -box_xmin symmetry", "symmetry face -box_xmin", "refuse_free_body_and_mirror"));
@@ -360,11 +360,11 @@ static PetscErrorCode TestTorque(void)
   CHECK(PetscAbsReal(angle[1] - 0.3) < 1e-12 && PetscAbsReal(angle[0]) + PetscAbsReal(angle[2]) < 1e-12,
         "turned_by_0.3");
   for (PetscInt d = 0; d < DIM; d++) x[d] = center[d] + arm[d];
-  FreeAdd(solid, x, force, NULL, sum);
+  FreeAddForce(solid, x, force, NULL, sum);
   for (PetscInt k = 0; k < FREE_MOTIONS; k++) error = PetscMax(error, PetscAbsReal(sum[k] - due[k]));
   CHECK_CLOSE(error, 0, 1e-12, "torque_about_the_centre");
   for (PetscInt k = 0; k < FREE_MOTIONS; k++) sum[k] = 0;
-  FreeAdd(solid, x, force, normal, sum); /* the part along the normal turns, (0.2 3, -0.1 3, 0), all of it pushes */
+  FreeAddForce(solid, x, force, normal, sum); /* only the normal part (0.2 3, -0.1 3, 0) turns */
   CHECK(PetscAbsReal(sum[DIM] - 0.6) < 1e-12 && PetscAbsReal(sum[DIM + 1] + 0.3) < 1e-12 &&
           PetscAbsReal(sum[DIM + 2]) < 1e-12 && sum[0] == 2,
         "torque_along_a_normal");

@@ -216,11 +216,11 @@ static PetscErrorCode TestWaves(void)
   PetscCall(CheckWave(CUBE BALL "-a_wave_amplitude 0.003", 0, 0, 0.5, 0, 0, 0.003, "second_mode_pole"));
   PetscCall(CheckWave(CUBE BALL "-a_wave_amplitude 0.003", 0.3, 0.4, 0, -0.0009, -0.0012, 0, "second_mode_equator"));
   PetscCall(Refused(SQUARE BALL "-a_wave_amplitude 0.003", "needs three dimensions", "refuse_wave_of_a_circle"));
-  PetscCall(Refused(CUBE BALL "-a_wave_amplitude 0.11", "must not be above 0.1 m", "refuse_steep_wave"));
+  PetscCall(Refused(CUBE BALL "-a_wave_amplitude 0.11", "must be at most 0.1 m", "refuse_steep_wave"));
   PetscCall(
     Refused(SQUARE "-bodies a -a_shape thread -a_radius 0.5 -a_wave_length 2", "or rings", "refuse_plane_thread"));
   PetscCall(PetscSNPrintf(scene, sizeof(scene), "%s%s-a_wave_length 1.5", rings, tank));
-  PetscCall(Refused(scene, "cannot be given", "refuse_wave_length_of_rings"));
+  PetscCall(Refused(scene, "cannot be used", "refuse_wave_length_of_rings"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -413,10 +413,11 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE BALL "-a_tension nan", "-a_tension", "refuse_tension"));
   PetscCall(Refused(SQUARE BALL "-gravity 0,0,-9.81", "third component", "refuse_gravity_2d"));
   PetscCall(Refused(CUBE BALL "-a_velocity_type rotation", "-a_rotation_rate is missing", "refuse_no_rate"));
-  PetscCall(Refused(CUBE BALL "-a_velocity_type strain -a_strain_rate 1,1,1", "sum to 0", "refuse_divergence"));
+  PetscCall(
+    Refused(CUBE BALL "-a_velocity_type strain -a_strain_rate 1,1,1", "sum of its diagonal", "refuse_divergence"));
   PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
                     "-a_velocity_type strain -a_strain_rate -1,1",
-                    "first number of rings counted twice", "refuse_divergence_of_rings"));
+                    "first number counted twice for rings", "refuse_divergence_of_rings"));
   PetscCall(Refused(CUBE BALL "-a_center 5,0,0", "wholly outside", "refuse_outside"));
   PetscCall(Refused(CUBE BALL "-a_center 1.45,1.45,1.45 -spacing 0.02", "wholly outside", "refuse_outside_at_corner"));
   PetscCall(Refused(CUBE "-bodies a -a_shape half_space -a_normal 1,1,1 -a_point -1.1,-1.1,-1.1 -spacing 0.02",
