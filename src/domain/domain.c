@@ -96,17 +96,16 @@ static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads -box_<face>_<what>, a velocity of a wall face. */
-static PetscErrorCode ReadTangential(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side,
-                                     const char what[], const char help[], PetscReal velocity[DIM])
+static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side)
 {
-  char      option[NAME_LENGTH];
-  PetscBool found;
+  char       option[NAME_LENGTH];
+  PetscReal *velocity = domain->wall_velocity[d][side];
+  PetscBool  found;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_%s", FaceNames[d][side], what));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, option, help, "DomainSetFromOptions",
-                                velocity, &found));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_velocity", FaceNames[d][side]));
+  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, option,
+                                "Velocity of a wall face, tangential (m/s)", "DomainSetFromOptions", velocity, &found));
   PetscCheckUser(!found || domain->face[d][side] == FACE_WALL, domain->comm,
                  "%s: the face is %s; only a wall has a velocity", option, FaceTypes[domain->face[d][side]]);
   PetscCheckUser(velocity[d] == 0, domain->comm,
@@ -117,25 +116,6 @@ static PetscErrorCode ReadTangential(Domain domain, OptionItems PetscOptionsObje
                  "%s must have 0 as its first number, not %g m/s: with -dimension axisymmetric a wall moves along the "
                  "axis only",
                  option, (double)velocity[0]);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side)
-{
-  char      option[NAME_LENGTH];
-  PetscReal frequency = 0;
-
-  PetscFunctionBegin;
-  PetscCall(ReadTangential(domain, PetscOptionsObject, d, side, "velocity", "Velocity of a wall face, tangential (m/s)",
-                           domain->wall_mean[d][side]));
-  PetscCall(ReadTangential(domain, PetscOptionsObject, d, side, "velocity_amplitude",
-                           "Amplitude a of an oscillating part a sin(2 pi f t) of the wall's velocity (m/s)",
-                           domain->wall_amplitude[d][side]));
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_velocity_frequency", FaceNames[d][side]));
-  PetscCall(OptionReal(option, "Frequency f of that oscillating part (Hz)", "[0, inf)", &frequency));
-  PetscCheckUser(frequency > 0 || Norm(domain->wall_amplitude[d][side]) == 0, domain->comm,
-                 "-box_%s_velocity_amplitude needs %s, in Hz", FaceNames[d][side], option);
-  domain->wall_rate[d][side] = 2 * PETSC_PI * frequency;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,7 +134,6 @@ static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
                    "-box_%s is %s but -box_%s is %s: a periodic face needs a periodic face opposite", FaceNames[d][0],
                    FaceTypes[domain->face[d][0]], FaceNames[d][1], FaceTypes[domain->face[d][1]]);
   }
-  DomainSetTime(domain, 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -342,15 +321,11 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
                                      FaceTypes[domain->face[d][0]], FaceTypes[domain->face[d][1]], domain->cells[d],
                                      (double)domain->cell_size[d]));
     for (PetscInt side = 0; side < 2; side++) {
-      const PetscReal *v = domain->wall_mean[d][side], *a = domain->wall_amplitude[d][side];
+      const PetscReal *v = domain->wall_velocity[d][side];
 
       if (Dot(v, v) > 0)
         PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s moves at %g, %g, %g m/s\n", FaceNames[d][side], (double)v[0],
                                          (double)v[1], (double)v[2]));
-      if (Dot(a, a) > 0)
-        PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s oscillates with %g, %g, %g m/s at %g Hz\n",
-                                         FaceNames[d][side], (double)a[0], (double)a[1], (double)a[2],
-                                         (double)(domain->wall_rate[d][side] / (2 * PETSC_PI))));
     }
   }
   PetscCall(PetscViewerASCIIPopTab(viewer));
@@ -413,30 +388,11 @@ void DomainConfine(Domain domain, PetscReal x[DIM])
   }
 }
 
-PetscBool DomainWallsOscillate(Domain domain)
-{
-  for (PetscInt f = 0; f < 2 * DIM; f++)
-    if (Norm(domain->wall_amplitude[f / 2][f % 2]) > 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-void DomainSetTime(Domain domain, PetscReal time)
-{
-  for (PetscInt f = 0; f < 2 * DIM; f++) {
-    const PetscInt  d = f / 2, side = f % 2;
-    const PetscReal phase = PetscSinReal(domain->wall_rate[d][side] * time);
-
-    for (PetscInt c = 0; c < DIM; c++)
-      domain->wall_velocity[d][side][c] = domain->wall_mean[d][side][c] + phase * domain->wall_amplitude[d][side][c];
-  }
-}
-
 PetscReal DomainWallSpeed(Domain domain)
 {
   PetscReal speed = 0;
 
-  for (PetscInt f = 0; f < 2 * DIM; f++)
-    speed = PetscMax(speed, Norm(domain->wall_mean[f / 2][f % 2]) + Norm(domain->wall_amplitude[f / 2][f % 2]));
+  for (PetscInt f = 0; f < 2 * DIM; f++) speed = PetscMax(speed, Norm(domain->wall_velocity[f / 2][f % 2]));
   return speed;
 }
 

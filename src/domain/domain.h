@@ -33,9 +33,7 @@ typedef struct {
   PetscReal lower[DIM];                 /* m */
   PetscReal upper[DIM];                 /* m */
   FaceType  face[DIM][2];               /* lower and upper face of each direction */
-  PetscReal wall_velocity[DIM][2][DIM]; /* velocity of a wall face, m/s, at the time of DomainSetTime: */
-  PetscReal wall_mean[DIM][2][DIM], wall_amplitude[DIM][2][DIM]; /* its mean and the amplitude of its sine, m/s */
-  PetscReal wall_rate[DIM][2];                                   /* angular frequency of the sine, rad/s */
+  PetscReal wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
   /* Partition: a grid of cells over the box, each owned by one rank. */
   PetscInt     cells[DIM];     /* number of cells a direction */
   PetscReal    cell_size[DIM]; /* m */
@@ -112,11 +110,7 @@ void DomainNearest(Domain domain, PetscReal difference[DIM]);
 void DomainConfine(Domain domain, PetscReal x[DIM]);
 /* DomainOutside - whether x (m) has left the box through an open face. Not collective. */
 PetscBool DomainOutside(Domain domain, const PetscReal x[DIM]);
-/* DomainWallsOscillate - whether the velocity of any wall face depends on time. DomainSetTime - sets the velocities of
-   the wall faces to those at a time (s); they start at the time 0. DomainWallSpeed - an upper bound of the speed of all
-   wall faces at all times (m/s). Not collective. */
-PetscBool DomainWallsOscillate(Domain domain);
-void      DomainSetTime(Domain domain, PetscReal time);
+/* DomainWallSpeed - of the fastest wall (m/s). Not collective. */
 PetscReal DomainWallSpeed(Domain domain);
 /* DomainWallVelocity - the velocity v (m/s) of the wall face that x (m), outside the box, lies behind. Behind an edge
    or a corner a component in which the faces differ is zero. Not collective. */

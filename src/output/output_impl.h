@@ -22,11 +22,11 @@ typedef struct {
 } SnapshotEntry;
 
 /* The fields that a snapshot may have: the stored reals, then id, body, surface, layer, then the colour. */
-#define SNAPSHOT_FIELDS (FIELD_STORED_COUNT + 5)
+#define SNAPSHOT_FIELDS (FIELD_STORED_COUNT + 4)
 typedef struct {
   const char *name, *unit, *meaning;
   PetscInt    width;   /* numbers a particle */
-  PetscInt    integer; /* the IntFieldId; INT_COUNT: the colour; -1: a real field */
+  PetscInt    integer; /* the IntFieldId; -1: a real field */
 } SnapshotField;
 
 /* What goes into the snapshots. */

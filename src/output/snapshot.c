@@ -142,11 +142,7 @@ static void Pack(Output output, const ParticleArrays *arrays, const PetscInt par
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt a = particle[k];
 
-    if (field.integer == INT_COUNT) {
-      const PetscInt body = arrays->integer[INT_BODY][a];
-
-      integer[k] = body < 0 ? -1 : BodyColor(SceneBody(output->cloud->scene, body));
-    } else if (field.integer >= 0)
+    if (field.integer >= 0)
       integer[k] = arrays->integer[field.integer][a];
     else
       for (PetscInt c = 0; c < width; c++) {

@@ -10,12 +10,9 @@ SnapshotField SnapshotFieldAt(PetscInt f)
 {
   if (f < FIELD_STORED_COUNT)
     return (SnapshotField){Fields[f].name, Fields[f].unit, Fields[f].meaning, Fields[f].width, -1};
-  if (f < SNAPSHOT_FIELDS - 1) {
-    const IntFieldId id = int_fields[f - FIELD_STORED_COUNT];
+  const IntFieldId id = int_fields[f - FIELD_STORED_COUNT];
 
-    return (SnapshotField){IntFieldNames[id], "1", IntFieldMeanings[id], 1, (PetscInt)id};
-  }
-  return (SnapshotField){"color", "1", "colour of the body; -1 for a wall", 1, INT_COUNT};
+  return (SnapshotField){IntFieldNames[id], "1", IntFieldMeanings[id], 1, (PetscInt)id};
 }
 
 void SnapshotName(PetscInt index, char name[64])
@@ -48,7 +45,7 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscCall(PetscOptionsStringArray("-snapshot_fields",
                                     "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
                                     "lambda, volume (of rings), size (of graded rings), viscosity (that "
-                                    "varies), surface, layer (of walls), color; or none; default: "
+                                    "varies), surface, layer (of walls); or none; default: "
                                     "all",
                                     "OutputStep", content->name, &content->names, NULL));
   for (PetscInt d = 0; d < DIM; d++) {
@@ -97,7 +94,7 @@ static PetscErrorCode CheckFields(Output output)
     }
     PetscCheckUser(found, output->comm,
                    "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
-                   "differs), size (of graded rings), viscosity (that varies), surface, layer and color, or none.",
+                   "differs), size (of graded rings), viscosity (that varies), surface and layer, or none.",
                    content->name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,7 +9,6 @@ PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body
   PetscFunctionBegin;
   PetscCall(PetscNew(body));
   (*body)->domain             = domain;
-  (*body)->color              = index;
   (*body)->material.density   = WATER_DENSITY;
   (*body)->material.viscosity = WATER_VISCOSITY;
   PetscCall(PetscStrncpy((*body)->name, name, sizeof((*body)->name)));
@@ -52,10 +51,9 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscViewerASCIIPushTab(viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   "density %g kg/m3, viscosity %g Pa s%s%s, tension %g N/m, color %" PetscInt_FMT "\n",
+  PetscCall(PetscViewerASCIIPrintf(viewer, "density %g kg/m3, viscosity %g Pa s%s%s, tension %g N/m\n",
                                    (double)m->density, (double)m->viscosity, varies ? " by " : "",
-                                   varies ? body->viscosity_type : "", (double)m->tension, body->color));
+                                   varies ? body->viscosity_type : "", (double)m->tension));
   PetscCall(PetscViewerASCIIPrintf(viewer, "velocity %s and %g, %g, %g m/s\n", body->velocity_type, (double)v[0],
                                    (double)v[1], (double)v[2]));
   PetscCall(PetscViewerASCIIPopTab(viewer));
@@ -80,11 +78,6 @@ PetscReal BodyContactAngle(Body solid)
 PetscReal BodyContactHysteresis(Body solid)
 {
   return solid->contact_hysteresis;
-}
-
-PetscInt BodyColor(Body body)
-{
-  return body->color;
 }
 
 PetscReal BodyDistance(Body body, const PetscReal x[DIM])

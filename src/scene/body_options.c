@@ -102,7 +102,6 @@ static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
                        "and herschel_bulkley the consistency, Pa s^n",
                        "[0, inf)", &m->viscosity));
   PetscCall(OptionReal("-tension", "Surface tension (N/m)", "[0, inf)", &m->tension));
-  PetscCall(OptionInt("-color", "Label of the body in pictures", "(-inf, inf)", &body->color));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

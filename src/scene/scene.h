@@ -3,9 +3,9 @@
 
    -bodies film,drop  and, for each body <b>:
    -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread|stl, its sizes, -<b>_density, -<b>_viscosity,
-   -<b>_tension, -<b>_color,
+   -<b>_tension,
    -<b>_viscosity_model newtonian|power_law|carreau|herschel_bulkley and its numbers (viscosity.c),
-   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|shear and its numbers (added to
+   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green and its numbers (added to
    the uniform part). Every shape is cut by the box and by the solids.
 
    -<b>_type emitter: the body is empty at the start. Its shape is filled with liquid of the body's velocity every
@@ -44,8 +44,8 @@
    the axis.
 
    Velocity fields: rotation _rotation_rate (rad/s), _rotation_center; strain _strain_rate (1/s, diagonal or full
-   gradient), _strain_center; shear _shear_rate (1/s), _shear_direction, _shear_normal, _shear_center; taylor_green
-   _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the width of the box). */
+   gradient), _strain_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
+   width of the box). */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
@@ -90,7 +90,6 @@ PetscReal   BodyViscosity(Body body, PetscReal rate);
 PetscBool   BodyViscosityVaries(Body body);
 const char *BodyViscosityModel(Body body);
 PetscBool   SceneViscosityVaries(Scene scene);
-PetscInt    BodyColor(Body body);                    /* label for pictures; default: the body's index */
 PetscInt    SceneSolidCount(Scene scene);            /* number of solids */
 Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; a solid has no material */
 /* BodyContactAngle - -<s>_contact_angle of a solid (degrees); 0: none. BodyContactHysteresis - its

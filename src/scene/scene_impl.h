@@ -60,8 +60,7 @@ struct _p_Body {
   PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
   Material            material;
   char                type[SCENE_NAME_LENGTH];
-  void               *emitter; /* the emitter's struct, as shape_data; NULL: no emitter */
-  PetscInt            color;
+  void               *emitter;            /* the emitter's struct, as shape_data; NULL: no emitter */
   PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
   PetscReal           contact_hysteresis; /* of a solid, degrees */
   struct _p_Motion   *motion;             /* of a solid that can move; else NULL */

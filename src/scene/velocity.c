@@ -4,11 +4,10 @@
 #define GRADIENT_SIZE  (DIM * DIM)
 #define TRACE_ROUNDING 1e-9 /* relative to the largest rate */
 
-/* A linear field v = G (x - center): rotation, strain and shear. */
+/* A linear field v = G (x - center): rotation, and strain with shear. */
 typedef struct {
   PetscReal gradient[DIM][DIM];      /* G_ij = dv_i/dx_j, 1/s */
   PetscReal center[DIM];             /* m */
-  PetscReal flow[DIM], normal[DIM];  /* of a shear: unit vectors of the flow and of its gradient */
   PetscReal rate[GRADIENT_SIZE + 1]; /* the numbers given, 1/s; one more than allowed, to detect too many */
   PetscInt  rates;                   /* count of the numbers given */
 } Linear;
@@ -133,39 +132,6 @@ static PetscErrorCode StrainSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Simple shear v = rate (n . (x - center)) e, with e normal to n: plane Couette flow. */
-static PetscErrorCode ShearSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Linear *linear = (Linear *)body->velocity_data;
-
-  PetscFunctionBegin;
-  linear->flow[0]                       = 1;
-  linear->normal[body->domain->dim - 1] = 1;
-  PetscCall(ReadNumbers(body, PetscOptionsObject, "-shear_rate", "Shear rate (1/s)", 2, linear->rate, &linear->rates));
-  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-shear_direction", "Direction of the flow: x, y, z or a vector",
-                            PETSC_FALSE, linear->flow));
-  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-shear_normal",
-                            "Direction of the flow's gradient: x, y, z or a vector", PETSC_FALSE, linear->normal));
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-shear_center",
-                                "Point of the plane at rest (m)", "Velocity", linear->center, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ShearSetUp(Body body)
-{
-  Linear *linear = (Linear *)body->velocity_data;
-
-  PetscFunctionBegin;
-  PetscCall(CheckGiven(body, "-shear_rate", linear->rates));
-  PetscCheckUser(linear->rates == 1, body->domain->comm, "-%sshear_rate must have one number", body->prefix);
-  PetscCheckUser(PetscAbsReal(Dot(linear->flow, linear->normal)) <= TRACE_ROUNDING, body->domain->comm,
-                 "-%sshear_direction and -%sshear_normal must be at right angles", body->prefix, body->prefix);
-  for (PetscInt i = 0; i < DIM; i++) {
-    for (PetscInt j = 0; j < DIM; j++) linear->gradient[i][j] = linear->rate[0] * linear->flow[i] * linear->normal[j];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 typedef struct {
   PetscReal amplitude[2]; /* m/s; one more than allowed, to detect too many */
   PetscInt  amplitudes;   /* count of the numbers given */
@@ -219,7 +185,6 @@ static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
 VELOCITY_TABLE(Uniform, 0, NULL, NULL, NULL)
 VELOCITY_TABLE(Rotation, sizeof(Linear), RotationSetFromOptions, RotationSetUp, LinearAdd)
 VELOCITY_TABLE(Strain, sizeof(Linear), StrainSetFromOptions, StrainSetUp, LinearAdd)
-VELOCITY_TABLE(Shear, sizeof(Linear), ShearSetFromOptions, ShearSetUp, LinearAdd)
 VELOCITY_TABLE(TaylorGreen, sizeof(TaylorGreen), TaylorGreenSetFromOptions, TaylorGreenSetUp, TaylorGreenAdd)
 
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list)
@@ -228,7 +193,6 @@ PetscErrorCode VelocityRegisterAll(PetscFunctionList *list)
   PetscCall(PetscFunctionListAdd(list, "uniform", VelocityUniform));
   PetscCall(PetscFunctionListAdd(list, "rotation", VelocityRotation));
   PetscCall(PetscFunctionListAdd(list, "strain", VelocityStrain));
-  PetscCall(PetscFunctionListAdd(list, "shear", VelocityShear));
   PetscCall(PetscFunctionListAdd(list, "taylor_green", VelocityTaylorGreen));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

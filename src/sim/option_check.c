@@ -23,9 +23,25 @@ static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st
 
 /* Ends of the names of options that earlier versions had, and what became of them. */
 #define CONSTANT(name, file) "it is the constant " #name " of src/" file " now"
+#define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude shakes the whole box"
+#define HYSTERESIS           "-wall_contact_hysteresis is that of all walls, -<solid>_contact_hysteresis that of a solid"
+#define SHEAR                "a shear is a strain, -<body>_strain_rate with all numbers of the velocity gradient"
 static const struct {
   const char *name, *fate;
 } removed[] = {
+  {"box_xmin_contact_hysteresis", HYSTERESIS},
+  {"box_xmax_contact_hysteresis", HYSTERESIS},
+  {"box_ymin_contact_hysteresis", HYSTERESIS},
+  {"box_ymax_contact_hysteresis", HYSTERESIS},
+  {"box_zmin_contact_hysteresis", HYSTERESIS},
+  {"box_zmax_contact_hysteresis", HYSTERESIS},
+  {"color", "snapshots tell bodies by their field body"},
+  {"shear_center", SHEAR},
+  {"shear_direction", SHEAR},
+  {"shear_normal", SHEAR},
+  {"shear_rate", SHEAR},
+  {"velocity_amplitude", SWINGS},
+  {"velocity_frequency", SWINGS},
   {"packing_repulsion", "the term that keeps -packing_distance counts as much as the density's error now"},
   {"packing_skin", CONSTANT(SKIN, "packing/poisson_samples.c")},
   {"pc_twolevel_omega", CONSTANT(OMEGA, "twolevel/twolevel.c")},

@@ -15,11 +15,6 @@ static PetscBool Graded(Sim sim)
   return sim->domain->graded;
 }
 
-static PetscBool WallsSwing(Sim sim)
-{
-  return DomainWallsOscillate(sim->domain);
-}
-
 static PetscBool Emits(Sim sim)
 {
   return (PetscBool)(sim->scene && SceneEmits(sim->scene));
@@ -73,7 +68,6 @@ static PetscBool Sticks(Sim sim)
 #define MOVING     "a solid that moves"
 #define DRIVEN     "a solid whose motion is given"
 #define FREE       "-<solid>_mass"
-#define SWINGING   "a wall of the box that swings"
 #define WET        "-<solid>_contact_angle"
 #define DENSITIES  "bodies of different -<body>_density"
 #define THINNING   "a viscosity that depends on the shear rate"
@@ -96,11 +90,9 @@ static const struct {
   const char *name;
   PetscBool (*on)(Sim sim);
 } Features[] = {
-  {RINGS, Rings},          {GRADED, Graded},
-  {EMITTERS, Emits},       {MOVING, SolidsMove},
-  {DRIVEN, SolidsDriven},  {FREE, SolidsFree},
-  {WET, SolidsHaveAngles}, {SWINGING, WallsSwing},
-  {DENSITIES, Densities},  {THINNING, ViscosityVaries},
+  {RINGS, Rings},          {GRADED, Graded},       {EMITTERS, Emits},
+  {MOVING, SolidsMove},    {DRIVEN, SolidsDriven}, {FREE, SolidsFree},
+  {WET, SolidsHaveAngles}, {DENSITIES, Densities}, {THINNING, ViscosityVaries},
   {ANGLES, HasAngles},     {HYSTERESIS, Sticks},
 };
 
@@ -159,8 +151,6 @@ static const struct {
   {MOVING, NEEDS, CONSISTENT, ", the default"},
   {MOVING, NEEDS, CENTERED, ", the default"},
   {FREE, NEEDS, DIVERGENCE, ", the default"},
-  {SWINGING, NEEDS, CONSISTENT, ", the default"},
-  {SWINGING, NEEDS, CENTERED, ", the default"},
   {FRAME, NEEDS, CONSISTENT, ", the default"},
   {INTERFACE, NEEDS, CONSISTENT, ", the default"},
   {INTERFACE, NEEDS, CURVATURE, ", the default"},

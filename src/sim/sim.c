@@ -30,7 +30,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(
     PetscOptionsString("-restart",
                        "checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids "
-                       "and bodies must be the same, but for their viscosity and color",
+                       "and bodies must be the same, but for their viscosity",
                        "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
   PetscCall(PetscOptionsBool("-dry_run",
                              "set up, print particles, memory, time-step bounds, estimated time and output, draw the "

@@ -28,23 +28,12 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The dummy particles of the box's walls get the velocity of the domain's time. */
-static void WallsSwing(Cloud cloud)
-{
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++)
-    if (cloud->integer[INT_BODY][a] == BODY_WALL)
-      DomainWallVelocity(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, cloud->field[FIELD_VELOCITY] + DIM * a);
-}
-
 static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 {
-  Cloud           cloud  = stepper->cloud;
-  const PetscBool solids = SceneSolidsMove(cloud->scene), walls = DomainWallsOscillate(cloud->domain);
-
   PetscFunctionBegin;
-  if (solids) PetscCall(SolidsMove(cloud, from, to, end));
-  if (walls) WallsSwing(cloud);
-  if (solids || walls) *moved = PETSC_TRUE;
+  if (!SceneSolidsMove(stepper->cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SolidsMove(stepper->cloud, from, to, end));
+  *moved = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,8 +122,7 @@ static PetscBool On(Stepper stepper)
 {
   const Cloud cloud = stepper->cloud;
 
-  return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallsOscillate(cloud->domain) ||
-                     DomainWallSpeed(cloud->domain) != 0);
+  return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallSpeed(cloud->domain) != 0);
 }
 
 const StepHooks MovingHooks = {.on = On, .check = Check, .drift = Drift, .drag = Drag, .kick = Kick};

@@ -334,7 +334,6 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     SceneRestore(cloud->scene);
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     SceneMoveSolids(cloud->scene, state->time);
-    DomainSetTime(cloud->domain, state->time + dt);
     PressureSetRepair(stepper->pressure,
                       PetscMin(1, (state->step + 1) * dt / PressureRelaxationTime(stepper->pressure)));
     PetscCall(stepper->ops.step(stepper, dt, &trial));

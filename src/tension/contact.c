@@ -75,7 +75,7 @@ PetscErrorCode ContactDestroy(Tension tension)
 
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
-  PetscReal common = 90, sticking = 0;
+  PetscReal common = 90, hysteresis = 0;
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-wall_contact_angle",
@@ -84,24 +84,20 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscCall(OptionReal("-wall_contact_hysteresis",
                        "the advancing angle less the receding one, around that angle, between which lines stick there "
                        "(degrees)",
-                       "[0, 180)", &sticking));
+                       "[0, 180)", &hysteresis));
   for (PetscInt f = tension->rings ? 1 : 0; f < 2 * tension->dim; f++) {
     const PetscInt d = f / 2, side = f % 2;
     char           option[64];
-    PetscReal      angle = common, hysteresis = sticking;
+    PetscReal      angle = common;
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_angle", "xyz"[d], side ? "max" : "min"));
     PetscCall(OptionReal(option, "that of this wall, if it differs (degrees)", "(0, 180)", &angle));
     PetscCheckUser(angle == common || tension->face[d][side] == FACE_WALL, tension->comm,
                    "%s: the face is %s; only a wall has a contact angle", option, FaceTypes[tension->face[d][side]]);
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_hysteresis", "xyz"[d], side ? "max" : "min"));
-    PetscCall(OptionReal(option, "that of this wall, if it differs (degrees)", "[0, 180)", &hysteresis));
-    PetscCheckUser(hysteresis == sticking || tension->face[d][side] == FACE_WALL, tension->comm,
-                   "%s: the face is %s; only a wall has contact angles", option, FaceTypes[tension->face[d][side]]);
-    PetscCheckUser(0.5 * hysteresis < PetscMin(angle, 180 - angle), tension->comm,
-                   "-wall_contact_hysteresis or %s %g: half of it below and above the contact angle, %g, must stay in "
-                   "(0, 180)",
-                   option, (double)hysteresis, (double)angle);
+    PetscCheckUser(
+      0.5 * hysteresis < PetscMin(angle, 180 - angle), tension->comm,
+      "-wall_contact_hysteresis %g: half of it below and above the contact angle, %g, must stay in (0, 180)",
+      (double)hysteresis, (double)angle);
     tension->contact[d][side] = FromDegrees(angle, hysteresis);
     if (tension->face[d][side] == FACE_WALL && hysteresis > 0) tension->sticks = PETSC_TRUE;
     if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].slant != 0) tension->slanted = PETSC_TRUE;

@@ -24,7 +24,7 @@ typedef struct _p_Tension *Tension;
 /* TensionCreate - for the bodies of a scene; nothing is borrowed beyond the calls. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
 /* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -tension_sheets,
-   -wall_contact_angle, -wall_contact_hysteresis and those of faces, -box_<face>_contact_angle and so on; cahn_hilliard:
+   -wall_contact_angle and that of a face, -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard:
    -tension_calibration (kappa/(sigma H)), -tension_band. Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */

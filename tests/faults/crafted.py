@@ -414,7 +414,7 @@ OTHER = (  # options in place of those of the scene, words of the refusal
      "-drop_center 0.5,0.2,0.55 -drop_velocity 0,0,1 -post_lower 0,0,0 -post_upper 0.2,0.2,0.2", "dimensions"),
     ("-film_type emitter -film_velocity 0,1", "film"),
     ("-drop_type emitter", "-drop_type"))
-SAME = ("-gravity 0,-1", "-film_viscosity 2", "-ksp_rtol 1e-9", "-time_cfl 0.1", "-film_color 7", "-shifting 0",
+SAME = ("-gravity 0,-1", "-film_viscosity 2", "-ksp_rtol 1e-9", "-time_cfl 0.1", "-shifting 0",
         "-snapshot_double -snapshot_interval 0.01", "-kernel_ratio 1.3", "-box_upper 1,1.0", "-packing_seed 7")
 
 

@@ -24,7 +24,7 @@ LINE = 160  # characters of a command line that is reported
 COMMON = "-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -gravity 0,-9.81 "
 SCENES = [
     COMMON + "-box_x periodic -box_ymin wall -bodies film,drop -film_upper 1,0.3 -film_tension 1 -film_viscosity 0.1 "
-    "-drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.55 -drop_velocity 1,-2 -drop_density 900 -drop_color 2 "
+    "-drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.55 -drop_velocity 1,-2 -drop_density 900 "
     "-time_cfl 0.3 -time_end 0.1 -snapshot_interval 0.05 -gauge_points 0.5,0.1 -snapshot_double",
     COMMON + "-box_x symmetry -box_ymin wall -bodies a -a_shape ellipsoid -a_radii 0.3,0.2 -a_center 0.5,0.5 "
     "-a_velocity_type rotation -a_rotation_rate 2 -kernel_type wendland_c2 -kernel_ratio 1.4 -time_step 1e-3 "

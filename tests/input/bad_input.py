@@ -67,7 +67,8 @@ def core():
                         ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):
         refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
     for name, fate in (("-surface_cone", "the constant CONE of src/operators/surface.c"),
-                       ("-pc_twolevel_omega", "the constant OMEGA")):
+                       ("-pc_twolevel_omega", "the constant OMEGA"),
+                       ("-box_zmin_velocity_amplitude", "-<solid>_oscillation_amplitude swings a solid")):
         refused(f"removed{name}", BOX + DROP + f"{name} 7", [name, fate])
     for name in ("-dt", "-x", "-quite_something_else"):
         process = runs.start(BOX + DROP + f"{name} 7")
@@ -113,7 +114,6 @@ def core():
         refused(f"emitter_start_{start}", GOOD + EMITTER + f"-jet_start {start}", ["-jet_start"])
     refused("dimension_of_33_bits", GOOD + "-dimension 4294967298", ["-dimension", "4294967298"])
     refused("steps_of_33_bits", GOOD + "-steps_max 4294967297", ["-steps_max", "4294967297"])
-    refused("color_of_33_bits", GOOD + "-film_color 4294967297", ["-film_color", "4294967297"])
     refused("densities_too_far_apart",
             BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -b_density 3000",
             ["-b_density", "-density_ratio_max"])
@@ -176,8 +176,6 @@ def scenes():
             ["lattice"])
     refused("hysteresis_beyond_0", GOOD + "-wall_contact_angle 30 -wall_contact_hysteresis 60", ["hysteresis",
                                                                                                  "(0, 180)"])
-    refused("hysteresis_of_open_face", GOOD + "-box_xmin_contact_hysteresis 20", ["-box_xmin_contact_hysteresis",
-                                                                                  "open"])
     refused("hysteresis_of_solid_without_angle", PLANE + "-part_contact_hysteresis 20", ["-part_contact_angle"])
     refused("hysteresis_with_printed_scheme",
             GOOD + "-film_tension 1 -wall_contact_hysteresis 9 -scheme density_invariant",
@@ -310,15 +308,9 @@ def folders():
         refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse"])
     refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
     refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
-    for name, more, words in (("swing without a frequency", "-box_zmin_velocity_amplitude 1,0,0",
-                               ["needs -box_zmin_velocity_f"]),
-                              ("swing with a scheme that cannot", "-scheme weakly_compressible "
-                               "-box_zmin_velocity_amplitude 1,0,0 -box_zmin_velocity_frequency 1",
-                               ["a wall of the box that swings needs -scheme consistent"]),
-                              ("swing of a mirror", "-box_x symmetry -box_xmin_velocity_amplitude 0,1,0",
+    for name, more, words in (("velocity of a mirror", "-box_x symmetry -box_xmin_velocity 0,1,0",
                                ["the face is symmetry"]),
-                              ("swing into the box", "-box_zmin_velocity_amplitude 0,0,1",
-                               ["must be tangential", "a solid"])):
+                              ("velocity into the box", "-box_zmin_velocity 0,0,1", ["must be tangential", "a solid"])):
         refused(name, GOOD + more, words)
     TURN = "-frame_rotation_rate 0,0,1 "
     for name, more, words in (("gravity", TURN + "-gravity 0,-1,0", ["-gravity", "along the axis"]),

@@ -24,8 +24,7 @@ PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x perio
  -float_shape sphere -float_radius 0.08 -float_center 0.12,0.28 -float_mass 15 -float_rotation_rate 3
  -paddle_lower 0.3,0.1 -paddle_upper 0.7,0.2 -paddle_rotation_rate 9 -paddle_rotation_center 0.5,0.2
  -paddle_velocity 0.5,0.2 -paddle_oscillation_amplitude 0,0.01 -paddle_oscillation_frequency 9
- -gauge_forces -gauge_heights 0.2,0.8 -gauge_points 0.2,0.2,0.8,0.3 -gauge_droplets -box_ymin_velocity_amplitude 0.3,0
- -box_ymin_velocity_frequency 5 """
+ -gauge_forces -gauge_heights 0.2,0.8 -gauge_points 0.2,0.2,0.8,0.3 -gauge_droplets """
 RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 14e-3,12e-3 -box_xmax wall -box_ymin wall
  -gravity 0,-9.81 -bodies film,drop,jet -film_lower 0,-6e-3 -film_upper 14e-3,0 -film_viscosity 3.5e-3
  -film_tension 0.067 -drop_viscosity 0.35 -viscosity_solver implicit -film_viscosity_model carreau

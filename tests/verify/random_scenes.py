@@ -82,7 +82,7 @@ class Scene:
         kind = self.draw.choice(("uniform", "strain", "uniform" if self.rings else "rotation", "shear"))
         if kind == "shear" and self.rings:
             kind = "strain"
-        self.set(f"{name}_velocity_type", kind)
+        self.set(f"{name}_velocity_type", "strain" if kind == "shear" else kind)
         if kind == "uniform":
             self.uniform(name)
         elif kind == "strain":
@@ -93,9 +93,10 @@ class Scene:
             self.set(f"{name}_rotation_rate", *((rate,) if self.dim == 2 else (0.5, rate, 0.3)))
             self.set(f"{name}_rotation_center", *center)
         elif kind == "shear":
-            self.set(f"{name}_shear_rate", rate)
-            self.set(f"{name}_shear_normal", self.up)
-            self.set(f"{name}_shear_center", *center)
+            rates = [0] * self.dim**2
+            rates["xyz".index(self.up)] = rate
+            self.set(f"{name}_strain_rate", *rates)
+            self.set(f"{name}_strain_center", *center)
 
     def free(self):
         """Liquid that touches nothing."""
