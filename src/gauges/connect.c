@@ -1,4 +1,4 @@
-/* Connected pieces of liquid: chains of neighbours closer than -gauge_connection connect their particles. The cells of
+/* Connected pieces of liquid: chains of neighbours closer than CONNECTION connect their particles. The cells of
    crater_grid.c are too coarse for the crown, whose rim sheds drops at a distance of one or two spacings. */
 #include "gauges_impl.h"
 
@@ -10,7 +10,7 @@ PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[])
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(PetscMalloc1(cloud->n_total, &parent));
-  OperatorsConnect(cloud, gauges->connection * cloud->domain->spacing, parent);
+  OperatorsConnect(cloud, CONNECTION * cloud->domain->spacing, parent);
   for (PetscInt a = 0; a < cloud->n_owned; a++) label[a] = (PetscReal)cloud->integer[INT_ID][a]; /* exact as reals */
   PetscCall(OperatorsComponentMinimum(cloud, parent, 1, label));
   PetscCall(PetscFree(parent));

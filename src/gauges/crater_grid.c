@@ -6,6 +6,7 @@
 #define MAX_CELLS  (1 << 25) /* bounds the memory: a scene with more gets larger cells */
 #define COARSENING 1.25      /* factor of one enlargement */
 #define NEIGHBORS  26        /* cells that touch a cell, at corners too */
+#define CELL_SIZE  1.25      /* spacings: a lattice of particles leaves no such cell empty */
 
 /* Bounds of the fluid of all ranks along the grid's axes, m: minus the lower bounds, then the upper bounds. */
 static PetscErrorCode FluidBounds(Gauges gauges, const ParticleArrays *arrays, const PetscInt component[],
@@ -44,7 +45,7 @@ static PetscErrorCode SetSizes(Gauges gauges, const ParticleArrays *arrays, Crat
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) grid->component[d] = domain->dim == 2 ? (d == 0 ? 0 : 3 - d) : d;
   PetscCall(FluidBounds(gauges, arrays, grid->component, bounds));
-  grid->size = gauges->crater.cell * domain->spacing;
+  grid->size = CELL_SIZE * domain->spacing;
   while (CellsAlong(bounds, 0, grid->size) * CellsAlong(bounds, 1, grid->size) * CellsAlong(bounds, 2, grid->size) >
          MAX_CELLS)
     grid->size *= COARSENING;

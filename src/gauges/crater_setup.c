@@ -2,11 +2,6 @@
 #include "gauges_impl.h"
 
 #define JET_RADIUS 1.1 /* default of -gauge_jet_radius, half widths of the last body: a little wider than the drop */
-#define CELL_SIZE                                                                                                      \
-  1.25 /* default of -gauge_cell, spacings: a lattice of particles leaves no cell of this width empty                  \
-        */
-#define CELL_LEAST 1.0
-#define CELL_MOST  4.0
 #define NEAR       0.5 /* spacings: an axis or a body closer than this to a mirror lies on the mirror */
 
 void GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM])
@@ -49,7 +44,6 @@ static PetscErrorCode Defaults(Gauges gauges)
   PetscReal    lower[DIM], upper[DIM], half = 0;
 
   PetscFunctionBegin;
-  crater->cell = CELL_SIZE;
   if (!SceneCount(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   GaugeBodyBounds(gauges, SceneCount(scene) - 1, lower, upper);
   for (PetscInt d = 0; d < domain->dim - 1; d++) {
@@ -86,7 +80,7 @@ static PetscErrorCode SetFromOptions_Crater(Gauges gauges, OptionItems PetscOpti
 {
   CraterSetup *crater = &gauges->crater;
   PetscInt     n      = gauges->cloud->domain->dim; /* room for one number too many, to refuse it */
-  PetscBool    set[5];
+  PetscBool    set[3];
 
   PetscFunctionBegin;
   PetscCall(Defaults(gauges));
@@ -101,17 +95,10 @@ static PetscErrorCode SetFromOptions_Crater(Gauges gauges, OptionItems PetscOpti
                              "last body",
                              "GaugesCrater", crater->jet_radius, &crater->jet_radius, &set[2]));
   crater->radius = CraterRadius(gauges);
-  PetscCall(PetscOptionsReal("-gauge_crater_radius",
-                             "Radius around the axis in which the crater is measured, m; default: half the distance to "
-                             "the nearest face of the box",
-                             "GaugesCrater", crater->radius, &crater->radius, &set[3]));
-  PetscCall(PetscOptionsReal("-gauge_cell",
-                             "Width of the cells, liquid or air, that measure the crater, 1 to 4 (spacings)",
-                             "GaugesCrater", crater->cell, &crater->cell, &set[4]));
-  crater->wanted = (PetscBool)(set[0] || set[1] || set[2] || set[3] || set[4]);
+  crater->wanted = (PetscBool)(set[0] || set[1] || set[2]);
   PetscCall(PetscOptionsBool("-gauge_crater",
                              "Write heights of crown and jet, depth and diameter of the crater to the series; default: "
-                             "true if one of -gauge_pool, _axis, _jet_radius, _crater_radius, _cell is given",
+                             "true if one of -gauge_pool, _axis, _jet_radius is given",
                              "GaugesCrater", crater->wanted, &crater->wanted, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -132,11 +119,7 @@ static PetscErrorCode Check_Crater(Gauges gauges)
                  crater->pool_name);
   PetscCheckUser(crater->jet_radius >= 0, gauges->comm, "-gauge_jet_radius is %g m; it must not be negative.",
                  (double)crater->jet_radius);
-  PetscCheckUser(crater->radius >= 0, gauges->comm,
-                 "-gauge_crater_radius is %g m; it must not be negative, and -gauge_axis must lie in the box.",
-                 (double)crater->radius);
-  PetscCheckUser(crater->cell >= CELL_LEAST && crater->cell <= CELL_MOST, gauges->comm,
-                 "-gauge_cell is %g spacings; it must be from %g to %g.", (double)crater->cell, CELL_LEAST, CELL_MOST);
+  PetscCheckUser(crater->radius >= 0, gauges->comm, "-gauge_axis must lie in the box.");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,4 +1,4 @@
-/* Droplets: all connected pieces of liquid (-gauge_connection), except the largest. They fill four columns of the
+/* Droplets: all connected pieces of liquid (CONNECTION), except the largest. They fill four columns of the
    series, and each droplet a row of droplets.csv. */
 #include "gauges_impl.h"
 #include <stdlib.h>
@@ -99,7 +99,7 @@ static void FinishPiece(Gauges gauges, Piece *piece)
 static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
 {
   Cloud           cloud = gauges->cloud;
-  const PetscReal touch = 0.5 * gauges->connection * cloud->domain->spacing; /* half the distance to the image */
+  const PetscReal touch = 0.5 * CONNECTION * cloud->domain->spacing; /* half the distance to the image */
   Piece          *own;
   PetscReal      *label;
   PetscMPIInt     send, *number = NULL, *start = NULL, total = 0;

@@ -1,11 +1,6 @@
 /* The class: the list of the kinds of gauges, and their common options. */
 #include "gauges_impl.h"
 
-/* Default of -gauge_connection, spacings. Neighbours in a sheet or thread are closer; a drop that has left the rim is
-   farther away. */
-#define CONNECTION      1.25
-#define CONNECTION_MOST 2.0
-
 /* In the order of their columns in the series. The output writes the columns of GaugeCrater. */
 static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
                                          &GaugeBodies, &GaugeDroplets, &GaugeLines};
@@ -22,7 +17,6 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
   g->cloud        = cloud;
   g->level        = NAN;
   g->multiplicity = 1;
-  g->connection   = CONNECTION;
   PetscCallMPI(MPI_Comm_rank(g->comm, &g->rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &g->size));
   *gauges = g;
@@ -61,16 +55,10 @@ PetscErrorCode GaugesSetFromOptions(Gauges gauges)
                              "Copies of the simulated part that make the whole scene, 4 for a quarter: factor of "
                              "energies, volume and droplets (1)",
                              "GaugesTotals", gauges->multiplicity, &gauges->multiplicity, NULL));
-  PetscCall(PetscOptionsReal("-gauge_connection",
-                             "Largest distance between connected particles, for crown, jet and droplets (spacings)",
-                             "GaugesMeasure", gauges->connection, &gauges->connection, NULL));
   for (PetscInt k = 0; k < KINDS; k++)
     if (kinds[k]->setfromoptions) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject));
   PetscOptionsEnd();
   gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
-  PetscCheckUser(gauges->connection > 0 && gauges->connection <= CONNECTION_MOST, gauges->comm,
-                 "-gauge_connection is %g spacings; it must lie in (0, %g].", (double)gauges->connection,
-                 CONNECTION_MOST);
   PetscCheckUser(gauges->multiplicity > 0, gauges->comm, "-gauge_multiplicity is %g; it must be positive.",
                  (double)gauges->multiplicity);
   for (PetscInt k = 0; k < KINDS; k++)

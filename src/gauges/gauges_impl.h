@@ -34,7 +34,6 @@ typedef struct {
   PetscReal axis[DIM];    /* m, horizontal */
   PetscReal jet_radius;   /* m */
   PetscReal radius;       /* m, the crater lies inside */
-  PetscReal cell;         /* spacings, width of the cells that are liquid or air */
 } CraterSetup;
 
 #define GAUGE_PLACES_MOST 64 /* points or heights; lines are fewer */
@@ -56,7 +55,6 @@ struct _p_Gauges {
   PetscReal        level;        /* m; NAN: not given and not measured */
   PetscBool        level_given;  /* by -gauge_level */
   PetscReal        multiplicity; /* copies of the simulated part that make the whole */
-  PetscReal        connection;   /* spacings: particles closer than this are connected */
   CraterSetup      crater;
   Places           points, heights, lines;
   PetscInt         line_points;
@@ -104,8 +102,12 @@ PetscBool InsideSolid(Gauges gauges, PetscReal distance);
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
 /* --- connect.c: connected liquid --- */
+/* Largest distance between connected particles, spacings. Neighbours in a sheet or thread are closer; a drop that has
+   left the rim is not. */
+#define CONNECTION 1.25
+
 /* ConnectedLabels - label [n_total of the cloud]: for an owned fluid particle, the smallest id in its connected piece
-   (-gauge_connection). Cloud and swarm must hold the same state. Collective. */
+   (CONNECTION). Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[]);
 /* ConnectedWithBody - connected [n_fluid of the cloud]: whether a particle is connected with the deepest particle of a
    body. Cloud and swarm must hold the same state. Collective. */

@@ -7,6 +7,8 @@
 #define OUTSIDE_SHARE 0.6
 /* How far outside a particle is followed, in slacks: since the last look at it, it has moved by less than one. */
 #define OUTSIDE_LIMIT 2
+/* Largest over mean number of particles of a rank that triggers a new partition. */
+#define IMBALANCE 1.2
 
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud)
@@ -23,7 +25,6 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->reach         = reach;
   c->size_most     = DomainSizeMax(domain);
   c->slack         = domain->spacing_coarse;
-  c->rebalance     = 1.2;
   c->sort_interval = 100;
   PetscCall(HaloCreate(domain, &c->halo));
   *cloud = c;
@@ -38,9 +39,6 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
   PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
   PetscCall(OptionReal("-halo_slack", "distance that particles may move before the ghosts are chosen again (spacings)",
                        "[0.1, 20]", &slack));
-  PetscCall(OptionReal("-rebalance",
-                       "largest over mean number of particles of a rank that triggers a new partition (1)", "(1, inf)",
-                       &cloud->rebalance));
   PetscCall(OptionInt("-sort_interval", "steps between two sorts of the particles along the cells", "[1, inf)",
                       &cloud->sort_interval));
   PetscOptionsEnd();
@@ -290,7 +288,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
     PetscReal imbalance;
 
     PetscCall(ParticlesImbalance(cloud->particles, &imbalance));
-    PetscCall(Rehome(cloud, (PetscBool)(imbalance > cloud->rebalance)));
+    PetscCall(Rehome(cloud, (PetscBool)(imbalance > IMBALANCE)));
   } else if (size == 1) {
     PetscCall(WrapSwarm(cloud));
     PetscCall(Load(cloud));

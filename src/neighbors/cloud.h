@@ -67,7 +67,6 @@ typedef struct _p_Cloud {
   PetscReal  reach;            /* m, largest kernel support in use, of size 1 */
   PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
   PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
-  PetscReal  rebalance;        /* imbalance that triggers METIS */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
   PetscInt   layout;               /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   written[FIELD_COUNT]; /* of each work field the layout in which it was last written: see CloudWrote */
@@ -78,7 +77,7 @@ typedef struct _p_Cloud {
    Collective. */
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud);
-/* CloudSetFromOptions - -halo_slack (in spacings), -rebalance, -sort_interval. Collective. */
+/* CloudSetFromOptions - -halo_slack (in spacings), -sort_interval. Collective. */
 PetscErrorCode CloudSetFromOptions(Cloud cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
 

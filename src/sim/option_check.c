@@ -23,8 +23,8 @@ static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st
 
 /* Ends of the names of options that earlier versions had, and what became of them. */
 #define CONSTANT(name, file) "it is the constant " #name " of src/" file " now"
-#define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude shakes the whole box"
-#define HYSTERESIS           "-wall_contact_hysteresis is that of all walls, -<solid>_contact_hysteresis that of a solid"
+#define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude the whole box"
+#define HYSTERESIS           "-wall_contact_hysteresis is that of all walls, -<solid>_contact_hysteresis of a solid"
 #define SHEAR                "a shear is a strain, -<body>_strain_rate with all numbers of the velocity gradient"
 static const struct {
   const char *name, *fate;
@@ -35,6 +35,11 @@ static const struct {
   {"box_ymax_contact_hysteresis", HYSTERESIS},
   {"box_zmin_contact_hysteresis", HYSTERESIS},
   {"box_zmax_contact_hysteresis", HYSTERESIS},
+  {"gauge_cell", CONSTANT(CELL_SIZE, "gauges/crater_grid.c")},
+  {"gauge_connection", CONSTANT(CONNECTION, "gauges/gauges_impl.h")},
+  {"gauge_crater_radius", "the crater is looked for half way to the box"},
+  {"rebalance", CONSTANT(IMBALANCE, "neighbors/cloud.c")},
+  {"spectrum_modes", CONSTANT(HIGHEST, "spectrum/modes.c")},
   {"color", "snapshots tell bodies by their field body"},
   {"shear_center", SHEAR},
   {"shear_direction", SHEAR},

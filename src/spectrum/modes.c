@@ -7,9 +7,10 @@
    leave the surface as it is, and the wanted eigenvalues are the smallest outside the kernel. */
 #include "spectrum_impl.h"
 
+#define HIGHEST 4    /* reported degree */
 #define EXTRA   2    /* degrees above the highest reported degree */
 #define STEP    1e-4 /* R, of the finite difference for the gradient of a harmonic */
-#define DEGREES 8    /* highest degree, extra degrees included; see -spectrum_modes */
+#define DEGREES (HIGHEST + EXTRA)
 
 /* r^n P_nm(cos theta) cos(m phi) at x (over R); sin(m phi) for m < 0. */
 static PetscReal SolidHarmonic(PetscInt n, PetscInt m, const PetscReal x[DIM])
@@ -194,14 +195,14 @@ static PetscErrorCode SolveModes(Mat K, Mat M, PetscInt most, PetscInt number[],
 
 PetscErrorCode SpectrumModes(Spectrum s)
 {
-  const PetscInt  most = s->highest_degree + EXTRA, count = (most + 1) * (most + 1) - 1;
+  const PetscInt  most = DEGREES, count = (most + 1) * (most + 1) - 1;
   const Material *m = BodyMaterial(SceneBody(s->cloud->scene, 0));
   PetscReal     **basis, centre[DIM], radius = 0, unit, sum[DEGREES + 1], low[DEGREES + 1], high[DEGREES + 1];
   PetscInt        number[DEGREES + 1];
   Mat             K, M;
 
   PetscFunctionBegin;
-  if (s->highest_degree < 1 || !IsFreeDrop(s)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!IsFreeDrop(s)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MeasureDrop(s->cloud, centre, &radius));
   unit = m->tension / (m->density * radius * radius * radius);
   PetscCall(PetscMalloc1(count, &basis));
@@ -211,7 +212,7 @@ PetscErrorCode SpectrumModes(Spectrum s)
   PetscCall(PetscPrintf(s->cloud->comm,
                         "  modes of the drop, R = %.4g m = %.3g d0: omega^2 over sigma/(rho R^3) = %.5g 1/s2\n",
                         (double)radius, (double)(radius / s->cloud->domain->spacing), (double)unit));
-  for (PetscInt n = 1; n <= s->highest_degree; n++)
+  for (PetscInt n = 1; n <= HIGHEST; n++)
     PetscCall(PetscPrintf(s->cloud->comm,
                           "    degree %" PetscInt_FMT "  mean %7.3f (theory %3" PetscInt_FMT
                           "), from %7.3f to %7.3f, %" PetscInt_FMT " modes (theory %" PetscInt_FMT ")\n",

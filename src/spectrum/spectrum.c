@@ -5,10 +5,9 @@ PetscErrorCode SpectrumCreate(Cloud cloud, Tension tension, Pressure pressure, S
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(spectrum));
-  (*spectrum)->cloud          = cloud;
-  (*spectrum)->tension        = tension;
-  (*spectrum)->pressure       = pressure;
-  (*spectrum)->highest_degree = 4;
+  (*spectrum)->cloud    = cloud;
+  (*spectrum)->tension  = tension;
+  (*spectrum)->pressure = pressure;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -20,10 +19,6 @@ PetscErrorCode SpectrumSetFromOptions(Spectrum s)
                              "report eigenvalues and condition of the pressure operator and the stability limits of "
                              "the explicit terms at the end of the run",
                              "SpectrumSetFromOptions", s->wanted, &s->wanted, NULL));
-  PetscCall(
-    OptionInt("-spectrum_modes",
-              "highest degree of the oscillation modes that -spectrum reports of a single free drop (1); 0: none",
-              "[0, 6]", &s->highest_degree));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

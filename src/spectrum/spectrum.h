@@ -19,7 +19,7 @@ typedef struct {
 
 /* SpectrumCreate - borrows cloud, tension and pressure. Collective. */
 PetscErrorCode SpectrumCreate(Cloud cloud, Tension tension, Pressure pressure, Spectrum *spectrum);
-/* SpectrumSetFromOptions - reads -spectrum and -spectrum_modes. The eigenvalue solvers read -spectrum_eps_* later.
+/* SpectrumSetFromOptions - reads -spectrum. The eigenvalue solvers read -spectrum_eps_* later.
    Collective. */
 PetscErrorCode SpectrumSetFromOptions(Spectrum spectrum);
 /* SpectrumWanted - whether -spectrum was given. Not collective. */

@@ -10,7 +10,6 @@ struct _p_Spectrum {
   Tension          tension;  /* borrowed */
   Pressure         pressure; /* borrowed */
   PetscBool        wanted;
-  PetscInt         highest_degree; /* of the reported modes of a drop; 0: none */
   const Viscosity *viscosity;
   PetscReal       *position; /* [n_owned][3] positions of the state, m */
 };

@@ -26,7 +26,8 @@ def has(text, words, name):
 
 folder = runs.run(SCENE + "-steps_max 3", "quiet")  # with -progress_interval 0
 has(log(folder), ["3 steps of", "Error budget", "residual", "continue with"], "summary_without_progress")
-has(log(folder), ["Contact angles in degrees: xmin 45 to 75, xmax 85 to 115, ymin 45 to 75, post 75\n"], "contact_angles")
+has(log(folder), ["Contact angles in degrees: xmin 45 to 75, xmax 85 to 115, ymin 45 to 75, post 75\n"],
+    "contact_angles")
 first = runs.numbered(folder, "checkpoint")[0]
 runs.run(SCENE + f"-steps_max 1 -film_viscosity 0.5 -time_start 0.5 -restart {first}", "again")
 has(log(runs.scratch("again")), ["Options changed since", "-film_viscosity 0.5 (was not given)", "-steps_max 1 (was 3)",

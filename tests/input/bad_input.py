@@ -61,7 +61,7 @@ def core():
                         ("-box_xmim", "-box_xmin?"), ("-ksp_rtoll", "-ksp_rtol?"), ("-pc_typ", "-pc_type?"),
                         ("-viscous_ksp_rtoll", "-viscous_ksp_rtol?"), ("-log_vieww", "-log_view?"),
                         ("-mg_levels_ksp_max_itt", "-mg_levels_ksp_max_it?"), ("-time_stpe", "-time_step?"),
-                        ("-spectrum_modess", "-spectrum_modes?"), ("-rotation_rate", "-drop_rotation_rate?"),
+                        ("-spectrumm", "-spectrum?"), ("-rotation_rate", "-drop_rotation_rate?"),
                         ("-drop_rotation_rate", "it belongs to -drop_velocity_type rotation"),
                         ("-packing_distance", "it belongs to -packing_type poisson"),
                         ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):

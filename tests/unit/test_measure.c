@@ -117,7 +117,7 @@ static PetscErrorCode Table(const char options[], PetscInt *count, PetscReal fir
 static PetscErrorCode TestDroplets(void)
 {
   const PetscReal left[6] = {8, 0.08, 0.7, 1.6, 2, -1}, crumb[6] = {2, 0.02, 2.6, 2.05, 0, 3};
-  PetscReal       first[6], last[6], apart[COLUMNS_MOST], joined[COLUMNS_MOST], large[COLUMNS_MOST];
+  PetscReal       first[6], last[6], apart[COLUMNS_MOST], large[COLUMNS_MOST];
   PetscInt        count;
   PetscMPIInt     rank;
 
@@ -125,7 +125,6 @@ static PetscErrorCode TestDroplets(void)
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(Table(DROPS, &count, first, last));
   PetscCall(Columns(DROPS, NULL, apart));
-  PetscCall(Columns(DROPS "-gauge_connection 1.7", NULL, joined));
   PetscCall(Columns(DROPS "-gauge_droplet_least 3", NULL, large));
   if (rank) PetscFunctionReturn(PETSC_SUCCESS);
   CHECK(count == 3 && apart[0] == 3 && apart[3] == 0, "three_droplets");
@@ -135,7 +134,6 @@ static PetscErrorCode TestDroplets(void)
   }
   CHECK_CLOSE(apart[1], 0.18, 1e-12, "volume_of_droplets");
   CHECK_CLOSE(apart[2], 0.08, 1e-12, "largest_droplet");
-  CHECK(joined[0] == 2 && PetscAbsReal(joined[2] - 0.16) < 1e-12, "connection_joins_two_droplets");
   CHECK(large[0] == 2 && large[3] == 2, "a_droplet_of_two_particles_is_spray_if_three_are_the_least");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
