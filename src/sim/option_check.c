@@ -23,7 +23,7 @@ static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st
 
 /* Ends of the names of options that earlier versions had, and what became of them. */
 #define CONSTANT(name, file) "it is the constant " #name " of src/" file " now"
-#define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude the whole box"
+#define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude shakes the box"
 #define HYSTERESIS           "-wall_contact_hysteresis is that of all walls, -<solid>_contact_hysteresis of a solid"
 #define SHEAR                "a shear is a strain, -<body>_strain_rate with all numbers of the velocity gradient"
 static const struct {
