@@ -117,7 +117,7 @@ typedef struct {
 /* What bounds the time step; see the options of time_step.c. */
 typedef struct {
   PetscReal cfl, min, max, fixed;
-  PetscReal viscous_limit, capillary_limit, force_limit, growth, spray_share;
+  PetscReal capillary_limit; /* over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 */
 } TimeStepLimits;
 
 /* What a step may do before it is rolled back or stops the run. */

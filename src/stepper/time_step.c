@@ -1,12 +1,16 @@
 /* The size of the time step, and the scales of a scene that it follows from. */
 #include "stepper_impl.h"
 
-#define LAST_LONGER 1e-3 /* a last step may be longer by this share of it */
+#define LAST_LONGER   1e-3 /* a last step may be longer by this share of it */
+#define CAPILLARY     0.25 /* of schemes whose forces do not act at the middle of the step; else TensionStepLimit */
+#define VISCOUS_LIMIT 0.08 /* over h^2/nu, of explicit viscosity; 0.125 is marginal for -viscosity_form morris */
+#define FORCE_LIMIT   0.03 /* over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
+#define GROWTH        1.2  /* largest, from one step to the next; no reference */
+#define SPRAY_SHARE   0.8  /* of -displacement_max, that a spray particle may move in a step; no reference */
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {
-  *limits = (TimeStepLimits){
-    .cfl = 0.2, .viscous_limit = 0.08, .capillary_limit = 0.25, .force_limit = 0.03, .growth = 1.2, .spray_share = 0.8};
+  *limits = (TimeStepLimits){.cfl = 0.2, .capillary_limit = CAPILLARY};
 }
 
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
@@ -24,23 +28,6 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
   PetscCheckUser(limits->max == 0 || limits->min <= limits->max, comm,
                  "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)limits->min,
                  (double)limits->max);
-  PetscOptionsBegin(comm, NULL, "Advanced: time step", "Stepper");
-  PetscCall(OptionReal("-time_viscous_limit",
-                       "time step of explicit viscosity over h^2/nu (1); 0.125 is marginal for -viscosity_form morris",
-                       "(0, inf)", &limits->viscous_limit));
-  PetscCall(
-    OptionReal("-time_capillary_limit",
-               "time step over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 (1); half as much by default with "
-               "other schemes and models of tension",
-               "(0, inf)", &limits->capillary_limit));
-  PetscCall(OptionReal("-time_force_limit",
-                       "time step over sqrt(h/|g|) (1); a film at rest is stable at 0.03, not at 0.045", "(0, inf)",
-                       &limits->force_limit));
-  PetscCall(OptionReal("-time_growth", "largest growth of the time step from one step to the next (1)", "(1, inf)",
-                       &limits->growth));
-  PetscCall(OptionReal("-time_spray_share", "share of -displacement_max that a spray particle may move in a step (1)",
-                       "(0, 1]", &limits->spray_share));
-  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -84,7 +71,7 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
 static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *bounds)
 {
   Scene           scene = stepper->cloud->scene;
-  const PetscReal h = KernelSmoothingLength(stepper->cloud->kernel), fine = stepper->limits.viscous_limit * h * h;
+  const PetscReal h = KernelSmoothingLength(stepper->cloud->kernel), fine = VISCOUS_LIMIT * h * h;
 
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     const Body      body = SceneBody(scene, b);
@@ -99,7 +86,7 @@ static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *
   bounds->viscosity_flow = PetscMax(bounds->viscosity_flow, bounds->viscosity);
 }
 
-/* The least step (s) of the waves of all surfaces over -time_capillary_limit: those of an interface move the liquid on
+/* The least step (s) of the waves of all surfaces over that limit: those of an interface move the liquid on
    both sides. */
 static PetscReal CapillaryStep(Stepper stepper)
 {
@@ -124,14 +111,14 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   const TimeStepLimits *limits = &stepper->limits;
   const PetscReal       h      = KernelSmoothingLength(cloud->kernel),
                   fastest      = PetscMax(extreme[FASTEST], SceneSolidSpeed(cloud->scene));
-  const PetscReal spray_path   = limits->spray_share * stepper->trial.displacement * cloud->domain->spacing;
+  const PetscReal spray_path   = SPRAY_SHARE * stepper->trial.displacement * cloud->domain->spacing;
   StepBounds      bounds       = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
 
   if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
   if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
   if (stepper->ops.bound)
     bounds.speed = PetscMin(bounds.speed, stepper->ops.bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
-  if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
+  if (extreme[STRONGEST] > 0) bounds.force = FORCE_LIMIT * PetscSqrtReal(h / extreme[STRONGEST]);
   BoundByViscosities(stepper, extreme[THICKEST], &bounds);
   if (TensionReach(stepper->tension) > 0 && SceneHasTension(cloud->scene))
     bounds.tension = limits->capillary_limit * CapillaryStep(stepper);
@@ -169,7 +156,7 @@ static PetscReal ChooseStep(Stepper stepper, const StepState *state)
        which must use the steps of the run: the noise of the pressure depends on them. */
     if ((state->previous_time_step == 0 || stepper->relaxing) && velocity > 0)
       step = PetscMin(step, limits->cfl * h / velocity);
-    if (state->previous_time_step > 0) step = PetscMin(step, limits->growth * state->previous_time_step);
+    if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
     if (limits->max > 0) step = PetscMin(step, limits->max);
   }
   stepper->viscous.implicit = ImplicitPays(&stepper->viscous, bounds, step);

@@ -314,7 +314,6 @@ PetscErrorCode TensionCreate_CahnHilliard(Tension tension)
 {
   PetscFunctionBegin;
   tension->setfromoptions = SetFromOptions;
-  tension->setadvanced    = NULL;
   tension->setup          = TabulateWall;
   tension->apply          = TensionApply_CahnHilliard;
   PetscFunctionReturn(PETSC_SUCCESS);

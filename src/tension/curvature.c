@@ -20,10 +20,14 @@
 #include "../base/simd.h"
 #include "tension_impl.h"
 
-/* Options: -tension_threshold, |grad phi| H above which the surface is near and a particle has a normal (0.9 H deep
-   below a flat surface for 0.2); -tension_same_side, n_a . n_b above which two normals belong to the same side of the
-   liquid, so that a sheet's other side is left out; -tension_thinnest, what 1 + s k is at least. No references. */
-
+/* |grad phi| H from which on the surface is near and a particle has a normal; 0.9 H deep below a flat surface. No
+   reference. */
+#define THRESHOLD 0.2
+/* n_a . n_b from which on two normals belong to the same side of the liquid: a sheet's other side is left out. No
+   reference. */
+#define SAME_SIDE 0.2
+/* The least 1 + s k with which a curvature is carried over the depth s to the surface. No reference. */
+#define THINNEST 0.3
 /* A fit needs so many normals, one more than it has coefficients. */
 #define FEWEST_NORMALS (DIM + 2)
 /* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
@@ -217,7 +221,7 @@ static void SumNormals(Tension tension, const Around *around, const PetscReal x[
   const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
-  const PetscReal same_side = tension->same_side, x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
+  const PetscReal same_side = SAME_SIDE, x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
   PetscReal       scale_w, scale_f, inverse_h2;
   float           s[ROOM];
   Neighbors       near;
@@ -315,7 +319,7 @@ static void PrepareFit(Tension tension, const Moments *m, NormalFit *fit)
  */
 static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth)
 {
-  return k1 / PetscMax(1 + depth * k1, tension->thinnest) + k2 / PetscMax(1 + depth * k2, tension->thinnest);
+  return k1 / PetscMax(1 + depth * k1, THINNEST) + k2 / PetscMax(1 + depth * k2, THINNEST);
 }
 
 /* The slope of n_r on the line through the axis that fits the normals around a particle at r (m), 1/m. */
@@ -437,7 +441,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
     tension->size = CloudSize(cloud, a);
     if (!TensionNear(tension, cloud, level, a)) continue;
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
-    SumMirrored(tension, &around, a, x, tension->threshold / (V * H * tension->size), &phi, g);
+    SumMirrored(tension, &around, a, x, THRESHOLD / (V * H * tension->size), &phi, g);
     length = Norm(g);
     if (slope) {
       share[a] = SheetShare(tension, V * phi, V * length);
@@ -445,7 +449,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
         Sigma(tension, cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
     }
     if (slope && tension->rings && !LooseHas(tension, a)) SheetHoop(tension, cloud, a, slope[a], V * phi);
-    if (V * length * H * tension->size < tension->threshold) continue;
+    if (V * length * H * tension->size < THRESHOLD) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
     depth[a] = tension->size * FlatDepth(tension, V * phi);
   }
@@ -647,25 +651,10 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetAdvancedFromOptions(Tension tension, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-tension_threshold", "|grad phi| H above which a particle is near the surface (1)", "(0, 1)",
-                       &tension->threshold));
-  PetscCall(OptionReal("-tension_same_side",
-                       "cosine between two normals above which they belong to one side of the liquid (1)", "(-1, 1)",
-                       &tension->same_side));
-  PetscCall(OptionReal("-tension_thinnest",
-                       "least 1 + s k when a curvature k is carried over the depth s to the surface (1)", "(0, 1]",
-                       &tension->thinnest));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode TensionCreate_Curvature(Tension tension)
 {
   PetscFunctionBegin;
   tension->setfromoptions = SetFromOptions;
-  tension->setadvanced    = SetAdvancedFromOptions;
   tension->setup          = CurvatureSetUp;
   tension->apply          = TensionApply_Curvature;
   tension->step_limit     = STEP_LIMIT;

@@ -16,9 +16,9 @@ static PetscErrorCode TensionFinalizePackage(void)
 static PetscErrorCode TensionCreate_None(Tension tension)
 {
   PetscFunctionBegin;
-  tension->setfromoptions = tension->setadvanced = NULL;
-  tension->setup                                 = NULL;
-  tension->apply                                 = NULL;
+  tension->setfromoptions = NULL;
+  tension->setup          = NULL;
+  tension->apply          = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,9 +56,6 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->band        = 1;
   t->sharpening  = 2;
   t->sheets      = PETSC_TRUE;
-  t->threshold   = 0.2;
-  t->same_side   = 0.2;
-  t->thinnest    = 0.3;
   do {
     t->largest[t->levels] = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
@@ -88,12 +85,6 @@ static PetscErrorCode ReadModel(void *object, const char type[])
     PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
     PetscOptionsBegin(tension->comm, NULL, title, "Tension");
     PetscCall(tension->setfromoptions(tension, PetscOptionsObject));
-    PetscOptionsEnd();
-  }
-  if (tension->setadvanced) {
-    PetscCall(PetscSNPrintf(title, sizeof(title), "Advanced: surface tension with -tension_type %s", type));
-    PetscOptionsBegin(tension->comm, NULL, title, "Tension");
-    PetscCall(tension->setadvanced(tension, PetscOptionsObject));
     PetscOptionsEnd();
   }
   PetscFunctionReturn(PETSC_SUCCESS);

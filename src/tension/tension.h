@@ -32,8 +32,8 @@ PetscReal TensionReach(Tension tension);
 /* TensionOnSurface - whether there is tension and all of it acts as FIELD_CAPILLARY on the free surface, see
    TensionApply. Not collective. */
 PetscBool TensionOnSurface(Tension tension);
-/* TensionStepLimit - the default of -time_capillary_limit in a scheme with forces at the middle of the step. Not
-   collective. */
+/* TensionStepLimit - largest time step over sqrt(rho h^3/(2 pi sigma)) in a scheme with forces at the middle of the
+   step. Not collective. */
 PetscReal TensionStepLimit(Tension tension);
 /* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to
    FIELD_ACCELERATION or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero

@@ -75,9 +75,8 @@ struct _p_Tension {
   PetscReal size, size_most; /* of the particle whose sums are made, 1; largest of all */
   char      type[64];
   PetscReal step_limit; /* see TensionStepLimit */
-  /* Of the model: its options, those of the advanced group, its tables, and what TensionApply does. May be NULL. */
+  /* Of the model: its options, its tables, and what TensionApply does. May be NULL. */
   PetscErrorCode (*setfromoptions)(Tension, OptionItems);
-  PetscErrorCode (*setadvanced)(Tension, OptionItems);
   PetscErrorCode (*setup)(Tension);
   PetscErrorCode (*apply)(Tension, Cloud);
 
@@ -96,14 +95,13 @@ struct _p_Tension {
   CellMask  near;              /* cahn_hilliard: where it is evaluated */
   PetscBool summed;            /* cahn_hilliard: the summed density, not that at rest */
 
-  PetscBool    sheets;                         /* curvature: sheet.c is used */
-  PetscReal    slender;                        /* of rings: see loose.c */
-  PetscBool   *loose;                          /* [n_owned] of rings: part of a row of drops; else NULL */
-  PetscReal    sharpening;                     /* of the curvature */
-  PetscReal    threshold, same_side, thinnest; /* see curvature.c */
-  FaceType     face[DIM][2];                   /* of the box */
-  ContactAngle contact[DIM][2];                /* of its walls */
-  PetscBool    interface;                      /* the scene has two liquids that do not mix */
+  PetscBool    sheets;          /* curvature: sheet.c is used */
+  PetscReal    slender;         /* of rings: see loose.c */
+  PetscBool   *loose;           /* [n_owned] of rings: part of a row of drops; else NULL */
+  PetscReal    sharpening;      /* of the curvature */
+  FaceType     face[DIM][2];    /* of the box */
+  ContactAngle contact[DIM][2]; /* of its walls */
+  PetscBool    interface;       /* the scene has two liquids that do not mix */
   /* curvature: of two liquids, the one whose surface is looked at (see interface.c): bits of LiquidSort, 0 where
      liquids mix; its part of the tension, N/m; [n_total] bits */
   PetscInt       phase;
@@ -125,7 +123,7 @@ struct _p_Tension {
 };
 
 /* A particle has a normal only within SURFACE_REACH H of a surface particle. Below a flat surface |grad phi| H falls
-   below the default threshold 0.9 H deep. Where two surfaces meet, particles between them have a normal from further
+   below THRESHOLD 0.9 H deep. Where two surfaces meet, particles between them have a normal from further
    away: of those that a wider search finds, one in a hundred at most and none beyond 1.35 H. */
 #define SURFACE_REACH 1.35
 static inline PetscReal TensionSurfaceReach(Tension tension)

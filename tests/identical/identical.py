@@ -45,8 +45,6 @@ SCENES = {
     "free body": ("-options_file cases/floating_box/case.opts -spacing 0.02 -water_viscosity 0.001", (1, 2), 60),
     "free body, implicit": ("-options_file cases/floating_box/case.opts -spacing 0.02 -water_viscosity 100", (2,), 30),
     "moving solids": ("-options_file cases/stirred_tank/case.opts", (2,), 40),
-    "swinging wall": ("-options_file cases/dam_break/case.opts -box_xmin_velocity_amplitude 0,0.1 "
-                      "-box_xmin_velocity_frequency 5", (1,), 60),
     "sticking line": ("-options_file cases/contact_angle/incline.opts -spacing 0.2e-3", (1,), 40),
     "emitter, implicit": ("-options_file cases/honey/case.opts", (2,), 40),
     "rings": ("-options_file cases/drop_impact/axisymmetric.opts -spacing 0.4e-3", (2,), 60),

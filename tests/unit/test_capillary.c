@@ -92,8 +92,6 @@ int main(int argc, char **argv)
   PetscCall(LogRegister());
   PetscCall(TestFloor());
   PetscCall(TestOption("9,5", "-tension_sharpening 1", "-tension_sharpening 3"));
-  PetscCall(TestOption("9,2.5", "-tension_same_side 0.9", "-tension_same_side 0.2"));
-  PetscCall(TestOption("9,5", "-tension_threshold 0.4", "-tension_threshold 0.2"));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
