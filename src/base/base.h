@@ -231,6 +231,38 @@ PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[],
 PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],
                              const char interval[], const char function[], PetscInt *value);
 
+/* A row of a table of options that a struct is read from: the option, what it means, its interval (NULL: any number),
+   and where its value lies in the struct. The last row has no name. */
+typedef enum {
+  ROW_REAL,      /* PetscReal */
+  ROW_INT,       /* PetscInt */
+  ROW_BOOL,      /* PetscBool */
+  ROW_NUMBERS,   /* OptionNumbers */
+  ROW_FILE,      /* OptionFile */
+  ROW_POINT,     /* PetscReal [3], like the next two read by what knows the dimension */
+  ROW_DIRECTION, /* PetscReal [3], no third component in two dimensions */
+  ROW_AXIS,      /* PetscReal [3], a unit vector from x, y, z or any vector; in two dimensions in the plane */
+  ROW_NORMAL     /* the same; in two dimensions also along z */
+} OptionKind;
+typedef struct {
+  const char *name, *text, *interval;
+  OptionKind  kind;
+  size_t      offset; /* bytes */
+} OptionRow;
+/* OptionNumbers - as many numbers as were given, 0 without the option, one more than any option has at most.
+   OptionFile - a file and a checksum of what was read from it. */
+typedef struct {
+  PetscReal value[10];
+  PetscInt  count;
+} OptionNumbers;
+typedef struct {
+  char               path[PETSC_MAX_PATH_LEN];
+  unsigned long long checksum;
+} OptionFile;
+/* OptionReadRow - reads an option of a table into a struct, whose value is the default; refuses (UserError) a number
+   that is not finite or outside its interval. Inside a PetscOptionsBegin block. Collective. */
+PetscErrorCode OptionReadRow(OptionItems PetscOptionsObject, const OptionRow *row, const char function[], void *data);
+
 /* WordDistance - Damerau-Levenshtein distance of two words (optimal string alignment): the number of letters to insert,
    delete, replace or swap with the next one. Only the first 128 letters of b count. WordsAlike - the distance up to
    which a misspelt name is taken for this one. OptionMeant - " (is -nmae meant for it?)" if an option that nothing has
@@ -246,6 +278,17 @@ static inline unsigned long long SplitMix64(unsigned long long z)
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
   return z ^ (z >> 31);
+}
+
+/* HashBytes - the hash FNV-1a of 64 bits (Fowler, Noll, Vo; http://www.isthe.com/chongo/tech/comp/fnv), continued with
+   so many bytes; it begins with HASH_START. Not collective. */
+#define HASH_START 0xCBF29CE484222325ULL
+static inline unsigned long long HashBytes(unsigned long long hash, const void *data, size_t size)
+{
+  const unsigned char *bytes = (const unsigned char *)data;
+
+  for (size_t k = 0; k < size; k++) hash = (hash ^ bytes[k]) * 0x100000001B3ULL;
+  return hash;
 }
 
 /* RandomUnit - a uniform random number in [0,1) from a seed and a counter, independent of the number of ranks. Not

@@ -1,4 +1,4 @@
-/* Numerical options with an interval of allowed values. */
+/* Numerical options with an interval of allowed values, and tables of options. */
 #include "base.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,5 +67,53 @@ PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], 
   PetscCall(PetscOptionsInt(name, help, function, *value, value, &set));
   PetscCheckUser(!set || Inside(interval, (PetscReal)*value), PetscOptionsObject->comm,
                  "-%s%s is %" PetscInt_FMT "; it must lie in %s", prefix, name + 1, *value, interval);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNumbers(OptionItems PetscOptionsObject, const OptionRow *row, const char function[],
+                                  OptionNumbers *numbers)
+{
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+
+  PetscFunctionBegin;
+  numbers->count = PETSC_STATIC_ARRAY_LENGTH(numbers->value);
+  PetscCall(PetscOptionsRealArray(row->name, row->text, function, numbers->value, &numbers->count, NULL));
+  for (PetscInt k = 0; k < numbers->count; k++)
+    PetscCheckUser(!PetscIsInfOrNanReal(numbers->value[k]), PetscOptionsObject->comm, "-%s%s must have finite numbers",
+                   prefix, row->name + 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReadRow(OptionItems PetscOptionsObject, const OptionRow *row, const char function[], void *data)
+{
+  const char *name = row->name, *text = row->text;
+  void       *value = (char *)data + row->offset;
+  PetscReal  *real  = (PetscReal *)value;
+  PetscBool  *flag  = (PetscBool *)value;
+  OptionFile *file  = (OptionFile *)value;
+
+  PetscFunctionBegin;
+  switch (row->kind) {
+  case ROW_REAL:
+    if (row->interval)
+      PetscCall(OptionReadReal(PetscOptionsObject, name, text, row->interval, function, real));
+    else
+      PetscCall(PetscOptionsReal(name, text, function, *real, real, NULL));
+    break;
+  case ROW_INT:
+    PetscCall(OptionReadInt(PetscOptionsObject, name, text, row->interval, function, (PetscInt *)value));
+    break;
+  case ROW_BOOL:
+    PetscCall(PetscOptionsBool(name, text, function, *flag, flag, NULL));
+    break;
+  case ROW_NUMBERS:
+    PetscCall(ReadNumbers(PetscOptionsObject, row, function, (OptionNumbers *)value));
+    break;
+  case ROW_FILE:
+    PetscCall(PetscOptionsString(name, text, function, file->path, file->path, sizeof(file->path), NULL));
+    break;
+  default:
+    SETERRQ(PetscOptionsObject->comm, PETSC_ERR_PLIB, "%s has no kind that is read here", name);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

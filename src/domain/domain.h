@@ -79,6 +79,12 @@ typedef enum { VECTOR_POINT, VECTOR_DIRECTION } VectorKind;
 PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
                                    const char help[], const char manual[], PetscReal value[DIM], PetscBool *set);
 
+/* DomainReadOptions - reads the options of a table into a struct inside an options block; function: the one that -help
+   names. Refuses (UserError) what OptionReadRow and DomainOptionsVector do, and directions that are none. Collective.
+ */
+PetscErrorCode DomainReadOptions(Domain domain, OptionItems PetscOptionsObject, const OptionRow rows[],
+                                 const char function[], void *data);
+
 /* DomainRingLength - the length 2 pi R (m) of a ring of this size (1) at x (m), which may be an image; 1 without rings.
    R is the distance from the axis r. If r is less than half the ring's spacing, R is the mean of r and half the
    spacing: this is the mean radius at which the pairs of that ring act (see DomainPairLength, images at -r). Then the

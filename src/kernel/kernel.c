@@ -116,6 +116,11 @@ PetscErrorCode KernelDestroy(Kernel *kernel)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const char *KernelType(Kernel kernel)
+{
+  return kernel->type;
+}
+
 PetscReal KernelSmoothingLength(Kernel kernel)
 {
   return kernel->h;

@@ -36,11 +36,12 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing);
 PetscErrorCode KernelView(Kernel kernel, PetscViewer viewer);
 PetscErrorCode KernelDestroy(Kernel *kernel);
 
-/* KernelSmoothingLength - h (m). KernelSupport - the radius of support (m). KernelSelf - W(0) (m^-dim). Not
-   collective. */
-PetscReal KernelSmoothingLength(Kernel kernel);
-PetscReal KernelSupport(Kernel kernel);
-PetscReal KernelSelf(Kernel kernel);
+/* KernelType - the name of -kernel_type. KernelSmoothingLength - h (m). KernelSupport - the radius of support (m).
+   KernelSelf - W(0) (m^-dim). Not collective. */
+const char *KernelType(Kernel kernel);
+PetscReal   KernelSmoothingLength(Kernel kernel);
+PetscReal   KernelSupport(Kernel kernel);
+PetscReal   KernelSelf(Kernel kernel);
 /* KernelEvaluate - for k < n: W[k] = W(r_k) (m^-dim) and F[k] = W'(r_k)/r_k (m^-dim-2), so that grad_a W_ab = F r_ab;
    r2[k] = r_k^2 (m^2). W or F may be NULL. Not collective. */
 void KernelEvaluate(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal W[], PetscReal F[]);

@@ -46,6 +46,20 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode CloudIdentity(Cloud cloud, char **text)
+{
+  size_t length;
+  FILE  *stream = open_memstream(text, &length);
+
+  PetscFunctionBegin;
+  PetscCheck(stream, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep a text");
+  PetscCall(SceneIdentity(cloud->scene, stream));
+  fprintf(stream, "-kernel_type = %s\n-kernel_ratio = %.12g\n", KernelType(cloud->kernel),
+          (double)(KernelSmoothingLength(cloud->kernel) / cloud->domain->spacing));
+  PetscCheck(!fclose(stream), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep a text");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode CloudDestroy(Cloud *cloud)
 {
   Cloud c = *cloud;

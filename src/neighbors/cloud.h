@@ -80,6 +80,9 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
 /* CloudSetFromOptions - -halo_slack (in spacings), -sort_interval. Collective. */
 PetscErrorCode CloudSetFromOptions(Cloud cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
+/* CloudIdentity - the lines of SceneIdentity and the same of the kernel: what a checkpoint and a packing must have been
+   made for to be used; to be freed with free(). Not collective, the same on every rank. */
+PetscErrorCode CloudIdentity(Cloud cloud, char **text);
 
 /* CloudResync - canonical state from the swarm: partition, migrate, sort, load, halo, neighbours. What happens
    afterwards depends on the stored fields only, so a run continued from a checkpoint written right after this equals

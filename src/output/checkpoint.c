@@ -1,13 +1,15 @@
 /* Checkpoints: all stored fields in the swarm's order, the state of the stepper and of this class; sealed by a
  * checksum. */
 #include "output_impl.h"
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
 #define CHECKPOINT_VERSION 4
 #define FREE_BODIES        "free_bodies"
-#define HEAD_TEXT          65536 /* room for a text: the most that HDF5 keeps in an attribute */
+#define SCENE              "scene_identity" /* "scene" in files before: other lines, not to be compared with */
+#define HEAD_TEXT          65536            /* room for a text: the most that HDF5 keeps in an attribute */
 
 /* The head of the file: real and whole numbers, by name. */
 #define HEAD_REALS(X)                                                                                                  \
@@ -108,7 +110,7 @@ static void HeadPut(H5File *h5, const Head *head, const char scene[], const char
   H5FilePutText(h5, "format", CHECKPOINT_FORMAT);
   H5FilePutInt(h5, "format_version", CHECKPOINT_VERSION);
   H5FilePutText(h5, "version", ISPH_VERSION);
-  H5FilePutText(h5, "scene", scene);
+  H5FilePutText(h5, SCENE, scene);
   H5FilePutText(h5, "options", options);
   for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) H5FilePutReal(h5, real_names[k], 1, &head->real[k]);
   for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
@@ -235,9 +237,9 @@ static PetscErrorCode Write(Output output, const StepState *state, const char na
   PetscCall(OutputPath(output, name, path));
   PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
   PetscCall(H5FileCreate(output->comm, path, &h5));
-  PetscCall(RestartSceneText(output, &scene));
+  PetscCall(CloudIdentity(output->cloud, &scene));
   HeadPut(&h5, &head, scene, output->options ? output->options : "");
-  PetscCall(PetscFree(scene));
+  free(scene);
   PetscCall(FieldsPut(output, &h5, &arrays, rows));
   PetscCall(FreeBodies(output, &h5, PETSC_TRUE, &good));
   PetscCall(H5FileClose(&h5, &failed));
@@ -320,7 +322,7 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *t
   else if (H5FileGetInt(&h5, "format_version", &version) && version != CHECKPOINT_VERSION)
     *verdict = FILE_OTHER_VERSION;
   else if (HeadRead(&h5, head) && seal == SEAL_GOOD) {
-    (void)H5FileGetText(&h5, "scene", texts->scene, HEAD_TEXT);
+    (void)H5FileGetText(&h5, SCENE, texts->scene, HEAD_TEXT);
     (void)H5FileGetText(&h5, "options", texts->options, HEAD_TEXT);
     *verdict = FILE_GOOD;
   }

@@ -124,12 +124,10 @@ PetscErrorCode FolderStands(Output output);
 PetscErrorCode DescribeRun(Output output, PetscBool same);
 
 /* --- restart_scene.c: what a scene and the scene of a checkpoint must have in common --- */
-/* RestartSceneText - the description of the scene, lines of text to be freed, the same on every rank. Not collective.
-   RestartSceneCheck - refuses (UserError) a checkpoint whose description, known on rank 0, is another one, and names
-   what differs; an empty one is of an older version and taken, with a line that says so. Collective.
+/* RestartSceneCheck - refuses (UserError) a checkpoint whose lines of CloudIdentity, known on rank 0, are others, and
+   names what differs; an empty one is of an older version and taken, with a line that says so. Collective.
    RestartOptionsSay - prints which options are others than those stored (known on rank 0; lines as of OutputOptions),
    and which of them cannot act because the particles are those of the checkpoint. Collective. */
-PetscErrorCode RestartSceneText(Output output, char **text);
 PetscErrorCode RestartSceneCheck(Output output, const char file[], const char stored[]);
 PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 

@@ -2,57 +2,14 @@
 #include "../storage/storage.h"
 #include "packing_impl.h"
 #include <ctype.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #define STRAY         2 /* spacings: a negative -wall_guard lets liquid one behind a wall */
-#define CACHE_VERSION 4 /* raise it when the same options give another packing, or the files another content */
-/* The hash is FNV-1a of 64 bits (Fowler, Noll, Vo; http://www.isthe.com/chongo/tech/comp/fnv). */
-#define HASH_START 0xCBF29CE484222325ULL
-#define HASH_PRIME 0x100000001B3ULL
-
-static void HashBytes(unsigned long long *hash, const void *data, size_t size)
-{
-  const unsigned char *bytes = (const unsigned char *)data;
-
-  for (size_t k = 0; k < size; k++) *hash = (*hash ^ bytes[k]) * HASH_PRIME;
-}
-
-static void HashReal(unsigned long long *hash, PetscReal value)
-{
-  const PetscReal number = value + 0.0; /* -0 and 0 alike */
-
-  HashBytes(hash, &number, sizeof(number));
-}
-
-/* A shape, whatever its options are called: its signed distance on a lattice of about the spacing over its bounds. */
-static void HashBody(unsigned long long *hash, Domain domain, Body body)
-{
-  PetscReal lower[DIM], upper[DIM];
-  PetscInt  n[DIM];
-
-  BodyBounds(body, lower, upper);
-  for (PetscInt d = 0; d < DIM; d++) {
-    n[d] = d < domain->dim ? (PetscInt)PetscCeilReal((upper[d] - lower[d]) / domain->spacing) + 1 : 1;
-    HashReal(hash, lower[d]);
-    HashReal(hash, upper[d]);
-  }
-  for (PetscInt layer = 0; layer < n[2]; layer++)
-    for (PetscInt c = 0; c < n[0] * n[1]; c++) {
-      const PetscInt at[DIM] = {c % n[0], c / n[0], layer};
-      PetscReal      x[DIM]  = {0, 0, 0};
-
-      for (PetscInt d = 0; d < domain->dim; d++) x[d] = lower[d] + (at[d] + 0.5) * (upper[d] - lower[d]) / n[d];
-      HashReal(hash, BodyDistance(body, x));
-    }
-}
-
-void HashText(unsigned long long *hash, const char text[])
-{
-  HashBytes(hash, text, strlen(text));
-}
+#define CACHE_VERSION 5 /* raise it when the same options give another packing, or the files another content */
 
 /* The options of TAO, which PETSc reads: names and values as they were given. */
-static PetscErrorCode HashTao(unsigned long long *hash)
+static PetscErrorCode AddTao(unsigned long long *hash)
 {
   const char prefix[] = "-packing_tao_";
   char      *all, **word;
@@ -65,47 +22,32 @@ static PetscErrorCode HashTao(unsigned long long *hash)
   for (int k = 0; k < words; k++) {
     if (word[k][0] == '-' && isalpha((unsigned char)word[k][1]))
       ours = (PetscBool)(strncmp(word[k], prefix, sizeof(prefix) - 1) == 0);
-    if (ours) HashText(hash, word[k]);
+    if (ours) *hash = HashBytes(*hash, word[k], strlen(word[k]) + 1);
   }
   PetscCall(PetscStrToArrayDestroy(words, word));
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash)
+PetscErrorCode PackingHash(Packing packing, const char how[], unsigned long long *hash)
 {
-  const Domain domain = packing->cloud->domain;
-  const Kernel kernel = packing->cloud->kernel;
-  PetscReal    r2[2], W[2]; /* two values tell one kernel from another */
+  const PetscInt key[] = {CACHE_VERSION, packing->seed};
+  char          *text;
 
   PetscFunctionBegin;
-  *hash = HASH_START;
-  HashReal(hash, CACHE_VERSION);
-  HashReal(hash, domain->dim);
-  HashReal(hash, domain->spacing);
-  for (PetscInt d = 0; d < DIM; d++) {
-    HashReal(hash, domain->lower[d]);
-    HashReal(hash, domain->upper[d]);
-    for (PetscInt side = 0; side < 2; side++) HashReal(hash, domain->face[d][side]);
+  PetscCall(CloudIdentity(packing->cloud, &text));
+  *hash = HashBytes(HASH_START, key, sizeof(key));
+  *hash = HashBytes(*hash, packing->type, strlen(packing->type) + 1);
+  *hash = HashBytes(*hash, text, strlen(text) + 1);
+  *hash = HashBytes(*hash, how, strlen(how) + 1);
+  free(text);
+  for (PetscInt k = 0; k < packing->graded_count[0]; k++) { /* -fine and the growth of the spacing are in these */
+    const Sample *sample = &packing->graded[0][k];
+
+    *hash = HashBytes(*hash, sample->x, sizeof(sample->x));
+    *hash = HashBytes(*hash, &sample->area, sizeof(sample->area));
   }
-  r2[0] = 0;
-  r2[1] = PetscSqr(KernelSmoothingLength(kernel));
-  KernelEvaluate(kernel, 2, r2, W, NULL);
-  HashReal(hash, KernelSupport(kernel));
-  HashReal(hash, W[0]);
-  HashReal(hash, W[1]);
-  for (PetscInt k = 0; k < packing->graded_count[0]; k++) { /* the sizes of graded particles */
-    HashReal(hash, packing->graded[0][k].area);
-    for (PetscInt d = 0; d < domain->dim; d++) HashReal(hash, packing->graded[0][k].x[d]);
-  }
-  HashBytes(hash, packing->type, strlen(packing->type));
-  HashReal(hash, packing->seed);
-  PetscCall(HashTao(hash));
-  for (PetscInt k = 0; k < n; k++) HashReal(hash, numbers[k]);
-  for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++)
-    HashBody(hash, domain, SceneBody(packing->cloud->scene, b));
-  for (PetscInt b = 0; b < SceneSolidCount(packing->cloud->scene); b++)
-    HashBody(hash, domain, SceneSolid(packing->cloud->scene, b));
+  PetscCall(AddTao(hash));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

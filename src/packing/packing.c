@@ -179,14 +179,6 @@ static PetscErrorCode SetVelocities(Packing packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RelaxedHash(Packing packing, const char how[], unsigned long long *hash)
-{
-  PetscFunctionBegin;
-  PetscCall(PackingHash(packing, 0, NULL, hash));
-  HashText(hash, how);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Whether the n particles of a file are the liquid of the swarm, by ids and bodies. Collective. */
 static PetscErrorCode SameLiquid(Packing packing, const ParticleArrays *arrays, PetscInt n, const PetscInt body[],
                                  PetscBool *same)
@@ -211,7 +203,7 @@ PetscErrorCode PackingFindRelaxed(Packing packing, const char how[], PetscBool *
   PetscReal         *x = NULL;
 
   PetscFunctionBegin;
-  PetscCall(RelaxedHash(packing, how, &hash));
+  PetscCall(PackingHash(packing, how, &hash));
   if (packing->cache[0]) PetscCall(CacheRead(cloud, packing->cache, hash, &n, &x, &body));
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   PetscCall(SameLiquid(packing, &arrays, n, body, found));
@@ -230,7 +222,7 @@ PetscErrorCode PackingKeepRelaxed(Packing packing, const char how[])
 
   PetscFunctionBegin;
   if (!packing->cache[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(RelaxedHash(packing, how, &hash));
+  PetscCall(PackingHash(packing, how, &hash));
   PetscCall(CacheWrite(packing->cloud->particles, packing->cloud->comm, packing->cache, hash, packing->count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

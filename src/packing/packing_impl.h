@@ -166,11 +166,9 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target);
    everywhere. */
 PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body);
 
-/* PackingHash - 64 bits of everything that determines a packing: box, kernel, shapes, and the 'n' numbers of the type.
+/* PackingHash - 64 bits of everything that determines a packing: the identity of its cloud and a text, how it is made.
    Not collective. */
-PetscErrorCode PackingHash(Packing packing, PetscInt n, const PetscReal numbers[], unsigned long long *hash);
-/* HashText - the hash continued with a text. Not collective. */
-void HashText(unsigned long long *hash, const char text[]);
+PetscErrorCode PackingHash(Packing packing, const char how[], unsigned long long *hash);
 /* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash for the scene of the cloud; n = 0 if
    there is no file whose contents are those of a packing. The caller frees by PetscFree. Collective. */
 PetscErrorCode CacheRead(Cloud cloud, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,

@@ -29,15 +29,16 @@ static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscO
 
 static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
 {
-  Poisson        *p         = (Poisson *)packing->data;
-  const PetscReal numbers[] = {p->distance, p->tolerance};
-  const MPI_Comm  comm      = packing->cloud->comm;
-  PetscErrorCode  bad       = PETSC_SUCCESS;
-  PetscMPIInt     rank;
+  Poisson       *p    = (Poisson *)packing->data;
+  const MPI_Comm comm = packing->cloud->comm;
+  PetscErrorCode bad  = PETSC_SUCCESS;
+  PetscMPIInt    rank;
+  char           how[64];
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCall(PackingHash(packing, PETSC_STATIC_ARRAY_LENGTH(numbers), numbers, &p->hash));
+  (void)snprintf(how, sizeof(how), "%.12g %.12g", (double)p->distance, (double)p->tolerance);
+  PetscCall(PackingHash(packing, how, &p->hash));
   if (packing->cache[0]) PetscCall(CacheRead(packing->cloud, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);

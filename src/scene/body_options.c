@@ -1,8 +1,5 @@
 /* The options of a body: shape, material, velocity, type. */
 #include "scene_impl.h"
-#include <stdlib.h>
-
-static const char *const AxisNames[DIM] = {"x", "y", "z"};
 
 PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
 {
@@ -12,53 +9,6 @@ PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
   PetscCall(PetscSNPrintf(full, sizeof(full), "-%s%s", body->prefix, option + 1));
   PetscCheckUser(length > 0, body->domain->comm, "%s is missing%s: it must be given (m) and positive", full,
                  OptionMeant(full));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads numbers from a text like "1,0,-2"; count is -1 for any other text. */
-static void ParseNumbers(const char text[], PetscInt most, PetscReal number[], PetscInt *count)
-{
-  char *end;
-
-  for (*count = 0; *count < most; text = end + 1) {
-    number[(*count)++] = (PetscReal)strtod(text, &end);
-    if (end == text || (*end && *end != ',')) *count = -1;
-    if (*count < 0 || !*end) return;
-  }
-  *count = -1;
-}
-
-PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
-                               PetscBool normal_allowed, PetscReal axis[DIM])
-{
-  Domain    domain = body->domain;
-  PetscInt  count, largest = 0;
-  PetscReal v[DIM] = {0, 0, 0}, size;
-  PetscBool found, planar;
-  char      text[SCENE_NAME_LENGTH];
-
-  PetscFunctionBegin;
-  for (PetscInt d = 1; d < DIM; d++) largest = axis[d] > axis[largest] ? d : largest;
-  PetscCall(PetscOptionsString(option, help, "SceneSetFromOptions", AxisNames[largest], text, sizeof(text), &found));
-  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
-  if (text[0] >= 'x' && text[0] <= 'z' && !text[1])
-    v[text[0] - 'x'] = 1;
-  else {
-    ParseNumbers(text, DIM, v, &count);
-    PetscCheckUser(count == domain->dim || count == DIM, domain->comm,
-                   "-%s%s %s is no direction: give x, y, z or %s numbers", body->prefix, option + 1, text,
-                   domain->dim == 2 ? "two or three" : "three");
-  }
-  /* The largest component scales the vector first: the square of 1e-200 would be 0. */
-  size = PetscMax(PetscAbsReal(v[0]), PetscMax(PetscAbsReal(v[1]), PetscAbsReal(v[2])));
-  PetscCheckUser(size > 0 && !PetscIsInfOrNanReal(v[0] + v[1] + v[2]), domain->comm,
-                 "-%s%s %s must be finite and not zero", body->prefix, option + 1, text);
-  for (PetscInt d = 0; d < DIM; d++) v[d] /= size;
-  size   = Norm(v);
-  planar = v[2] == 0 || (normal_allowed && v[0] == 0 && v[1] == 0) ? PETSC_TRUE : PETSC_FALSE;
-  PetscCheckUser(domain->dim == DIM || planar, domain->comm, "-%s%s %s must lie in the plane%s in two dimensions",
-                 body->prefix, option + 1, text, normal_allowed ? " or along z" : "");
-  for (PetscInt d = 0; d < DIM; d++) axis[d] = v[d] / size;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,18 +41,35 @@ static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadMaterial(Body body, OptionItems PetscOptionsObject)
-{
-  Material *m = &body->material;
+static const OptionRow material[] = {
+  {"-density", "Density (kg/m3)", "(0, inf)", ROW_REAL, offsetof(struct _p_Body, material.density)},
+  {"-viscosity",
+   "Dynamic viscosity (Pa s); with -viscosity_model carreau the viscosity at rest, with power_law and herschel_bulkley "
+   "the consistency, Pa s^n",
+   "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.viscosity)},
+  {"-tension", "Surface tension (N/m)", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.tension)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-density", "Density (kg/m3)", "(0, inf)", &m->density));
-  PetscCall(OptionReal("-viscosity",
-                       "Dynamic viscosity (Pa s); with -viscosity_model carreau the viscosity at rest, with power_law "
-                       "and herschel_bulkley the consistency, Pa s^n",
-                       "[0, inf)", &m->viscosity));
-  PetscCall(OptionReal("-tension", "Surface tension (N/m)", "[0, inf)", &m->tension));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static const OptionRow contact[] = {
+  {"-contact_angle",
+   "Contact angle of the free surface on the solid, in the liquid (degrees); 0: the liquid does not wet the solid",
+   "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle)},
+  {"-contact_hysteresis",
+   "Advancing minus receding contact angle (degrees), half of it on either side of -contact_angle: in between contact "
+   "lines stick",
+   "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_hysteresis)},
+  {.name = NULL},
+};
+
+static const OptionRow uniform[] = {
+  {"-velocity", "Uniform part of the initial velocity (m/s)", NULL, ROW_DIRECTION, offsetof(struct _p_Body, uniform)},
+  {.name = NULL},
+};
+
+static PetscErrorCode Read(Body body, OptionItems PetscOptionsObject, const OptionRow rows[], void *data)
+{
+  return DomainReadOptions(body->domain, PetscOptionsObject, rows, "SceneSetFromOptions", data);
 }
 
 static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, PetscFunctionList velocities)
@@ -110,9 +77,7 @@ static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, Pe
   const BodyChoice *choice;
 
   PetscFunctionBegin;
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_DIRECTION, "-velocity",
-                                "Uniform part of the initial velocity (m/s)", "SceneSetFromOptions", body->uniform,
-                                NULL));
+  PetscCall(Read(body, PetscOptionsObject, uniform, body));
   PetscCall(ReadChoice(body, PetscOptionsObject, "-velocity_type", "Initial velocity field, added to the uniform part",
                        "velocity field", velocities, body->velocity_type, &choice));
   body->velocity = (const VelocityOps *)choice;
@@ -144,7 +109,8 @@ static PetscErrorCode ReadOptionsOf(const BodyChoice *choice, Body body, OptionI
   PetscFunctionBegin;
   PetscCall(PetscFree(*data));
   if (choice->size) PetscCall(PetscCalloc(choice->size, data));
-  if (choice->setfromoptions) PetscCall(choice->setfromoptions(body, PetscOptionsObject));
+  if (choice->defaults) choice->defaults(body);
+  PetscCall(Read(body, PetscOptionsObject, choice->options, *data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -173,7 +139,7 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
   PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(Read(body, PetscOptionsObject, material, body));
   PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
   PetscCall(ReadAndSetUp(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
@@ -188,15 +154,7 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
 static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(
-    OptionReal("-contact_angle",
-               "Contact angle of the free surface on the solid, in the liquid (degrees); 0: the liquid does not "
-               "wet the solid",
-               "[0, 180)", &body->contact_angle));
-  PetscCall(OptionReal("-contact_hysteresis",
-                       "Advancing minus receding contact angle (degrees), half of it on either side of -contact_angle: "
-                       "in between contact lines stick",
-                       "[0, 180)", &body->contact_hysteresis));
+  PetscCall(Read(body, PetscOptionsObject, contact, body));
   PetscCheckUser(body->contact_hysteresis == 0 || body->contact_angle > 0, body->domain->comm,
                  "-%scontact_hysteresis needs -%scontact_angle", body->prefix, body->prefix);
   PetscCheckUser(body->contact_hysteresis == 0 ||
@@ -251,7 +209,7 @@ static PetscErrorCode HelpChoices(Body body, PetscFunctionList list, const char 
   PetscCall(PetscFunctionListGet(list, &names, &count));
   for (int k = 0; k < count && names[k]; k++) { /* PETSc counts the end too */
     PetscCall(PetscFunctionListFind(list, names[k], &table));
-    if (!table()->setfromoptions) continue;
+    if (!table()->options) continue;
     PetscCall(PetscSNPrintf(title, sizeof(title), "Body with -%s%s %s", body->prefix, option, names[k]));
     PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
     PetscCall(ReadOptionsOf(table(), body, PetscOptionsObject, data));
@@ -272,7 +230,7 @@ PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
   PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no name of a scene's body has these signs */
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadMaterial(body, PetscOptionsObject));
+  PetscCall(Read(body, PetscOptionsObject, material, body));
   PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
   PetscCall(ReadType(body, PetscOptionsObject, choices->types, &type));

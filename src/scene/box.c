@@ -5,19 +5,20 @@ typedef struct {
   PetscReal lower[DIM], upper[DIM]; /* m */
 } Box;
 
-static PetscErrorCode BoxSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Domain domain = body->domain;
-  Box   *box    = (Box *)body->shape_data;
+static const OptionRow options[] = {
+  {"-lower", "Lower corner of a box (m); default: -box_lower", NULL, ROW_POINT, offsetof(Box, lower)},
+  {"-upper", "Upper corner of a box (m); default: -box_upper", NULL, ROW_POINT, offsetof(Box, upper)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(PetscArraycpy(box->lower, domain->lower, DIM));
-  PetscCall(PetscArraycpy(box->upper, domain->upper, DIM));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower",
-                                "Lower corner of a box (m); default: -box_lower", "ShapeBox", box->lower, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
-                                "Upper corner of a box (m); default: -box_upper", "ShapeBox", box->upper, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void BoxDefaults(Body body)
+{
+  Box *box = (Box *)body->shape_data;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    box->lower[d] = body->domain->lower[d];
+    box->upper[d] = body->domain->upper[d];
+  }
 }
 
 static PetscErrorCode BoxSetUp(Body body)
@@ -60,7 +61,7 @@ static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 
 const BodyChoice *ShapeBox(void)
 {
-  static const ShapeOps ops = {{sizeof(Box), BoxSetFromOptions, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL};
+  static const ShapeOps ops = {{sizeof(Box), options, BoxDefaults, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -10,21 +10,18 @@ typedef struct {
   PetscReal half_height; /* m; PETSC_MAX_REAL: infinite */
 } Cylinder;
 
-static PetscErrorCode CylinderSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Domain    domain   = body->domain;
-  Cylinder *cylinder = (Cylinder *)body->shape_data;
+static const OptionRow options[] = {
+  {"-center", "Center of a cylinder (m)", NULL, ROW_POINT, offsetof(Cylinder, center)},
+  {"-radius", "Radius of a cylinder (m), required", "(0, inf)", ROW_REAL, offsetof(Cylinder, radius)},
+  {"-axis", "Axis of a cylinder: x, y, z or a vector", NULL, ROW_NORMAL, offsetof(Cylinder, axis)},
+  {"-height", "Height of a cylinder, half of it on either side of the center (m); 0: infinite", "[0, inf)", ROW_REAL,
+   offsetof(Cylinder, height)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a cylinder (m)",
-                                "ShapeCylinder", cylinder->center, NULL));
-  PetscCall(OptionReal("-radius", "Radius of a cylinder (m), required", "(0, inf)", &cylinder->radius));
-  cylinder->axis[domain->rings ? 1 : 2] = 1;
-  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a cylinder: x, y, z or a vector", PETSC_TRUE,
-                            cylinder->axis));
-  PetscCall(OptionReal("-height", "Height of a cylinder, half of it on either side of the center (m); 0: infinite",
-                       "[0, inf)", &cylinder->height));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void CylinderDefaults(Body body)
+{
+  ((Cylinder *)body->shape_data)->axis[body->domain->rings ? 1 : 2] = 1;
 }
 
 static PetscErrorCode CylinderSetUp(Body body)
@@ -76,7 +73,7 @@ static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]
 const BodyChoice *ShapeCylinder(void)
 {
   static const ShapeOps ops = {
-    {sizeof(Cylinder), CylinderSetFromOptions, CylinderSetUp}, CylinderDistance, CylinderBounds, NULL, NULL};
+    {sizeof(Cylinder), options, CylinderDefaults, CylinderSetUp}, CylinderDistance, CylinderBounds, NULL, NULL};
 
   return &ops.choice;
 }

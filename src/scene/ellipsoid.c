@@ -6,30 +6,23 @@
 typedef struct {
   PetscReal center[DIM]; /* m */
   PetscReal radii[DIM];  /* m */
-  PetscBool given;       /* -<b>_radii is given */
 } Ellipsoid;
 
-static PetscErrorCode EllipsoidSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Domain     domain    = body->domain;
-  Ellipsoid *ellipsoid = (Ellipsoid *)body->shape_data;
-
-  PetscFunctionBegin;
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of an ellipsoid (m)",
-                                "ShapeEllipsoid", ellipsoid->center, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-radii",
-                                "Radii of an ellipsoid along x, y, z (m), required", "ShapeEllipsoid", ellipsoid->radii,
-                                &ellipsoid->given));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-center", "Center of an ellipsoid (m)", NULL, ROW_POINT, offsetof(Ellipsoid, center)},
+  {"-radii", "Radii of an ellipsoid along x, y, z (m), required", NULL, ROW_POINT, offsetof(Ellipsoid, radii)},
+  {.name = NULL},
+};
 
 static PetscErrorCode EllipsoidSetUp(Body body)
 {
   Domain           domain    = body->domain;
   const Ellipsoid *ellipsoid = (const Ellipsoid *)body->shape_data;
+  PetscBool        given;
 
   PetscFunctionBegin;
-  PetscCheckUser(ellipsoid->given, domain->comm, "-%sradii is missing: the radii of the ellipsoid (m) must be given",
+  PetscCall(PetscOptionsHasName(NULL, body->prefix, "-radii", &given));
+  PetscCheckUser(given, domain->comm, "-%sradii is missing: the radii of the ellipsoid (m) must be given",
                  body->prefix);
   for (PetscInt d = 0; d < domain->dim; d++) {
     PetscCheckUser(ellipsoid->radii[d] > 0, domain->comm, "-%sradii must be positive, not %g m", body->prefix,
@@ -110,7 +103,7 @@ static void EllipsoidBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 const BodyChoice *ShapeEllipsoid(void)
 {
   static const ShapeOps ops = {
-    {sizeof(Ellipsoid), EllipsoidSetFromOptions, EllipsoidSetUp}, EllipsoidDistance, EllipsoidBounds, NULL, NULL};
+    {sizeof(Ellipsoid), options, NULL, EllipsoidSetUp}, EllipsoidDistance, EllipsoidBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -13,7 +13,7 @@ typedef struct {
 
 const BodyChoice *BodyTypeLiquid(void)
 {
-  static const BodyChoice ops = {0, NULL, NULL};
+  static const BodyChoice ops = {0, NULL, NULL, NULL};
 
   return &ops;
 }
@@ -30,25 +30,24 @@ static PetscReal LengthAlong(Body body, PetscReal speed)
   return length;
 }
 
-static PetscErrorCode EmitterSetFromOptions(Body body, OptionItems PetscOptionsObject)
+static const OptionRow options[] = {
+  {"-interval", "Time between fillings of an emitter (s); default: that of a jet without gaps", NULL, ROW_REAL,
+   offsetof(Emitter, interval)},
+  {"-start", "Time of an emitter's first filling (s)", "(-inf, inf)", ROW_REAL, offsetof(Emitter, start)},
+  {"-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", ROW_INT, offsetof(Emitter, count)},
+  {"-nozzle", "Length downstream of an emitter's shape in which the liquid keeps the emitter's velocity (m)",
+   "[0, inf)", ROW_REAL, offsetof(Emitter, nozzle)},
+  {"-modulation", "Amplitude of the oscillation of an emitter's speed, over the speed (1)", "[0, 1)", ROW_REAL,
+   offsetof(Emitter, modulation)},
+  {"-modulation_frequency", "Frequency of that oscillation (Hz)", "[0, inf)", ROW_REAL, offsetof(Emitter, frequency)},
+  {.name = NULL},
+};
+
+static void EmitterDefaults(Body body)
 {
   const PetscReal speed = Norm(body->uniform);
-  Emitter        *e     = (Emitter *)body->emitter;
 
-  PetscFunctionBegin;
-  e->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
-  PetscCall(PetscOptionsReal("-interval",
-                             "Time between fillings of an emitter (s); default: that of a jet without gaps",
-                             "SceneSetFromOptions", e->interval, &e->interval, NULL));
-  PetscCall(OptionReal("-start", "Time of an emitter's first filling (s)", "(-inf, inf)", &e->start));
-  PetscCall(OptionInt("-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", &e->count));
-  PetscCall(OptionReal("-nozzle",
-                       "Length downstream of an emitter's shape in which the liquid keeps the emitter's velocity (m)",
-                       "[0, inf)", &e->nozzle));
-  PetscCall(OptionReal("-modulation", "Amplitude of the oscillation of an emitter's speed, over the speed (1)",
-                       "[0, 1)", &e->modulation));
-  PetscCall(OptionReal("-modulation_frequency", "Frequency of that oscillation (Hz)", "[0, inf)", &e->frequency));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ((Emitter *)body->emitter)->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
 }
 
 static PetscErrorCode EmitterSetUp(Body body)
@@ -75,7 +74,7 @@ static PetscErrorCode EmitterSetUp(Body body)
 
 const BodyChoice *BodyTypeEmitter(void)
 {
-  static const BodyChoice ops = {sizeof(Emitter), EmitterSetFromOptions, EmitterSetUp};
+  static const BodyChoice ops = {sizeof(Emitter), options, EmitterDefaults, EmitterSetUp};
 
   return &ops;
 }

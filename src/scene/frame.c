@@ -3,20 +3,6 @@
    acceleration -2 W x v. */
 #include "scene_impl.h"
 
-PetscErrorCode FrameSetFromOptions(Scene scene, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  scene->frame_rates = DIM + 1;
-  PetscCall(PetscOptionsRealArray("-frame_rotation_rate",
-                                  "Angular velocity vector of the frame of reference (rad/s); in two dimensions one "
-                                  "number is enough",
-                                  "SceneSetFromOptions", scene->frame_rate, &scene->frame_rates, NULL));
-  PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_POINT, "-frame_rotation_center",
-                                "Point on the axis of the frame's rotation (m)", "SceneSetFromOptions",
-                                scene->frame_center, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Whether a vector is parallel to the axis. */
 static PetscBool AlongAxis(Scene scene, const PetscReal g[DIM])
 {
@@ -32,7 +18,7 @@ PetscErrorCode FrameCheck(Scene scene)
   const MPI_Comm comm   = domain->comm;
 
   PetscFunctionBegin;
-  PetscCall(RateCheck(domain, "frame_", scene->frame_rates, scene->frame_rate));
+  PetscCall(RateCheck(domain, "frame_", &scene->frame_given, scene->frame_rate));
   if (!SceneFrameTurns(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheckUser(AlongAxis(scene, scene->gravity) && AlongAxis(scene, scene->amplitude), comm,
                  "-gravity and -gravity_amplitude must be along the axis of -frame_rotation_rate: any other gravity "

@@ -24,41 +24,39 @@ typedef struct {
 } FreeState;
 
 struct _p_Free {
-  PetscReal mass;                    /* kg; kg/m in two dimensions; 0: the solid is not free */
-  PetscBool turns;                   /* the body may rotate */
-  PetscReal given[DIM + 1];          /* -<s>_inertia, kg m2; one number more than allowed, to detect too many */
-  PetscInt  given_count;             /* of these numbers */
-  PetscReal inertia[DIM][DIM];       /* at the start, kg m2 */
-  PetscReal inverse[DIM][DIM];       /* of the inertia at the time of FreeSetTime; 0 if the body may not rotate */
-  PetscBool moves[DIM];              /* the body may move in this direction */
-  PetscReal start[DIM], center[DIM]; /* centre of mass at the start and at the time of FreeSetTime, m */
-  PetscReal volume;                  /* of the shape, m3; m2 in two dimensions */
-  PetscBool frozen;                  /* see SceneFreeze */
-  FreeState now, saved;              /* the present state and that of SceneSave */
+  PetscReal     mass;                    /* kg; kg/m in two dimensions; 0: the solid is not free */
+  PetscBool     turns;                   /* the body may rotate */
+  OptionNumbers given;                   /* -<s>_inertia, kg m2 */
+  PetscReal     inertia[DIM][DIM];       /* at the start, kg m2 */
+  PetscReal     inverse[DIM][DIM];       /* of the inertia at the time of FreeSetTime; 0 if the body may not rotate */
+  PetscBool     moves[DIM];              /* the body may move in this direction */
+  PetscReal     start[DIM], center[DIM]; /* centre of mass at the start and at the time of FreeSetTime, m */
+  PetscReal     volume;                  /* of the shape, m3; m2 in two dimensions */
+  PetscBool     frozen;                  /* see SceneFreeze */
+  FreeState     now, saved;              /* the present state and that of SceneSave */
 };
 
 /* --- options --- */
 
+const OptionRow FreeOptions[] = {
+  {"-mass",
+   "Mass of a solid that liquid and gravity move freely (kg); in two dimensions kg per metre of depth; 0: the solid "
+   "has the motion of its other options",
+   "[0, inf)", ROW_REAL, offsetof(struct _p_Free, mass)},
+  {"-inertia",
+   "Moment of inertia of a solid with a mass about its centre (kg m2): one number, or three about x, y and z; in two "
+   "dimensions one number, per metre of depth; default: that of a constant density",
+   NULL, ROW_NUMBERS, offsetof(struct _p_Free, given)},
+  {"-turns", "A solid with a mass may rotate", NULL, ROW_BOOL, offsetof(struct _p_Free, turns)},
+  {.name = NULL},
+};
+
 PetscErrorCode FreeSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  struct _p_Free *f;
-
   PetscFunctionBegin;
-  PetscCall(PetscNew(&f));
-  body->free     = f;
-  f->turns       = (PetscBool)!body->domain->rings;
-  f->given_count = DIM + 1;
-  PetscCall(OptionReal("-mass",
-                       "Mass of a solid that liquid and gravity move freely (kg); in two dimensions kg per metre of "
-                       "depth; 0: the solid has the motion of its other options",
-                       "[0, inf)", &f->mass));
-  PetscCall(PetscOptionsRealArray("-inertia",
-                                  "Moment of inertia of a solid with a mass about its centre (kg m2): one number, or "
-                                  "three about x, y and z; in two dimensions one number, per metre of depth; default: "
-                                  "that of a constant density",
-                                  "SceneSetFromOptions", f->given, &f->given_count, NULL));
-  PetscCall(
-    PetscOptionsBool("-turns", "A solid with a mass may rotate", "SceneSetFromOptions", f->turns, &f->turns, NULL));
+  PetscCall(PetscNew(&body->free));
+  body->free->turns = (PetscBool)!body->domain->rings;
+  PetscCall(DomainReadOptions(body->domain, PetscOptionsObject, FreeOptions, "SceneSetFromOptions", body->free));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,21 +124,20 @@ static PetscErrorCode SetInertia(Body body, const PetscReal center[DIM])
 {
   const Domain    domain = body->domain;
   struct _p_Free *f      = body->free;
-  const PetscBool one = (PetscBool)(f->given_count == 1), flat = (PetscBool)(domain->dim == 2);
+  const PetscBool one = (PetscBool)(f->given.count == 1), flat = (PetscBool)(domain->dim == 2);
   PetscReal       volume, centroid[DIM], moment[DIM][DIM], trace = 0;
 
   PetscFunctionBegin;
-  PetscCheckUser(f->given_count == 0 || one || (f->given_count == DIM && !flat), domain->comm,
+  PetscCheckUser(f->given.count == 0 || one || (f->given.count == DIM && !flat), domain->comm,
                  "-%sinertia must have %s", body->prefix, flat ? "one number" : "one number or three");
-  for (PetscInt d = 0; d < f->given_count; d++)
-    PetscCheckUser(f->given[d] > 0 && !PetscIsInfOrNanReal(f->given[d]), domain->comm,
-                   "-%sinertia must have positive numbers", body->prefix);
+  for (PetscInt d = 0; d < f->given.count; d++)
+    PetscCheckUser(f->given.value[d] > 0, domain->comm, "-%sinertia must have positive numbers", body->prefix);
   if (!f->turns) PetscFunctionReturn(PETSC_SUCCESS);
   SampleShape(body, center, &volume, centroid, moment);
   for (PetscInt d = 0; d < DIM; d++) trace += moment[d][d];
   for (PetscInt d = 0; d < DIM; d++)
     for (PetscInt e = 0; e < DIM; e++)
-      f->inertia[d][e] = f->given_count ? (d == e ? f->given[one ? 0 : d] : 0)
+      f->inertia[d][e] = f->given.count ? (d == e ? f->given.value[one ? 0 : d] : 0)
                                         : f->mass / volume * ((d == e ? trace : 0) - moment[d][e]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -153,7 +150,7 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
   PetscReal       centroid[DIM];
 
   PetscFunctionBegin;
-  PetscCheckUser(f->mass > 0 || (f->given_count == 0 && f->turns == !domain->rings), domain->comm,
+  PetscCheckUser(f->mass > 0 || (f->given.count == 0 && f->turns == !domain->rings), domain->comm,
                  "-%sinertia and -%sturns need -%smass: the solid %s is no free body", body->prefix, body->prefix,
                  body->prefix, body->name);
   if (f->mass == 0) {
@@ -161,7 +158,7 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCheckUser(
-    !domain->rings || (!f->turns && f->given_count == 0), domain->comm,
+    !domain->rings || (!f->turns && f->given.count == 0), domain->comm,
     "with -dimension axisymmetric the solid %s can move along the axis only: -%sinertia and -%sturns cannot "
     "be used",
     body->name, body->prefix, body->prefix);
@@ -205,10 +202,10 @@ PetscErrorCode FreeCheck(Body body, PetscReal density)
                    "cannot be at %g m",
                    body->prefix, body->name, (double)lower[d], (double)upper[d], "xyz"[d], (double)(f->start[d]));
   }
-  for (PetscInt d = 0; d < f->given_count; d++)
-    PetscCheckUser(f->given[d] >= RATIO_MIN * scale && f->given[d] <= RATIO_MAX * scale, domain->comm,
+  for (PetscInt d = 0; d < f->given.count; d++)
+    PetscCheckUser(f->given.value[d] >= RATIO_MIN * scale && f->given.value[d] <= RATIO_MAX * scale, domain->comm,
                    "-%sinertia has %g kg m2%s; with this mass and shape it must lie in [%.3g, %.3g]", body->prefix,
-                   (double)f->given[d], flat, (double)(RATIO_MIN * scale), (double)(RATIO_MAX * scale));
+                   (double)f->given.value[d], flat, (double)(RATIO_MIN * scale), (double)(RATIO_MAX * scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,17 +357,6 @@ PetscReal FreeKinetic(Body solid)
 void FreeTurned(Body solid, PetscReal angle[DIM])
 {
   RotationVector(solid->free->now.turn, angle);
-}
-
-void FreeStart(Body solid, PetscReal center[DIM], PetscReal inertia[DIM], PetscBool *turns)
-{
-  const struct _p_Free *f = solid->free;
-
-  *turns = f->turns;
-  for (PetscInt d = 0; d < DIM; d++) {
-    center[d]  = f->start[d];
-    inertia[d] = f->inertia[d][d];
-  }
 }
 
 PetscBool SceneHasFree(Scene scene)

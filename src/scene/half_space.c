@@ -6,18 +6,16 @@ typedef struct {
   PetscReal normal[DIM]; /* unit vector */
 } HalfSpace;
 
-static PetscErrorCode HalfSpaceSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  HalfSpace *half = (HalfSpace *)body->shape_data;
+static const OptionRow options[] = {
+  {"-point", "Point of the surface of a half-space (m)", NULL, ROW_POINT, offsetof(HalfSpace, point)},
+  {"-normal", "Normal of a half-space, out of the liquid: x, y, z or a vector", NULL, ROW_AXIS,
+   offsetof(HalfSpace, normal)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-point",
-                                "Point of the surface of a half-space (m)", "ShapeHalfSpace", half->point, NULL));
-  half->normal[body->domain->dim - 1] = 1;
-  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-normal",
-                            "Normal of a half-space, out of the liquid: x, y, z or a vector", PETSC_FALSE,
-                            half->normal));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void HalfSpaceDefaults(Body body)
+{
+  ((HalfSpace *)body->shape_data)->normal[body->domain->dim - 1] = 1;
 }
 
 static PetscReal HalfSpaceDistance(Body body, const PetscReal x[DIM])
@@ -43,7 +41,7 @@ static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
 const BodyChoice *ShapeHalfSpace(void)
 {
   static const ShapeOps ops = {
-    {sizeof(HalfSpace), HalfSpaceSetFromOptions, NULL}, HalfSpaceDistance, HalfSpaceBounds, NULL, NULL};
+    {sizeof(HalfSpace), options, HalfSpaceDefaults, NULL}, HalfSpaceDistance, HalfSpaceBounds, NULL, NULL};
 
   return &ops.choice;
 }

@@ -21,15 +21,16 @@
 #define TABLE_SAMPLES 16                   /* between two rows of a table, for its largest speed */
 
 struct _p_Motion {
-  PetscReal  velocity[DIM];              /* m/s */
-  PetscReal  amplitude[DIM], w, phase;   /* m, rad/s, rad */
-  PetscReal  rate[DIM + 1], center[DIM]; /* rad/s, m; one number more than allowed, to detect too many */
-  PetscInt   rates;                      /* count of the numbers given */
-  char       file[PETSC_MAX_PATH_LEN];   /* of the table; empty: none */
-  PetscReal  shift[DIM], turn[DIM][DIM]; /* s and R at the time of MotionSetTime */
-  PetscBool  centered;                   /* the centre is given */
-  PetscInt   rows;                       /* of the table */
-  PetscReal *table;                      /* [rows][1 + 3]: time (s), displacement (m) */
+  PetscReal     velocity[DIM];            /* m/s */
+  PetscReal     amplitude[DIM], w, phase; /* m, rad/s, rad */
+  PetscReal     frequency, phase_degrees; /* Hz, degrees */
+  OptionNumbers rate_given;
+  PetscReal     center_given[DIM];          /* m */
+  PetscReal     rate[DIM], center[DIM];     /* rad/s, m */
+  OptionFile    file;                       /* of the table; empty: none */
+  PetscReal     shift[DIM], turn[DIM][DIM]; /* s and R at the time of MotionSetTime */
+  PetscInt      rows;                       /* of the table */
+  PetscReal    *table;                      /* [rows][1 + 3]: time (s), displacement (m) */
 };
 
 /* Displacement (m) and velocity (m/s) at a row of the table. The velocity is the difference of the rows after and
@@ -108,57 +109,46 @@ static void Back(const struct _p_Motion *m, const PetscReal shift[DIM], const Pe
   }
 }
 
+const OptionRow MotionOptions[] = {
+  {"-velocity", "Velocity of the solid (m/s)", NULL, ROW_DIRECTION, offsetof(struct _p_Motion, velocity)},
+  {"-oscillation_amplitude", "Amplitude a of an oscillation a (sin(2 pi f t + phase) - sin(phase)) (m)", NULL,
+   ROW_DIRECTION, offsetof(struct _p_Motion, amplitude)},
+  {"-oscillation_frequency", "Frequency f of that oscillation (Hz)", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Motion, frequency)},
+  {"-oscillation_phase", "Phase of that oscillation (degrees); -90: it starts from rest", "[-360, 360]", ROW_REAL,
+   offsetof(struct _p_Motion, phase_degrees)},
+  {"-rotation_rate", "Angular velocity vector of the solid (rad/s); in two dimensions one number is enough", NULL,
+   ROW_NUMBERS, offsetof(struct _p_Motion, rate_given)},
+  {"-rotation_center",
+   "Point on the axis of the solid's rotation (m), which moves with the solid; for a solid with a mass the centre of "
+   "mass, by default that of its shape",
+   NULL, ROW_POINT, offsetof(struct _p_Motion, center_given)},
+  {"-motion_file",
+   "File of lines t,x,y or t,x,y,z: displacements of the solid (m) at increasing times (s), which a smooth curve "
+   "connects",
+   NULL, ROW_FILE, offsetof(struct _p_Motion, file)},
+  {.name = NULL},
+};
+
 PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
-  Domain            domain = body->domain;
-  struct _p_Motion *m;
-  PetscReal         frequency = 0, phase = 0;
-
   PetscFunctionBegin;
-  PetscCall(PetscNew(&m));
-  body->motion = m;
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, "-velocity",
-                                "Velocity of the solid (m/s)", "SceneSetFromOptions", m->velocity, NULL));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, "-oscillation_amplitude",
-                                "Amplitude a of an oscillation a (sin(2 pi f t + phase) - sin(phase)) (m)",
-                                "SceneSetFromOptions", m->amplitude, NULL));
-  PetscCall(OptionReal("-oscillation_frequency", "Frequency f of that oscillation (Hz)", "[0, inf)", &frequency));
-  PetscCall(OptionReal("-oscillation_phase", "Phase of that oscillation (degrees); -90: it starts from rest",
-                       "[-360, 360]", &phase));
-  m->rates = DIM + 1;
-  PetscCall(PetscOptionsRealArray("-rotation_rate",
-                                  "Angular velocity vector of the solid (rad/s); in two dimensions one number is "
-                                  "enough",
-                                  "SceneSetFromOptions", m->rate, &m->rates, NULL));
-  PetscCall(
-    DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
-                        "Point on the axis of the solid's rotation (m), which moves with the solid; for a solid with a "
-                        "mass the centre of mass, by default that of its shape",
-                        "SceneSetFromOptions", m->center, &m->centered));
-  PetscCall(
-    PetscOptionsString("-motion_file",
-                       "File of lines t,x,y or t,x,y,z: displacements of the solid (m) at increasing times (s), "
-                       "which a smooth curve connects",
-                       "SceneSetFromOptions", m->file, m->file, sizeof(m->file), NULL));
-  m->w     = 2 * PETSC_PI * frequency;
-  m->phase = DEGREE * phase;
+  PetscCall(PetscNew(&body->motion));
+  PetscCall(DomainReadOptions(body->domain, PetscOptionsObject, MotionOptions, "SceneSetFromOptions", body->motion));
   PetscCall(FreeSetFromOptions(body, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, PetscReal rate[DIM + 1])
+PetscErrorCode RateCheck(Domain domain, const char prefix[], const OptionNumbers *given, PetscReal rate[DIM])
 {
   const PetscBool flat = (PetscBool)(domain->dim == 2);
 
   PetscFunctionBegin;
-  PetscCheckUser(count == 0 || count == DIM || (flat && count == 1), domain->comm, "-%srotation_rate must have %s",
-                 prefix, flat ? "one number, or three numbers of which the first two are 0" : "three numbers");
-  if (count == 1) {
-    rate[2] = rate[0];
-    rate[0] = 0;
-  }
-  PetscCheckUser(!PetscIsInfOrNanReal(rate[0] + rate[1] + rate[2]), domain->comm,
-                 "-%srotation_rate must have finite numbers", prefix);
+  PetscCheckUser(given->count == 0 || given->count == DIM || (flat && given->count == 1), domain->comm,
+                 "-%srotation_rate must have %s", prefix,
+                 flat ? "one number, or three numbers of which the first two are 0" : "three numbers");
+  for (PetscInt d = 0; d < DIM; d++) rate[d] = given->count == DIM ? given->value[d] : 0;
+  if (given->count == 1) rate[2] = given->value[0];
   PetscCheckUser(!flat || (rate[0] == 0 && rate[1] == 0), domain->comm,
                  "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,7 +197,7 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
 
   PetscFunctionBegin;
   *bad = -1;
-  if (stat(m->file, &info) || !S_ISREG(info.st_mode) || !(file = fopen(m->file, "r")))
+  if (stat(m->file.path, &info) || !S_ISREG(info.st_mode) || !(file = fopen(m->file.path, "r")))
     PetscFunctionReturn(PETSC_SUCCESS);
   *bad = 0;
   PetscCall(PetscSegBufferCreate((DIM + 1) * sizeof(PetscReal), 64, &rows));
@@ -251,7 +241,8 @@ static PetscErrorCode CheckTable(Body body)
     PetscCheckUser(speed <= SPEED_MAX, body->domain->comm,
                    "-%smotion_file %s: between %g and %g s the solid moves by %g m, with %g m/s; at most %g m/s are "
                    "allowed",
-                   body->prefix, m->file, (double)a[0], (double)b[0], (double)Norm(step), (double)speed, SPEED_MAX);
+                   body->prefix, m->file.path, (double)a[0], (double)b[0], (double)Norm(step), (double)speed,
+                   SPEED_MAX);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -265,24 +256,26 @@ static PetscErrorCode ShareTable(Body body)
   int               bad = 0;
 
   PetscFunctionBegin;
-  if (!m->file[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!m->file.path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (!rank) PetscCall(ReadTable(m, body->domain->dim, &bad));
   PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(&m->rows, 1, MPIU_INT, 0, comm));
-  PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read or is no regular file", body->prefix, m->file);
+  PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read or is no regular file", body->prefix, m->file.path);
   PetscCheckUser(bad == 0, comm,
                  "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, and a later time than the line "
                  "before; the first line may have the names of the columns",
-                 body->prefix, m->file, bad, (int)body->domain->dim + 1, body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
-  PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file);
+                 body->prefix, m->file.path, bad, (int)body->domain->dim + 1,
+                 body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
+  PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file.path);
   if (rank) PetscCall(PetscMalloc1((DIM + 1) * m->rows, &m->table));
   PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)((DIM + 1) * m->rows), MPIU_REAL, 0, comm));
   for (PetscInt k = 0; k < m->rows; k++)
     PetscCheckUser(!body->domain->rings || m->table[(DIM + 1) * k + 1] == 0, comm,
                    "-%smotion_file %s: with -dimension axisymmetric a solid can move along the axis only, so x must be "
                    "0",
-                   body->prefix, m->file);
+                   body->prefix, m->file.path);
+  m->file.checksum = HashBytes(HASH_START, m->table, (DIM + 1) * (size_t)m->rows * sizeof(*m->table));
   PetscCall(CheckTable(body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -300,9 +293,14 @@ PetscErrorCode MotionSetUp(Body body)
 {
   Domain            domain = body->domain;
   struct _p_Motion *m      = body->motion;
+  PetscBool         centered;
 
   PetscFunctionBegin;
-  PetscCall(RateCheck(domain, body->prefix, m->rates, m->rate));
+  m->w     = 2 * PETSC_PI * m->frequency;
+  m->phase = DEGREE * m->phase_degrees;
+  PetscCall(PetscArraycpy(m->center, m->center_given, DIM));
+  PetscCall(PetscOptionsHasName(NULL, body->prefix, "-rotation_center", &centered));
+  PetscCall(RateCheck(domain, body->prefix, &m->rate_given, m->rate));
   PetscCall(ShareTable(body));
   PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
@@ -314,7 +312,7 @@ PetscErrorCode MotionSetUp(Body body)
     "-%smass cannot be used with -%soscillation_amplitude or -%smotion_file: a free body has no prescribed "
     "motion",
     body->prefix, body->prefix, body->prefix);
-  PetscCall(FreeSetUp(body, m->centered, m->center, m->velocity, m->rate));
+  PetscCall(FreeSetUp(body, centered, m->center, m->velocity, m->rate));
   if (!body->free && Norm(m->velocity) == 0 && Norm(m->amplitude) == 0 && Norm(m->rate) == 0 && m->rows == 0)
     PetscCall(MotionDestroy(body));
   else
@@ -351,7 +349,7 @@ PetscErrorCode MotionView(Body body, PetscViewer viewer)
                                    (double)m->amplitude[0], (double)m->amplitude[1], (double)m->amplitude[2],
                                    (double)(m->w / (2 * PETSC_PI)), (double)m->rate[0], (double)m->rate[1],
                                    (double)m->rate[2], (double)m->center[0], (double)m->center[1], (double)m->center[2],
-                                   m->rows ? ", as in " : "", m->file));
+                                   m->rows ? ", as in " : "", m->file.path));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -412,19 +410,6 @@ void SceneMoveSolids(Scene scene, PetscReal time)
 {
   scene->solid_time = time;
   for (PetscInt b = 0; b < scene->solids; b++) MotionSetTime(scene->solid[b], time);
-}
-
-void SceneSolidsAtStart(Scene scene)
-{
-  SceneMoveSolids(scene, 0);
-  for (PetscInt b = 0; b < scene->solids; b++) {
-    struct _p_Motion *m = scene->solid[b]->motion;
-
-    for (PetscInt i = 0; i < DIM && scene->solid[b]->free; i++) {
-      m->shift[i] = 0;
-      for (PetscInt j = 0; j < DIM; j++) m->turn[i][j] = i == j;
-    }
-  }
 }
 
 PetscReal SceneSolidTime(Scene scene)

@@ -65,11 +65,27 @@ typedef struct {
   PetscInt    count;
 } Names;
 
+static const OptionRow options[] = {
+  {"-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part", NULL, ROW_BOOL,
+   offsetof(struct _p_Scene, overlap)},
+  {"-gravity", "Acceleration of gravity (m/s2)", NULL, ROW_DIRECTION, offsetof(struct _p_Scene, gravity)},
+  {"-gravity_amplitude", "Amplitude a of an oscillating part a sin(2 pi f t) of gravity (m/s2): a shaken tank", NULL,
+   ROW_DIRECTION, offsetof(struct _p_Scene, amplitude)},
+  {"-gravity_frequency", "Frequency f of that oscillating part (Hz)", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Scene, angular_frequency)},
+  {"-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Scene, central_rate)},
+  {"-frame_rotation_rate",
+   "Angular velocity vector of the frame of reference (rad/s); in two dimensions one number is enough", NULL,
+   ROW_NUMBERS, offsetof(struct _p_Scene, frame_given)},
+  {"-frame_rotation_center", "Point on the axis of the frame's rotation (m)", NULL, ROW_POINT,
+   offsetof(struct _p_Scene, frame_center)},
+  {.name = NULL},
+};
+
 /* Reads the body forces and the names. */
 static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names *fine)
 {
-  PetscReal frequency = 0;
-
   PetscFunctionBegin;
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
   PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
@@ -80,21 +96,11 @@ static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names
                                     "Names of the regions where the spacing is -spacing, separated by commas; each "
                                     "has a shape like a body; needs -spacing_coarse",
                                     "SceneSetFromOptions", fine->name, &fine->count, NULL));
-  PetscCall(PetscOptionsBool("-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part",
-                             "SceneSetFromOptions", scene->overlap, &scene->overlap, NULL));
-  PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity",
-                                "Acceleration of gravity (m/s2)", "SceneSetFromOptions", scene->gravity, NULL));
-  PetscCall(DomainOptionsVector(scene->domain, PetscOptionsObject, VECTOR_DIRECTION, "-gravity_amplitude",
-                                "Amplitude a of an oscillating part a sin(2 pi f t) of gravity (m/s2): a shaken tank",
-                                "SceneSetFromOptions", scene->amplitude, NULL));
-  PetscCall(OptionReal("-gravity_frequency", "Frequency f of that oscillating part (Hz)", "[0, inf)", &frequency));
-  PetscCall(OptionReal("-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)",
-                       "[0, inf)", &scene->central_rate));
-  PetscCall(FrameSetFromOptions(scene, PetscOptionsObject));
+  PetscCall(DomainReadOptions(scene->domain, PetscOptionsObject, options, "SceneSetFromOptions", scene));
   PetscOptionsEnd();
-  PetscCheckUser(frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
+  PetscCheckUser(scene->angular_frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
                  "-gravity_amplitude needs -gravity_frequency, in Hz");
-  scene->angular_frequency = 2 * PETSC_PI * frequency;
+  scene->angular_frequency *= 2 * PETSC_PI;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -77,6 +77,9 @@ PetscErrorCode SceneSetFromOptions(Scene scene);
    nothing without -help. Collective. */
 PetscErrorCode SceneHelp(MPI_Comm comm);
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
+/* SceneIdentity - writes the box, the bodies and the solids as lines "-<option> = <value>", with the numbers as they
+   were read and with checksums of files: scenes that differ in a line are different scenes. Not collective. */
+PetscErrorCode SceneIdentity(Scene scene, FILE *text);
 PetscErrorCode SceneDestroy(Scene *scene);
 
 /* The functions below are not collective. */
@@ -85,13 +88,12 @@ Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCou
 const char     *BodyName(Body body);
 const Material *BodyMaterial(Body body);
 /* BodyViscosity - mu (Pa s) at a shear rate sqrt(2 D:D) (1/s). BodyViscosityVaries - whether mu depends on the shear
-   rate. SceneViscosityVaries - whether any body's does. BodyViscosityModel - the name of -<b>_viscosity_model. */
-PetscReal   BodyViscosity(Body body, PetscReal rate);
-PetscBool   BodyViscosityVaries(Body body);
-const char *BodyViscosityModel(Body body);
-PetscBool   SceneViscosityVaries(Scene scene);
-PetscInt    SceneSolidCount(Scene scene);            /* number of solids */
-Body        SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; a solid has no material */
+   rate. SceneViscosityVaries - whether any body's does. */
+PetscReal BodyViscosity(Body body, PetscReal rate);
+PetscBool BodyViscosityVaries(Body body);
+PetscBool SceneViscosityVaries(Scene scene);
+PetscInt  SceneSolidCount(Scene scene);            /* number of solids */
+Body      SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; a solid has no material */
 /* BodyContactAngle - -<s>_contact_angle of a solid (degrees); 0: none. BodyContactHysteresis - its
    -<s>_contact_hysteresis (degrees). */
 PetscReal BodyContactHysteresis(Body solid);
@@ -130,8 +132,6 @@ PetscReal SceneSolidSpeed(Scene scene);
    the body stores them. FreeKinetic - kinetic energy (J). FreeTurned - axis times angle (rad) of the rotation from the
    start to the last FreePush. FreeNumbers - the state of the body as an array, for a checkpoint.
 
-   FreeStart - at the start: centre of mass (m), moments of inertia about x, y and z (kg m2; 0 if the body may not
-   rotate), and whether the body may rotate. SceneSolidsAtStart - moves all solids to their positions at the start.
    SceneStart - sets the time (s) at which free bodies begin to move. SceneFreeze - fixes all free bodies (true), or
    releases them with no forces of a last step (false). SceneSave - saves the states of the free bodies at the start of
    a step. SceneRestore - returns to the saved states. */
@@ -146,8 +146,6 @@ void       FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal forc
 void       FreeTurned(Body solid, PetscReal angle[DIM]);
 PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);
-void       FreeStart(Body solid, PetscReal center[DIM], PetscReal inertia[DIM], PetscBool *turns);
-void       SceneSolidsAtStart(Scene scene);
 void       SceneStart(Scene scene, PetscReal time);
 void       SceneFreeze(Scene scene, PetscBool frozen);
 PetscBool  SceneDriven(Scene scene);
@@ -212,11 +210,9 @@ PetscBool SceneHasTension(Scene scene);
    the tensions into parts of liquid 0, liquid 1 and gas (N/m): the tension of a pair is the sum of both parts. A part
    may be negative. */
 PetscReal SceneInterfaceTension(Scene scene);
-/* SceneInterfaceBodies - the names of the bodies of liquid 1, separated by commas. */
-PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length);
-PetscReal      SceneInterfaceDensity(Scene scene);
-PetscInt       SceneLiquid(Scene scene, PetscInt body);
-void           SceneTensions(Scene scene, PetscReal part[3]);
+PetscReal SceneInterfaceDensity(Scene scene);
+PetscInt  SceneLiquid(Scene scene, PetscInt body);
+void      SceneTensions(Scene scene, PetscReal part[3]);
 /* SceneBodiesOverlap - whether bodies may overlap; the first body in -bodies gets the common part. SceneOwnDistance -
    signed distance (m) of x (m) to the surface of a body's shape without the parts that earlier bodies get, negative
    inside. */

@@ -8,9 +8,9 @@
 
 /* The head of the tables of shapes, velocity fields, viscosity models and types of bodies. Members may be NULL or 0. */
 typedef struct {
-  size_t size; /* bytes of the choice's data in the body, which start as zeros */
-  /* Reads the options inside an options block and refuses (UserError) values out of range. -help calls nothing else. */
-  PetscErrorCode (*setfromoptions)(Body body, OptionItems PetscOptionsObject);
+  size_t           size;       /* bytes of the choice's data in the body, which start as zeros */
+  const OptionRow *options;    /* read into these data; -help does nothing else */
+  void (*defaults)(Body body); /* writes the defaults into the data before, zeros apart */
   /* Refuses (UserError) options that are missing or contradict each other, and completes the data. */
   PetscErrorCode (*setup)(Body body);
 } BodyChoice;
@@ -68,23 +68,23 @@ struct _p_Body {
 };
 
 struct _p_Scene {
-  Domain    domain; /* borrowed */
-  PetscInt  count;
-  Body      body[SCENE_MAX_BODIES];
-  PetscInt  solids;
-  Body      solid[SCENE_MAX_BODIES];
-  PetscInt  fine_regions;
-  Body      fine[SCENE_MAX_BODIES];                 /* regions of -fine; they have a shape only */
-  PetscBool overlap;                                /* see SceneBodiesOverlap */
-  PetscReal interface_tension;                      /* N/m; 0: the liquids mix */
-  PetscInt  liquid[SCENE_MAX_BODIES];               /* 0 or 1, see SceneLiquid */
-  PetscReal gravity[DIM];                           /* m/s2 */
-  PetscReal central_rate;                           /* 1/s */
-  PetscReal amplitude[DIM], angular_frequency;      /* of the oscillating part of gravity, m/s2, rad/s */
-  PetscReal frame_rate[DIM + 1], frame_center[DIM]; /* rad/s, m; one number more than allowed, to detect too many */
-  PetscInt  frame_rates;                            /* count of the numbers given */
-  PetscReal solid_time;                             /* of SceneMoveSolids, s */
-  PetscReal shake[DIM];                             /* oscillating part of gravity at the time of SceneSetTime, m/s2 */
+  Domain        domain; /* borrowed */
+  PetscInt      count;
+  Body          body[SCENE_MAX_BODIES];
+  PetscInt      solids;
+  Body          solid[SCENE_MAX_BODIES];
+  PetscInt      fine_regions;
+  Body          fine[SCENE_MAX_BODIES];             /* regions of -fine; they have a shape only */
+  PetscBool     overlap;                            /* see SceneBodiesOverlap */
+  PetscReal     interface_tension;                  /* N/m; 0: the liquids mix */
+  PetscInt      liquid[SCENE_MAX_BODIES];           /* 0 or 1, see SceneLiquid */
+  PetscReal     gravity[DIM];                       /* m/s2 */
+  PetscReal     central_rate;                       /* 1/s */
+  PetscReal     amplitude[DIM], angular_frequency;  /* of the oscillating part of gravity, m/s2, rad/s */
+  OptionNumbers frame_given;                        /* -frame_rotation_rate */
+  PetscReal     frame_rate[DIM], frame_center[DIM]; /* rad/s, m */
+  PetscReal     solid_time;                         /* of SceneMoveSolids, s */
+  PetscReal     shake[DIM];                         /* oscillating part of gravity at the time of SceneSetTime, m/s2 */
 };
 
 /* The tables of the shapes, one file each, and of the types of bodies; scene.c registers them. A type's options are
@@ -103,6 +103,8 @@ const BodyChoice *BodyTypeEmitter(void);
 /* LiquidsSetFromOptions - reads -interface_tension and -interface_bodies, after the bodies' options. Refuses
    (UserError) bodies that do not make two liquids. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);
+/* SceneInterfaceBodies - the names of the bodies of liquid 1, separated by commas. */
+PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length);
 /* LiquidsView - prints the interface. Warns if a liquid or gas spreads between the other two. Collective. */
 PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer);
 /* VelocityRegisterAll - registers the velocity fields of velocity.c. Not collective. */
@@ -117,23 +119,23 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices);
 PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices);
 /* SolidSetFromOptions - reads shape, motion and contact angle of a solid. Collective. */
 PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
-/* MotionSetFromOptions - creates the motion of a solid from its options. MotionSetUp - refuses (UserError) options that
-   contradict each other, and destroys the motion of a fixed solid. MotionView - prints the motion.
-   Collective. MotionSetTime - sets the time (s). MotionBack - finds the position y (m) at the time 0 of the solid's
-   point that is at x (m) at the time of MotionSetTime. Not collective. */
-PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
-PetscErrorCode MotionSetUp(Body body);
-PetscErrorCode MotionView(Body body, PetscViewer viewer);
-PetscErrorCode MotionDestroy(Body body);
-void           MotionSetTime(Body body, PetscReal time);
-/* RateCheck - completes the 'count' numbers of -<prefix>rotation_rate to a vector (rad/s), and refuses (UserError)
-   numbers that are no angular velocity. Collective. */
-PetscErrorCode RateCheck(Domain domain, const char prefix[], PetscInt count, PetscReal rate[DIM + 1]);
-/* FrameSetFromOptions - reads -frame_rotation_rate and -frame_rotation_center inside an options block. FrameCheck -
-   refuses (UserError) gravity and faces that are not constant in the rotating frame. FrameView - prints the frame if it
-   rotates. Collective. FrameAdd - adds the centrifugal acceleration at x (m) to g (m/s2). FramePotential - the
-   centrifugal potential (J/kg) at x (m). Not collective. */
-PetscErrorCode FrameSetFromOptions(Scene scene, OptionItems PetscOptionsObject);
+/* MotionSetFromOptions - creates the motion of a solid from its options, which are those of two tables. MotionSetUp -
+   refuses (UserError) options that contradict each other, and destroys the motion of a fixed solid. MotionView - prints
+   the motion. Collective. MotionSetTime - sets the time (s). MotionBack - finds the position y (m) at the time 0 of the
+   solid's point that is at x (m) at the time of MotionSetTime. Not collective. */
+extern const OptionRow MotionOptions[], FreeOptions[];
+PetscErrorCode         MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode         MotionSetUp(Body body);
+PetscErrorCode         MotionView(Body body, PetscViewer viewer);
+PetscErrorCode         MotionDestroy(Body body);
+void                   MotionSetTime(Body body, PetscReal time);
+/* RateCheck - completes the numbers of -<prefix>rotation_rate to a vector (rad/s), zero without numbers, and refuses
+   (UserError) numbers that are no angular velocity. Collective. */
+PetscErrorCode RateCheck(Domain domain, const char prefix[], const OptionNumbers *given, PetscReal rate[DIM]);
+/* FrameCheck - completes the angular velocity of the frame, and refuses (UserError) gravity and faces that are not
+   constant in the rotating frame. FrameView - prints the frame if it rotates. Collective. FrameAdd - adds the
+   centrifugal acceleration at x (m) to g (m/s2). FramePotential - the centrifugal potential (J/kg) at x (m). Not
+   collective. */
 PetscErrorCode FrameCheck(Scene scene);
 void           FrameAdd(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
@@ -173,11 +175,6 @@ PetscErrorCode BodyDestroy(Body *body);
 
 /* BodyCheckLength - refuses (UserError) a length of 0, whose option is missing. Collective. */
 PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length);
-/* BodyOptionsAxis - reads a direction: x, y, z or a vector of any non-zero length. axis ([3]): the default on entry,
-   the unit vector on return. In two dimensions the direction must lie in the plane, or along z if 'normal_allowed'.
-   Collective. */
-PetscErrorCode BodyOptionsAxis(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
-                               PetscBool normal_allowed, PetscReal axis[DIM]);
 
 /* BesselSeries - J0(x) and J1(x)/x for q = -x^2/4, I0(x) and I1(x)/x for q = x^2/4 (Abramowitz and Stegun 9.1.10,
    9.6.10), x up to 2 pi. MoveAlong - moves x (m) along a flow for a time (s) by 'steps' steps of the fourth-order

@@ -16,21 +16,19 @@ typedef struct {
   PetscReal stretch;     /* largest factor by which the map changes distances within FAR, 1 */
 } Sphere;
 
-static PetscErrorCode SphereSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Sphere *sphere = (Sphere *)body->shape_data;
+static const OptionRow options[] = {
+  {"-center", "Center of a sphere (m)", NULL, ROW_POINT, offsetof(Sphere, center)},
+  {"-radius", "Radius of a sphere (m), required", "(0, inf)", ROW_REAL, offsetof(Sphere, radius)},
+  {"-wave_amplitude", "Amplitude of a wave on a sphere, outwards at the upper pole (m); it conserves the volume", NULL,
+   ROW_REAL, offsetof(Sphere, amplitude)},
+  {"-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid (1)", "[2, 6]", ROW_INT,
+   offsetof(Sphere, mode)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center", "Center of a sphere (m)",
-                                "ShapeSphere", sphere->center, NULL));
-  PetscCall(OptionReal("-radius", "Radius of a sphere (m), required", "(0, inf)", &sphere->radius));
-  PetscCall(PetscOptionsReal("-wave_amplitude",
-                             "Amplitude of a wave on a sphere, outwards at the upper pole (m); it conserves the volume",
-                             "ShapeSphere", sphere->amplitude, &sphere->amplitude, NULL));
-  sphere->mode = MODE_LEAST;
-  PetscCall(OptionInt("-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid (1)",
-                      "[2, 6]", &sphere->mode));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void SphereDefaults(Body body)
+{
+  ((Sphere *)body->shape_data)->mode = MODE_LEAST;
 }
 
 static PetscErrorCode SphereSetUp(Body body)
@@ -127,7 +125,7 @@ static PetscReal SphereWave(Body body)
 const BodyChoice *ShapeSphere(void)
 {
   static const ShapeOps ops = {
-    {sizeof(Sphere), SphereSetFromOptions, SphereSetUp}, SphereDistance, SphereBounds, SphereDisplace, SphereWave};
+    {sizeof(Sphere), options, SphereDefaults, SphereSetUp}, SphereDistance, SphereBounds, SphereDisplace, SphereWave};
 
   return &ops.choice;
 }

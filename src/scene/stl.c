@@ -75,25 +75,23 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode StlSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Stl *stl = (Stl *)body->shape_data;
+static const OptionRow options[] = {
+  {"-file", "STL file with a closed surface, binary or text, required", NULL, ROW_FILE, offsetof(Stl, file)},
+  {"-scale", "Length unit of an STL file (m)", "(0, inf)", ROW_REAL, offsetof(Stl, scale)},
+  {"-offset", "Position of the origin of an STL file (m)", NULL, ROW_POINT, offsetof(Stl, offset)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  stl->scale = 1;
-  PetscCall(PetscOptionsString("-file", "STL file with a closed surface, binary or text, required", "ShapeStl",
-                               stl->path, stl->path, sizeof(stl->path), NULL));
-  PetscCall(OptionReal("-scale", "Length unit of an STL file (m)", "(0, inf)", &stl->scale));
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-offset",
-                                "Position of the origin of an STL file (m)", "ShapeStl", stl->offset, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void StlDefaults(Body body)
+{
+  ((Stl *)body->shape_data)->scale = 1;
 }
 
 static PetscErrorCode StlSetUp(Body body)
 {
   const Domain    domain = body->domain;
-  const Stl      *stl    = (const Stl *)body->shape_data;
-  const char     *path   = stl->path;
+  Stl            *stl    = (Stl *)body->shape_data;
+  const char     *path   = stl->file.path;
   const PetscReal scale  = stl->scale;
   PetscReal      *corner, lower[DIM], upper[DIM], farthest = 0;
   PetscInt        n;
@@ -102,6 +100,7 @@ static PetscErrorCode StlSetUp(Body body)
   PetscCheckUser(path[0], domain->comm, "-%sfile is missing: the name of the shape's STL file must be given",
                  body->prefix);
   PetscCall(StlRead(domain->comm, path, &n, &corner));
+  stl->file.checksum = HashBytes(HASH_START, corner, 9 * (size_t)n * sizeof(*corner));
   for (PetscInt d = 0; d < DIM; d++) {
     lower[d] = PETSC_MAX_REAL;
     upper[d] = PETSC_MIN_REAL;
@@ -166,7 +165,7 @@ static void StlBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 
 const BodyChoice *ShapeStl(void)
 {
-  static const ShapeOps ops = {{sizeof(Stl), StlSetFromOptions, StlSetUp}, StlDistance, StlBounds, NULL, NULL};
+  static const ShapeOps ops = {{sizeof(Stl), options, StlDefaults, StlSetUp}, StlDistance, StlBounds, NULL, NULL};
 
   return &ops.choice;
 }

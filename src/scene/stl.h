@@ -8,12 +8,12 @@
 
 /* The table of signed distances at the nodes origin + (i, j, k) cell, x fastest, 0 <= i < n[0] and so on. */
 typedef struct {
-  char      path[PETSC_MAX_PATH_LEN];
-  PetscReal scale, offset[DIM];      /* length of the file's unit, m; position of its origin, m */
-  PetscReal lower[DIM], upper[DIM];  /* of the surface, m */
-  PetscReal origin[DIM], cell, band; /* m; band: distance from the surface within which the table is exact */
-  PetscInt  n[DIM];
-  float     distance[]; /* [n2][n1][n0] m */
+  OptionFile file;
+  PetscReal  scale, offset[DIM];      /* length of the file's unit, m; position of its origin, m */
+  PetscReal  lower[DIM], upper[DIM];  /* of the surface, m */
+  PetscReal  origin[DIM], cell, band; /* m; band: distance from the surface within which the table is exact */
+  PetscInt   n[DIM];
+  float      distance[]; /* [n2][n1][n0] m */
 } Stl;
 
 /* StlRead - reads the n triangles of a file, binary or text, on every rank. corner: [n][3][3] in the file's unit, not

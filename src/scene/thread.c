@@ -22,23 +22,19 @@ static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
   BesselSeries(0.25 * x * x, I0, I1_over_x);
 }
 
-static PetscErrorCode ThreadSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Thread *thread = (Thread *)body->shape_data;
+static const OptionRow options[] = {
+  {"-center", "Point on the axis at a crest of the thread's waves (m)", NULL, ROW_POINT, offsetof(Thread, center)},
+  {"-radius", "Radius of a thread (m), required", "(0, inf)", ROW_REAL, offsetof(Thread, radius)},
+  {"-axis", "Axis of a thread: x, y, z or a vector", NULL, ROW_AXIS, offsetof(Thread, axis)},
+  {"-wave_amplitude", "Amplitude of the waves on a thread's radius (m)", NULL, ROW_REAL, offsetof(Thread, amplitude)},
+  {"-wave_length", "Length of the waves along a thread (m), required", "(0, inf)", ROW_REAL,
+   offsetof(Thread, wave_length)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-center",
-                                "Point on the axis at a crest of the thread's waves (m)", "ShapeThread", thread->center,
-                                NULL));
-  PetscCall(OptionReal("-radius", "Radius of a thread (m), required", "(0, inf)", &thread->radius));
-  thread->axis[body->domain->rings ? 1 : 2] = 1;
-  PetscCall(BodyOptionsAxis(body, PetscOptionsObject, "-axis", "Axis of a thread: x, y, z or a vector", PETSC_FALSE,
-                            thread->axis));
-  PetscCall(PetscOptionsReal("-wave_amplitude", "Amplitude of the waves on a thread's radius (m)", "ShapeThread",
-                             thread->amplitude, &thread->amplitude, NULL));
-  PetscCall(
-    OptionReal("-wave_length", "Length of the waves along a thread (m), required", "(0, inf)", &thread->wave_length));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void ThreadDefaults(Body body)
+{
+  ((Thread *)body->shape_data)->axis[body->domain->rings ? 1 : 2] = 1;
 }
 
 static PetscErrorCode ThreadSetUp(Body body)
@@ -130,7 +126,7 @@ static PetscReal ThreadWave(Body body)
 const BodyChoice *ShapeThread(void)
 {
   static const ShapeOps ops = {
-    {sizeof(Thread), ThreadSetFromOptions, ThreadSetUp}, ThreadDistance, ThreadBounds, ThreadDisplace, ThreadWave};
+    {sizeof(Thread), options, ThreadDefaults, ThreadSetUp}, ThreadDistance, ThreadBounds, ThreadDisplace, ThreadWave};
 
   return &ops.choice;
 }

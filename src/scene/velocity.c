@@ -1,15 +1,13 @@
 /* Initial velocity fields, which add to the uniform part. A field needs one table and one registration line. */
 #include "scene_impl.h"
 
-#define GRADIENT_SIZE  (DIM * DIM)
 #define TRACE_ROUNDING 1e-9 /* relative to the largest rate */
 
 /* A linear field v = G (x - center): rotation, and strain with shear. */
 typedef struct {
-  PetscReal gradient[DIM][DIM];      /* G_ij = dv_i/dx_j, 1/s */
-  PetscReal center[DIM];             /* m */
-  PetscReal rate[GRADIENT_SIZE + 1]; /* the numbers given, 1/s; one more than allowed, to detect too many */
-  PetscInt  rates;                   /* count of the numbers given */
+  PetscReal     gradient[DIM][DIM]; /* G_ij = dv_i/dx_j, 1/s */
+  PetscReal     center[DIM];        /* m */
+  OptionNumbers rate;               /* 1/s */
 } Linear;
 
 static void LinearAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
@@ -19,23 +17,6 @@ static void LinearAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   for (PetscInt i = 0; i < body->domain->dim; i++) {
     for (PetscInt j = 0; j < body->domain->dim; j++) v[i] += linear->gradient[i][j] * (x[j] - linear->center[j]);
   }
-}
-
-/* Reads up to 'most' finite numbers. count: of the numbers read; 0 without the option. */
-static PetscErrorCode ReadNumbers(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
-                                  PetscInt most, PetscReal number[], PetscInt *count)
-{
-  PetscBool found;
-
-  PetscFunctionBegin;
-  *count = most;
-  PetscCall(PetscOptionsRealArray(option, help, "Velocity", number, count, &found));
-  if (!found) *count = 0;
-  for (PetscInt k = 0; k < *count; k++) {
-    PetscCheckUser(!PetscIsInfOrNanReal(number[k]), body->domain->comm, "-%s%s must have finite numbers", body->prefix,
-                   option + 1);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses an option that is missing. */
@@ -49,36 +30,21 @@ static PetscErrorCode CheckGiven(Body body, const char option[], PetscInt count)
 
 /* Rigid rotation v = omega x (x - center). The square patch of Colagrossi (2005), v = omega (y, -x), has the rate
    0,0,-omega. */
-static PetscErrorCode RotationSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Linear *linear = (Linear *)body->velocity_data;
-
-  PetscFunctionBegin;
-  PetscCall(ReadNumbers(body, PetscOptionsObject, "-rotation_rate",
-                        "Angular velocity (rad/s); in two dimensions one number is enough", DIM + 1, linear->rate,
-                        &linear->rates));
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-rotation_center",
-                                "Point on the axis of rotation (m)", "Velocity", linear->center, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow rotation[] = {
+  {"-rotation_rate", "Angular velocity (rad/s); in two dimensions one number is enough", NULL, ROW_NUMBERS,
+   offsetof(Linear, rate)},
+  {"-rotation_center", "Point on the axis of rotation (m)", NULL, ROW_POINT, offsetof(Linear, center)},
+  {.name = NULL},
+};
 
 static PetscErrorCode RotationSetUp(Body body)
 {
-  Linear   *linear    = (Linear *)body->velocity_data;
-  PetscReal rate[DIM] = {0, 0, 0};
+  Linear   *linear = (Linear *)body->velocity_data;
+  PetscReal rate[DIM];
 
   PetscFunctionBegin;
-  PetscCall(CheckGiven(body, "-rotation_rate", linear->rates));
-  PetscCheckUser(linear->rates == DIM || (linear->rates == 1 && body->domain->dim == 2), body->domain->comm,
-                 "-%srotation_rate must have %s", body->prefix,
-                 body->domain->dim == 2 ? "one number, or three numbers of which the first two are 0"
-                                        : "three numbers");
-  if (linear->rates == 1)
-    rate[2] = linear->rate[0];
-  else
-    PetscCall(PetscArraycpy(rate, linear->rate, DIM));
-  PetscCheckUser(body->domain->dim == DIM || (rate[0] == 0 && rate[1] == 0), body->domain->comm,
-                 "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", body->prefix);
+  PetscCall(CheckGiven(body, "-rotation_rate", linear->rate.count));
+  PetscCall(RateCheck(body->domain, body->prefix, &linear->rate, rate));
   linear->gradient[0][1] = -rate[2];
   linear->gradient[0][2] = rate[1];
   linear->gradient[1][0] = rate[2];
@@ -90,23 +56,17 @@ static PetscErrorCode RotationSetUp(Body body)
 
 /* v = G (x - center), G diagonal or full, with zero trace. The stretching drop of Monaghan (1994), v = (-A x, A y), has
    the rates -A,A. */
-static PetscErrorCode StrainSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Linear *linear = (Linear *)body->velocity_data;
-
-  PetscFunctionBegin;
-  PetscCall(ReadNumbers(body, PetscOptionsObject, "-strain_rate",
-                        "Velocity gradient dv_i/dx_j (1/s): its diagonal, or all numbers row by row", GRADIENT_SIZE + 1,
-                        linear->rate, &linear->rates));
-  PetscCall(DomainOptionsVector(body->domain, PetscOptionsObject, VECTOR_POINT, "-strain_center",
-                                "Point at rest in the strain (m)", "Velocity", linear->center, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow strain[] = {
+  {"-strain_rate", "Velocity gradient dv_i/dx_j (1/s): its diagonal, or all numbers row by row", NULL, ROW_NUMBERS,
+   offsetof(Linear, rate)},
+  {"-strain_center", "Point at rest in the strain (m)", NULL, ROW_POINT, offsetof(Linear, center)},
+  {.name = NULL},
+};
 
 static PetscErrorCode StrainSetUp(Body body)
 {
   Linear        *linear = (Linear *)body->velocity_data;
-  const PetscInt dim = body->domain->dim, count = linear->rates;
+  const PetscInt dim = body->domain->dim, count = linear->rate.count;
   PetscReal      trace = 0, largest = 0;
 
   PetscFunctionBegin;
@@ -117,9 +77,9 @@ static PetscErrorCode StrainSetUp(Body body)
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
       if (count == dim)
-        linear->gradient[i][j] = i == j ? linear->rate[i] : 0;
+        linear->gradient[i][j] = i == j ? linear->rate.value[i] : 0;
       else
-        linear->gradient[i][j] = linear->rate[i * dim + j];
+        linear->gradient[i][j] = linear->rate.value[i * dim + j];
       largest = PetscMax(largest, PetscAbsReal(linear->gradient[i][j]));
     }
     trace += linear->gradient[i][i];
@@ -133,24 +93,21 @@ static PetscErrorCode StrainSetUp(Body body)
 }
 
 typedef struct {
-  PetscReal amplitude[2]; /* m/s; one more than allowed, to detect too many */
-  PetscInt  amplitudes;   /* count of the numbers given */
-  PetscReal wavelength;   /* m */
+  OptionNumbers amplitude;  /* m/s */
+  PetscReal     wavelength; /* m */
 } TaylorGreen;
 
-static PetscErrorCode TaylorGreenSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  TaylorGreen *vortex = (TaylorGreen *)body->velocity_data;
+static const OptionRow taylor_green[] = {
+  {"-taylor_green_amplitude", "Largest velocity of the Taylor-Green vortices (m/s)", NULL, ROW_NUMBERS,
+   offsetof(TaylorGreen, amplitude)},
+  {"-taylor_green_wavelength", "Wavelength of the Taylor-Green vortices (m); default: the width of the box", "(0, inf)",
+   ROW_REAL, offsetof(TaylorGreen, wavelength)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(ReadNumbers(body, PetscOptionsObject, "-taylor_green_amplitude",
-                        "Largest velocity of the Taylor-Green vortices (m/s)", 2, vortex->amplitude,
-                        &vortex->amplitudes));
-  vortex->wavelength = body->domain->upper[0] - body->domain->lower[0];
-  PetscCall(OptionReal("-taylor_green_wavelength",
-                       "Wavelength of the Taylor-Green vortices (m); default: the width of the box", "(0, inf)",
-                       &vortex->wavelength));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void TaylorGreenDefaults(Body body)
+{
+  ((TaylorGreen *)body->velocity_data)->wavelength = body->domain->upper[0] - body->domain->lower[0];
 }
 
 static PetscErrorCode TaylorGreenSetUp(Body body)
@@ -158,8 +115,8 @@ static PetscErrorCode TaylorGreenSetUp(Body body)
   const TaylorGreen *vortex = (const TaylorGreen *)body->velocity_data;
 
   PetscFunctionBegin;
-  PetscCall(CheckGiven(body, "-taylor_green_amplitude", vortex->amplitudes));
-  PetscCheckUser(vortex->amplitudes == 1, body->domain->comm, "-%staylor_green_amplitude must have one number",
+  PetscCall(CheckGiven(body, "-taylor_green_amplitude", vortex->amplitude.count));
+  PetscCheckUser(vortex->amplitude.count == 1, body->domain->comm, "-%staylor_green_amplitude must have one number",
                  body->prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -171,21 +128,21 @@ static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   const TaylorGreen *vortex = (const TaylorGreen *)body->velocity_data;
   const PetscReal    k      = 2 * PETSC_PI / vortex->wavelength;
 
-  v[0] -= vortex->amplitude[0] * PetscCosReal(k * x[0]) * PetscSinReal(k * x[1]);
-  v[1] += vortex->amplitude[0] * PetscSinReal(k * x[0]) * PetscCosReal(k * x[1]);
+  v[0] -= vortex->amplitude.value[0] * PetscCosReal(k * x[0]) * PetscSinReal(k * x[1]);
+  v[1] += vortex->amplitude.value[0] * PetscSinReal(k * x[0]) * PetscCosReal(k * x[1]);
 }
 
-#define VELOCITY_TABLE(name, size, setfromoptions, setup, add)                                                         \
+#define VELOCITY_TABLE(name, size, options, defaults, setup, add)                                                      \
   static const BodyChoice *Velocity##name(void)                                                                        \
   {                                                                                                                    \
-    static const VelocityOps ops = {{size, setfromoptions, setup}, add};                                               \
+    static const VelocityOps ops = {{size, options, defaults, setup}, add};                                            \
                                                                                                                        \
     return &ops.choice;                                                                                                \
   }
-VELOCITY_TABLE(Uniform, 0, NULL, NULL, NULL)
-VELOCITY_TABLE(Rotation, sizeof(Linear), RotationSetFromOptions, RotationSetUp, LinearAdd)
-VELOCITY_TABLE(Strain, sizeof(Linear), StrainSetFromOptions, StrainSetUp, LinearAdd)
-VELOCITY_TABLE(TaylorGreen, sizeof(TaylorGreen), TaylorGreenSetFromOptions, TaylorGreenSetUp, TaylorGreenAdd)
+VELOCITY_TABLE(Uniform, 0, NULL, NULL, NULL, NULL)
+VELOCITY_TABLE(Rotation, sizeof(Linear), rotation, NULL, RotationSetUp, LinearAdd)
+VELOCITY_TABLE(Strain, sizeof(Linear), strain, NULL, StrainSetUp, LinearAdd)
+VELOCITY_TABLE(TaylorGreen, sizeof(TaylorGreen), taylor_green, TaylorGreenDefaults, TaylorGreenSetUp, TaylorGreenAdd)
 
 PetscErrorCode VelocityRegisterAll(PetscFunctionList *list)
 {

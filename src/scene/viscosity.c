@@ -19,28 +19,36 @@ typedef struct {
   PetscReal yield_stress; /* tau_y, Pa */
 } Law;
 
-static PetscErrorCode ReadExponent(Body body, OptionItems PetscOptionsObject)
-{
-  Law *law = (Law *)body->viscosity_data;
+#define EXPONENT                                                                                                       \
+  {                                                                                                                    \
+    "-viscosity_exponent",                                                                                             \
+      "Exponent n of the shear rate in the stress (1): below 1 shear thinning, above 1 shear thickening; required "    \
+      "except for herschel_bulkley",                                                                                   \
+      "(0, 2]", ROW_REAL, offsetof(Law, exponent)                                                                      \
+  }
+#define MAX                                                                                                            \
+  {                                                                                                                    \
+    "-viscosity_max", "Largest viscosity (Pa s); default: 1000 times the viscosity at a shear rate of 1/s",            \
+      "(0, inf)", ROW_REAL, offsetof(Law, max)                                                                         \
+  }
 
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-viscosity_exponent",
-                       "Exponent n of the shear rate in the stress (1): below 1 shear thinning, above 1 shear "
-                       "thickening; required except for herschel_bulkley",
-                       "(0, 2]", &law->exponent));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow power_law[] = {EXPONENT, MAX, {.name = NULL}};
 
-static PetscErrorCode ReadMax(Body body, OptionItems PetscOptionsObject)
-{
-  Law *law = (Law *)body->viscosity_data;
+static const OptionRow carreau[] = {
+  EXPONENT,
+  {"-viscosity_time", "Time constant t (s): the viscosity changes at shear rates above 1/t; required", "(0, inf)",
+   ROW_REAL, offsetof(Law, time)},
+  {"-viscosity_infinite", "Viscosity at infinite shear rate (Pa s)", "[0, inf)", ROW_REAL, offsetof(Law, infinite)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-viscosity_max",
-                       "Largest viscosity (Pa s); default: 1000 times the viscosity at a shear rate of 1/s", "(0, inf)",
-                       &law->max));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow herschel_bulkley[] = {
+  {"-yield_stress", "Yield stress (Pa), below which the liquid only creeps; required", "(0, inf)", ROW_REAL,
+   offsetof(Law, yield_stress)},
+  EXPONENT,
+  MAX,
+  {.name = NULL},
+};
 
 /* Refuses a viscosity of 0 and a number that is missing; unit: of the number, may be "". */
 static PetscErrorCode CheckGiven(Body body, const char option[], const char unit[], PetscReal value)
@@ -51,14 +59,6 @@ static PetscErrorCode CheckGiven(Body body, const char option[], const char unit
                  body->viscosity_type);
   PetscCheckUser(value > 0, body->domain->comm, "-%s%s is missing: -%sviscosity_model %s needs a positive value%s%s",
                  body->prefix, option + 1, body->prefix, body->viscosity_type, unit[0] ? ", in " : "", unit);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PowerLawSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(ReadExponent(body, PetscOptionsObject));
-  PetscCall(ReadMax(body, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,19 +88,6 @@ static PetscReal PowerLawAt(Body body, PetscReal rate)
   return K * Power(rate, law->exponent, law->max / K);
 }
 
-static PetscErrorCode CarreauSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Law *law = (Law *)body->viscosity_data;
-
-  PetscFunctionBegin;
-  PetscCall(ReadExponent(body, PetscOptionsObject));
-  PetscCall(OptionReal("-viscosity_time",
-                       "Time constant t (s): the viscosity changes at shear rates above 1/t; required", "(0, inf)",
-                       &law->time));
-  PetscCall(OptionReal("-viscosity_infinite", "Viscosity at infinite shear rate (Pa s)", "[0, inf)", &law->infinite));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode CarreauSetUp(Body body)
 {
   const Law *law = (const Law *)body->viscosity_data;
@@ -122,17 +109,9 @@ static PetscReal CarreauAt(Body body, PetscReal rate)
                            PetscPowReal(1 + PetscSqr(law->time * rate), 0.5 * (law->exponent - 1));
 }
 
-static PetscErrorCode HerschelBulkleySetFromOptions(Body body, OptionItems PetscOptionsObject)
+static void HerschelBulkleyDefaults(Body body)
 {
-  Law *law = (Law *)body->viscosity_data;
-
-  PetscFunctionBegin;
-  law->exponent = 1;
-  PetscCall(OptionReal("-yield_stress", "Yield stress (Pa), below which the liquid only creeps; required", "(0, inf)",
-                       &law->yield_stress));
-  PetscCall(ReadExponent(body, PetscOptionsObject));
-  PetscCall(ReadMax(body, PetscOptionsObject));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ((Law *)body->viscosity_data)->exponent = 1;
 }
 
 static PetscErrorCode HerschelBulkleySetUp(Body body)
@@ -158,17 +137,18 @@ static PetscReal HerschelBulkleyAt(Body body, PetscReal rate)
   return PetscMin(rigid + K * Power(rate, law->exponent, law->max / K), law->max);
 }
 
-#define VISCOSITY_TABLE(name, size, setfromoptions, setup, at)                                                         \
+#define VISCOSITY_TABLE(name, size, options, defaults, setup, at)                                                      \
   static const BodyChoice *Viscosity##name(void)                                                                       \
   {                                                                                                                    \
-    static const ViscosityOps ops = {{size, setfromoptions, setup}, at};                                               \
+    static const ViscosityOps ops = {{size, options, defaults, setup}, at};                                            \
                                                                                                                        \
     return &ops.choice;                                                                                                \
   }
-VISCOSITY_TABLE(Newtonian, 0, NULL, NULL, NULL)
-VISCOSITY_TABLE(PowerLaw, sizeof(Law), PowerLawSetFromOptions, PowerLawSetUp, PowerLawAt)
-VISCOSITY_TABLE(Carreau, sizeof(Law), CarreauSetFromOptions, CarreauSetUp, CarreauAt)
-VISCOSITY_TABLE(HerschelBulkley, sizeof(Law), HerschelBulkleySetFromOptions, HerschelBulkleySetUp, HerschelBulkleyAt)
+VISCOSITY_TABLE(Newtonian, 0, NULL, NULL, NULL, NULL)
+VISCOSITY_TABLE(PowerLaw, sizeof(Law), power_law, NULL, PowerLawSetUp, PowerLawAt)
+VISCOSITY_TABLE(Carreau, sizeof(Law), carreau, NULL, CarreauSetUp, CarreauAt)
+VISCOSITY_TABLE(HerschelBulkley, sizeof(Law), herschel_bulkley, HerschelBulkleyDefaults, HerschelBulkleySetUp,
+                HerschelBulkleyAt)
 
 PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list)
 {
@@ -188,11 +168,6 @@ PetscBool BodyViscosityVaries(Body body)
 PetscReal BodyViscosity(Body body, PetscReal rate)
 {
   return BodyViscosityVaries(body) ? body->viscosity->at(body, rate) : body->material.viscosity;
-}
-
-const char *BodyViscosityModel(Body body)
-{
-  return body->viscosity_type;
 }
 
 PetscBool SceneViscosityVaries(Scene scene)

@@ -18,31 +18,27 @@ typedef struct {
   PetscReal stretch;                /* with rings: largest factor by which the map changes distances, 1 */
   PetscInt  up;                     /* the direction upwards */
   PetscBool rings;
-  PetscBool given; /* -<b>_wave_amplitude is given */
 } Wave;
 
-static PetscErrorCode WaveSetFromOptions(Body body, OptionItems PetscOptionsObject)
-{
-  Domain domain = body->domain;
-  Wave  *wave   = (Wave *)body->shape_data;
+static const OptionRow options[] = {
+  {"-lower", "Lower corner of a wave's box (m); default: -box_lower", NULL, ROW_POINT, offsetof(Wave, lower)},
+  {"-upper", "Upper corner of a wave's box (m), whose last number is the mean level; default: -box_upper", NULL,
+   ROW_POINT, offsetof(Wave, upper)},
+  {"-wave_amplitude", "Amplitude of the wave, if positive with a crest at the lower x (m), required", NULL, ROW_REAL,
+   offsetof(Wave, amplitude)},
+  {"-wave_length", "Length of the wave along x (m); default: the width of its box", "(0, inf)", ROW_REAL,
+   offsetof(Wave, length)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(PetscArraycpy(wave->lower, domain->lower, DIM));
-  PetscCall(PetscArraycpy(wave->upper, domain->upper, DIM));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-lower",
-                                "Lower corner of a wave's box (m); default: -box_lower", "ShapeWave", wave->lower,
-                                NULL));
-  PetscCall(
-    DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-upper",
-                        "Upper corner of a wave's box (m), whose last number is the mean level; default: -box_upper",
-                        "ShapeWave", wave->upper, NULL));
-  PetscCall(PetscOptionsReal("-wave_amplitude",
-                             "Amplitude of the wave, if positive with a crest at the lower x (m), required",
-                             "ShapeWave", wave->amplitude, &wave->amplitude, &wave->given));
-  wave->length = PetscMax(0, wave->upper[0] - wave->lower[0]);
-  PetscCall(OptionReal("-wave_length", "Length of the wave along x (m); default: the width of its box", "(0, inf)",
-                       &wave->length));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void WaveDefaults(Body body)
+{
+  Wave *wave = (Wave *)body->shape_data;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    wave->lower[d] = body->domain->lower[d];
+    wave->upper[d] = body->domain->upper[d];
+  }
 }
 
 static PetscErrorCode WaveSetUp(Body body)
@@ -51,12 +47,15 @@ static PetscErrorCode WaveSetUp(Body body)
   const PetscInt up     = domain->dim - 1;
   Wave          *wave   = (Wave *)body->shape_data;
   PetscReal      halves, depth;
+  PetscBool      given;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++)
     PetscCheckUser(wave->upper[d] > wave->lower[d], domain->comm, "-%supper must be above -%slower in every direction",
                    body->prefix, body->prefix);
-  PetscCheckUser(wave->given && PetscAbsReal(wave->amplitude) < 0.5 * (wave->upper[up] - wave->lower[up]), domain->comm,
+  PetscCall(PetscOptionsHasName(NULL, body->prefix, "-wave_amplitude", &given));
+  if (wave->length == 0) wave->length = wave->upper[0] - wave->lower[0];
+  PetscCheckUser(given && PetscAbsReal(wave->amplitude) < 0.5 * (wave->upper[up] - wave->lower[up]), domain->comm,
                  "-%swave_amplitude must be given and below half the depth, %g m", body->prefix,
                  0.5 * (double)(wave->upper[up] - wave->lower[up]));
   wave->rings = domain->rings;
@@ -222,7 +221,7 @@ static PetscReal WaveLength(Body body)
 const BodyChoice *ShapeWave(void)
 {
   static const ShapeOps ops = {
-    {sizeof(Wave), WaveSetFromOptions, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace, WaveLength};
+    {sizeof(Wave), options, WaveDefaults, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace, WaveLength};
 
   return &ops.choice;
 }

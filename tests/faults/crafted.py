@@ -151,14 +151,14 @@ def kind_of_head(file, rng):
 
 
 def scene_text(file, rng):
-    old = bytes(file.attrs["scene"])
-    how, text = rng.choice((("empty", b"\0"), ("none", None), ("no lines", b"x" * 50000), ("one line", b"= = ~ \n~"),
+    old = bytes(file.attrs["scene_identity"])
+    how, text = rng.choice((("empty", b"\0"), ("none", None), ("no lines", b"x" * 50000), ("one line", b"= = = \n="),
                             ("line ends", b"\n" * 40000), ("cut", old[:rng.randrange(len(old) - 5)]),
                             ("long", old + b"-a_long = " + b"y" * 50000), ("formats", b"%s%n%d = %s%n\n" * 99),
                             ("bytes", bytes(rng.randrange(1, 256) for _ in range(999)))))
-    del file.attrs["scene"]
+    del file.attrs["scene_identity"]
     if text:
-        file.attrs["scene"] = np.bytes_(text)
+        file.attrs["scene_identity"] = np.bytes_(text)
     return f"scene {how}", None if how in ("empty", "none") else "refused"
 
 
@@ -406,8 +406,8 @@ OTHER = (  # options in place of those of the scene, words of the refusal
     ("-bodies film,drop,more -more_lower 0.9,0.9", "bodies"),
     ("-film_density 900", "-film_density"), ("-drop_tension 2", "-drop_tension"), ("-film_upper 1,0.35", "film"),
     ("-drop_radius 0.14", "drop"), ("-drop_center 0.5,0.56", "drop"), ("-drop_shape box -drop_lower 0,.5", "drop"),
-    ("-drop_velocity 1,-3", "velocity of drop"), ("-film_velocity 0,0.1", "velocity of film"),
-    ("-drop_velocity_type rotation -drop_rotation_rate 1", "velocity of drop"), ("-kernel_ratio 1.4", "-kernel_ratio"),
+    ("-drop_velocity 1,-3", "-drop_velocity"), ("-film_velocity 0,0.1", "-film_velocity"),
+    ("-drop_velocity_type rotation -drop_rotation_rate 1", "-drop_velocity"), ("-kernel_ratio 1.4", "-kernel_ratio"),
     ("-kernel_type wendland_c4", "-kernel_type"), ("-post_upper 0.3,0.45", "post"), ("-solids ''", "post"),
     ("-solids post,more -more_lower 0.8,0 -more_upper 0.9,0.2", "more"), ("-spacing 0.04", "spacing"),
     ("-dimension 3 -box_lower 0,0,0 -box_upper 1,0.5,1 -gravity 0,0,-1 -film_lower 0,0,0 -film_upper 1,0.5,0.3 "

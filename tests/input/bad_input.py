@@ -276,8 +276,8 @@ def folders():
     for changed, words in (("-box_upper 10,10,30", ["-box_upper", "10,10,20", "10,10,30"]), ("-box_z wall",
                                                                                              ["-box_zmax"]),
                            ("-film_density 900", ["-film_density", "1000", "900"]),
-                           ("-film_upper 10,10,6", ["extent of film"]),
-                           ("-film_velocity 1,0,0", ["initial velocity of film"]),
+                           ("-film_upper 10,10,6", ["-film_upper (there 10,10,5, here 10,10,6)"]),
+                           ("-film_velocity 1,0,0", ["-film_velocity (there 0,0,0, here 1,0,0)"]),
                            ("-kernel_type wendland_c2", ["-kernel_type"]),
                            ("-solids s -s_upper 2,2,2", ["solid 1 of -solids", "s"])):
         refused(f"checkpoint_with{changed}".replace(" ", "_"), GOOD + f"{changed} -restart {checkpoint}",
@@ -286,6 +286,14 @@ def folders():
     swapped = runs.numbered(runs.run(BOX + two, "swapped"), "checkpoint")[-1]
     refused("checkpoint_of_swapped_bodies", BOX + two + f"-bodies b,a -restart {swapped}", ["body 1 of -bodies", "a",
                                                                                             "b"])
+    table = runs.scratch("table.csv")  # under another name it is the same, with another number it is not
+    moved = GOOD + "-solids s -s_lower 4,4,8 -s_upper 6,6,12 -s_motion_file "
+    for name, last in ((table, 2), (table + "2", 2), (table + "3", 3)):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(f"0,0,0,0\n9,0,0,{last}\n")
+    driven = runs.numbered(runs.run(moved + table, "driven"), "checkpoint")[-1]
+    runs.run(moved + f"{table}2 -steps_max 1 -restart {driven}", "driven_on")
+    refused("checkpoint_of_other_motion", moved + f"{table}3 -restart {driven}", ["-s_motion_file (there a file of"])
     refused("checkpoint_is_the_end", GOOD + f"-time_end 1e-9 -restart {checkpoint}", ["-time_end"])
     refused("checkpoint_is_a_pipe", GOOD + f"-restart {pipe}", [pipe, "no readable file"])
     runs.check(checksums(good) == before, "checkpoint_folder_unchanged", "files differ")

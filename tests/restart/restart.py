@@ -112,9 +112,10 @@ def inside():
     folder = runs.run(PLANE + f"-steps_max {STEPS}", "inside", 1)
     before = runs.series(folder)
     middle = runs.numbered(folder, "checkpoint")[0]
-    for changed, words in (("-float_turns 0 -float_rotation_rate 0", ["-float_turns (there 1, here 0)", "inertia"]),
-                           ("-float_inertia 3", ["moments of inertia of float", "3,3,3"]),
-                           ("-float_rotation_center 0.12,0.29", ["centre of mass of float", "0.12,0.29"])):
+    for changed, words in (("-float_turns 0 -float_rotation_rate 0",
+                            ["-float_turns (there 1, here 0)", "-float_rotation_rate"]),
+                           ("-float_inertia 3", ["-float_inertia (here only: 3)"]),
+                           ("-float_rotation_center 0.12,0.29", ["-float_rotation_center", "0.12,0.29"])):
         process = runs.start(PLANE + f"{changed} -steps_max 1 -restart {middle} -output_dir {runs.scratch('other')}")
         runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["another scene"]),
                    f"other_body {changed}", f"code {process.returncode}: {process.stderr[-300:]}")

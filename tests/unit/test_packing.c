@@ -334,7 +334,7 @@ static PetscErrorCode FindKey(const char options[], const char change[], unsigne
   PetscCall(PackingCreate(s.cloud, &packing));
   PetscCall(PackingSetFromOptions(packing));
   if (s.domain->graded) PetscCall(GradedSetUp(packing));
-  PetscCall(PackingHash(packing, 0, NULL, key));
+  PetscCall(PackingHash(packing, "", key));
   PetscCall(PackingDestroy(&packing));
   PetscCall(SetupDestroy(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
