@@ -133,7 +133,7 @@ PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 
 /* --- restart_check.c --- */
 /* RestartCheckParticles - refuses (UserError) particles that no run leaves in a checkpoint: numbers that are not
-   finite, places out of the box, bodies that the scene does not have, identities that occur twice. Collective. */
+   finite, places out of the box, bodies that the scene does not have. Collective. */
 PetscErrorCode RestartCheckParticles(Output output, const char file[]);
 
 /* --- table.c: tables of comma-separated values that grow line by line and whose first columns are time and step --- */

@@ -1,5 +1,5 @@
-/* What is checked of the particles of a checkpoint before they are used: a seal that fits says that the file is as it
-   was written, not who wrote it. */
+/* What is checked of the particles of a checkpoint before they are used: what each says by itself. That none is there
+   twice or missing follows from the seal: the file is as it was written. */
 #include "output_impl.h"
 
 #define FLAW_LENGTH   256
@@ -75,87 +75,6 @@ static void CheckPlace(Cloud cloud, const ParticleArrays *arrays, PetscInt a, ch
   }
 }
 
-/* What the ranks tell each other: of a particle (child: -1), and which parent a particle 'child' needs. */
-typedef struct {
-  PetscInt id, child, layer, cell;
-} Identity;
-
-static int CompareIdentities(const void *left, const void *right)
-{
-  const Identity *a = (const Identity *)left, *b = (const Identity *)right;
-
-  if (a->id != b->id) return a->id < b->id ? -1 : 1;
-  return a->child < b->child ? -1 : a->child > b->child;
-}
-
-/* Sends each of n to rank id % size; the received ones are to be freed. Collective. */
-static PetscErrorCode Distribute(Output output, PetscInt n, const Identity identity[], PetscInt *received,
-                                 Identity **there)
-{
-  const PetscMPIInt size = output->size;
-  PetscMPIInt      *count, *start, *count_there, *start_there;
-  MPI_Datatype      type;
-  Identity         *sorted;
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc4(size, &count, size + 1, &start, size, &count_there, size + 1, &start_there));
-  PetscCall(PetscMalloc1(n, &sorted));
-  for (PetscInt k = 0; k < n; k++) count[identity[k].id % size]++;
-  PetscCallMPI(MPI_Alltoall(count, 1, MPI_INT, count_there, 1, MPI_INT, output->comm));
-  for (PetscMPIInt r = 0; r < size; r++) {
-    start[r + 1]       = start[r] + count[r];
-    start_there[r + 1] = start_there[r] + count_there[r];
-    count[r]           = 0;
-  }
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscMPIInt r = identity[k].id % size;
-
-    sorted[start[r] + count[r]++] = identity[k];
-  }
-  *received = start_there[size];
-  PetscCall(PetscMalloc1(*received, there));
-  PetscCallMPI(MPI_Type_contiguous((int)sizeof(Identity), MPI_BYTE, &type));
-  PetscCallMPI(MPI_Type_commit(&type));
-  PetscCallMPI(MPI_Alltoallv(sorted, count, start, type, *there, count_there, start_there, type, output->comm));
-  PetscCallMPI(MPI_Type_free(&type));
-  PetscCall(PetscFree(sorted));
-  PetscCall(PetscFree4(count, start, count_there, start_there));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* No id occurs twice, and the parent of a deeper wall particle is in the top layer and in the same cell, so that both
-   live on the same rank. Collective. */
-static PetscErrorCode CheckIdentities(Output output, const ParticleArrays *arrays, char flaw[FLAW_LENGTH])
-{
-  const Domain domain = output->cloud->domain;
-  Identity    *own, *there, top = {.id = -1};
-  PetscInt     n = 0, received = 0;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(2 * arrays->n, &own));
-  for (PetscInt a = 0; a < arrays->n; a++) {
-    const PetscInt id = arrays->integer[INT_ID][a], layer = arrays->integer[INT_LAYER][a],
-                   cell = DomainCell(domain, arrays->real[FIELD_POSITION] + DIM * a);
-
-    own[n++] = (Identity){.id = id, .child = -1, .layer = layer, .cell = cell};
-    if (layer > 1) own[n++] = (Identity){.id = PetscMax(0, arrays->integer[INT_PARENT][a]), .child = id, .cell = cell};
-  }
-  PetscCall(Distribute(output, n, own, &received, &there));
-  PetscCall(PetscFree(own));
-  if (received) qsort(there, (size_t)received, sizeof(*there), CompareIdentities);
-  for (PetscInt k = 0; k < received; k++) {
-    const PetscBool needed = (PetscBool)(there[k].child >= 0);
-
-    if (!needed && there[k].id == top.id) Note(flaw, "two particles have the id %d", (int)top.id);
-    if (!needed) top = there[k];
-    if (needed && (there[k].id != top.id || top.layer != 1 || there[k].cell != top.cell))
-      Note(flaw, "particle %d of a wall has the parent %d, which is not in front of it", (int)there[k].child,
-           (int)there[k].id);
-  }
-  PetscCall(PetscFree(there));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode RestartCheckParticles(Output output, const char file[])
 {
   const Cloud    cloud = output->cloud;
@@ -169,8 +88,6 @@ PetscErrorCode RestartCheckParticles(Output output, const char file[])
     CheckKind(cloud->scene, &arrays, a, flaw);
     CheckPlace(cloud, &arrays, a, flaw);
   }
-  PetscCall(Refuse(output, file, flaw));
-  PetscCall(CheckIdentities(output, &arrays, flaw));
   PetscCall(Refuse(output, file, flaw));
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
