@@ -1,16 +1,16 @@
-/* The table eight_front of simd.h. */
+/* The table wide_front of simd.h. */
 #include "simd.h"
 
-uint64_t eight_front[1 << EIGHT];
+uint64_t wide_front[1 << 8];
 
-void EightSet(void)
+void WideStart(void)
 {
-  if (eight_front[1 << 1]) return;
-  for (uint32_t bits = 0; bits < 1 << EIGHT; bits++) {
+  if (wide_front[1 << 1]) return;
+  for (uint32_t bits = 0; bits < 1 << 8; bits++) {
     PetscInt n = 0;
 
-    eight_front[bits] = 0;
-    for (uint64_t k = 0; k < EIGHT; k++)
-      if (bits >> k & 1) eight_front[bits] |= k << (8 * n++);
+    wide_front[bits] = 0;
+    for (uint64_t k = 0; k < 8; k++)
+      if (bits >> k & 1) wide_front[bits] |= k << (8 * n++);
   }
 }

@@ -215,95 +215,167 @@ static inline PetscInt PaddedLength(PetscInt n)
   return (n + SIMD_WIDTH - 1) / SIMD_WIDTH * SIMD_WIDTH;
 }
 
-/* Apart - p - x modulo 2^32. Integer positions have units so small that the box exceeds 32 bits; a difference of
-   neighbours fits. */
-static inline int32_t Apart(int32_t p, int32_t x)
-{
-  return (int32_t)((uint32_t)p - (uint32_t)x);
-}
+/* WIDE numbers in single precision or integers, as many as a register of the processor holds, at least four. A WideMask
+   selects some of the lanes; & combines masks. */
+#if defined(__AVX512F__)
+  #define WIDE 16
+#elif defined(__AVX2__)
+  #define WIDE 8
+#else
+  #define WIDE 4
+#endif
+typedef float   Wide __attribute__((vector_size(WIDE * sizeof(float))));
+typedef int32_t WideInteger __attribute__((vector_size(WIDE * sizeof(int32_t))));
 
-/* Eight numbers in single precision. 'kept' selects some of them by a bit each. */
-#define EIGHT 8
-typedef float Eight __attribute__((vector_size(EIGHT * sizeof(float))));
-
-/* eight_front - for each pattern of eight bits the indices of the bits that are set, a byte each. EightSet fills the
+/* wide_front - for each pattern of eight bits the indices of the bits that are set, a byte each. WideStart fills the
    table; call it before the functions below. */
-extern uint64_t eight_front[1 << EIGHT];
-void            EightSet(void);
+extern uint64_t wide_front[1 << 8];
+void            WideStart(void);
 
-/* EightLoad - x[0] to x[7]. */
-static inline Eight EightLoad(const float x[])
+/* WideLoad - x[0] to x[WIDE - 1]. WideSet - WIDE times s. */
+static inline Wide WideLoad(const float x[])
 {
-  Eight t;
+  Wide t;
 
   (void)memcpy(&t, x, sizeof(t));
   return t;
 }
 
-/* EightApart - Apart for x[0] to x[7]. EightSingle - converts to single precision. */
-typedef int32_t EightIntegers __attribute__((vector_size(EIGHT * sizeof(int32_t))));
-
-static inline EightIntegers EightApart(int32_t p, const int32_t x[])
+static inline Wide WideSet(float s)
 {
-  typedef uint32_t Wrapping __attribute__((vector_size(EIGHT * sizeof(uint32_t))));
+  return s - (Wide){0};
+}
+
+/* WideApart - p - x modulo 2^32 in single precision, for x[0] to x[WIDE - 1]. Integer positions have units so small
+   that the box exceeds 32 bits; a difference of neighbours fits. */
+static inline Wide WideApart(int32_t p, const int32_t x[])
+{
+  typedef uint32_t Wrapping __attribute__((vector_size(WIDE * sizeof(uint32_t))));
   Wrapping         t;
 
   (void)memcpy(&t, x, sizeof(t));
-  return (EightIntegers)((uint32_t)p - t);
+  return __builtin_convertvector((WideInteger)((uint32_t)p - t), Wide);
 }
 
-static inline Eight EightSingle(EightIntegers t)
+/* WideCounting - first, first + 1, ... */
+static inline WideInteger WideCounting(int32_t first)
 {
-  return __builtin_convertvector(t, Eight);
+#if WIDE == 16
+  return first + (WideInteger){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+#elif WIDE == 8
+  return first + (WideInteger){0, 1, 2, 3, 4, 5, 6, 7};
+#else
+  return first + (WideInteger){0, 1, 2, 3};
+#endif
 }
 
-/* EightBelow - selects the numbers below the limit. EightPack - writes the selected numbers of x to the front of 'to';
-   it overwrites all eight elements. EightIndices - EightPack for the integers first to first + 7. */
-#if defined(__AVX2__)
-/* EightFront - the permutation that moves the selected numbers to the front. */
-static inline __m256i EightFront(unsigned kept)
+/* WideBelow - selects the lanes where s is below the limit, WideOther those where b differs from a. WideKeep - keeps
+   the selected lanes among the first n. WideCount - the number of lanes kept. WidePack - writes these lanes of x to the
+   front of 'to'; it may overwrite all WIDE elements. WidePackIntegers - WidePack for integers. */
+#if defined(__AVX512F__)
+typedef __mmask16 WideMask, WideKept;
+
+static inline WideMask WideBelow(Wide s, Wide limit)
 {
-  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(eight_front + kept)));
+  return _mm512_cmp_ps_mask((__m512)s, (__m512)limit, _CMP_LT_OQ);
 }
 
-static inline unsigned EightBelow(Eight s, float limit)
+static inline WideMask WideOther(WideInteger b, int32_t a)
 {
-  return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps((__m256)s, _mm256_set1_ps(limit), _CMP_LT_OQ));
+  return _mm512_cmpneq_epi32_mask((__m512i)b, _mm512_set1_epi32(a));
 }
 
-static inline void EightPack(unsigned kept, Eight x, float to[])
+static inline WideKept WideKeep(WideMask mask, PetscInt n)
 {
-  _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)x, EightFront(kept)));
+  return mask & (WideMask)((1u << PetscMin(n, WIDE)) - 1);
 }
 
-static inline void EightIndices(unsigned kept, int32_t first, int32_t to[])
+static inline PetscInt WideCount(WideKept kept)
 {
-  _mm256_storeu_si256((__m256i *)to, _mm256_add_epi32(_mm256_set1_epi32(first), EightFront(kept)));
+  return __builtin_popcount(kept);
+}
+
+static inline void WidePack(WideKept kept, Wide x, float to[])
+{
+  _mm512_storeu_ps(to, _mm512_maskz_compress_ps(kept, (__m512)x));
+}
+
+static inline void WidePackIntegers(WideKept kept, WideInteger x, int32_t to[])
+{
+  _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(kept, (__m512i)x));
 }
 #else
-static inline unsigned EightBelow(Eight s, float limit)
-{
-  unsigned kept = 0;
+typedef WideInteger WideMask; /* all bits of a selected lane are set */
 
-  for (unsigned k = 0; k < EIGHT; k++) kept |= (unsigned)(s[k] < limit) << k;
+static inline WideMask WideBelow(Wide s, Wide limit)
+{
+  return s < limit;
+}
+
+static inline WideMask WideOther(WideInteger b, int32_t a)
+{
+  return b != a;
+}
+
+  #if defined(__AVX2__)
+typedef struct {
+  __m256i front; /* the permutation that moves the kept lanes to the front */
+  PetscInt count;
+} WideKept;
+
+static inline WideKept WideKeep(WideMask mask, PetscInt n)
+{
+  const int bits = _mm256_movemask_ps((__m256)mask) & ((1 << PetscMin(n, WIDE)) - 1);
+  const WideKept kept = {_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(wide_front + bits))),
+                         __builtin_popcount((unsigned)bits)};
+
   return kept;
 }
 
-static inline void EightPack(unsigned kept, Eight x, float to[])
+static inline PetscInt WideCount(WideKept kept)
 {
-  for (unsigned k = 0, n = 0; k < EIGHT; k++) { /* branchless: the next number overwrites one that is not selected */
-    to[n] = x[k];
-    n += kept >> k & 1;
-  }
+  return kept.count;
 }
 
-static inline void EightIndices(unsigned kept, int32_t first, int32_t to[])
+static inline void WidePack(WideKept kept, Wide x, float to[])
 {
-  for (unsigned k = 0, n = 0; k < EIGHT; k++) {
-    to[n] = first + (int32_t)k;
-    n += kept >> k & 1;
-  }
+  _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)x, kept.front));
 }
+
+static inline void WidePackIntegers(WideKept kept, WideInteger x, int32_t to[])
+{
+  _mm256_storeu_si256((__m256i *)to, _mm256_permutevar8x32_epi32((__m256i)x, kept.front));
+}
+  #else
+typedef struct {
+  PetscInt
+    to[WIDE + 1]; /* the place of each lane, of which the next lane overwrites one that is not kept; their number */
+} WideKept;
+
+static inline WideKept WideKeep(WideMask mask, PetscInt n)
+{
+  WideKept kept = {{0}};
+
+  mask &= WideCounting(0) < (int32_t)n;
+  for (PetscInt k = 0; k < WIDE; k++) kept.to[k + 1] = kept.to[k] - mask[k];
+  return kept;
+}
+
+static inline PetscInt WideCount(WideKept kept)
+{
+  return kept.to[WIDE];
+}
+
+static inline void WidePack(WideKept kept, Wide x, float to[])
+{
+  for (PetscInt k = 0; k < WIDE; k++) to[kept.to[k]] = x[k];
+}
+
+static inline void WidePackIntegers(WideKept kept, WideInteger x, int32_t to[])
+{
+  for (PetscInt k = 0; k < WIDE; k++) to[kept.to[k]] = x[k];
+}
+  #endif
 #endif
 
 #endif

@@ -83,7 +83,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(PetscFree(c->list));
   PetscCall(PetscFree(c->slope));
   PetscCall(PetscFree(c->laplacian));
-  PetscCall(CellGridReset(&c->grid));
+  for (PetscInt l = 0; l < SEARCH_LEVELS; l++) PetscCall(CellGridReset(&c->grid[l]));
   PetscCall(PetscFree(*cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

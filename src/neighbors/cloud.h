@@ -14,7 +14,8 @@
 
 typedef struct _p_Halo *Halo;
 
-#define SIZE_LEVELS 5 /* of graded particles by factors of sqrt(2) in size: see CloudLevel */
+#define SIZE_LEVELS   5                       /* of graded particles by factors of sqrt(2) in size: see CloudLevel */
+#define SEARCH_LEVELS ((SIZE_LEVELS + 1) / 2) /* by factors of 2: the first, then two of these each */
 
 typedef struct _p_WorkArray WorkArray;
 
@@ -59,14 +60,14 @@ typedef struct _p_Cloud {
      80 such weights is right to 3e-6. */
   float     *slope;
   uint16_t  *laplacian;
-  PetscInt  *laplacian_sum;    /* [n_owned], of each row */
-  PetscReal  laplacian_unit;   /* slope at r = 0 over the largest number of sixteen bits */
-  CellGrid   grid;             /* of the last search, over all n_total points */
-  WorkArray *work;             /* of CloudGetWork, a list */
-  PetscReal  slack;            /* m, twice the distance that particles may move before the halo is built again */
-  PetscReal  reach;            /* m, largest kernel support in use, of size 1 */
-  PetscReal *reference;        /* [n_owned][3] positions when the halo was built, m */
-  PetscReal  distance_outside; /* m, how far particles were outside their rank's cells when the halo was built */
+  PetscInt  *laplacian_sum;       /* [n_owned], of each row */
+  PetscReal  laplacian_unit;      /* slope at r = 0 over the largest number of sixteen bits */
+  CellGrid   grid[SEARCH_LEVELS]; /* of the last search, over all n_total points, by their sizes */
+  WorkArray *work;                /* of CloudGetWork, a list */
+  PetscReal  slack;               /* m, twice the distance that particles may move before the halo is built again */
+  PetscReal  reach;               /* m, largest kernel support in use, of size 1 */
+  PetscReal *reference;           /* [n_owned][3] positions when the halo was built, m */
+  PetscReal  distance_outside;    /* m, how far particles were outside their rank's cells when the halo was built */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
   PetscInt   layout;               /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   written[FIELD_COUNT]; /* of each work field the layout in which it was last written: see CloudWrote */

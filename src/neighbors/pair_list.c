@@ -1,5 +1,4 @@
-/* What the searches of particles of one size and of graded ones share: units of places, lines of cells, room for the
-   list. */
+/* What the search needs, units of places, lines of cells, room for the list; the kernel of a row. */
 #include "search.h"
 
 #define ROW_GUESS 72 /* neighbours a particle: the first guess of the size of the list */
@@ -23,25 +22,6 @@ Units SearchUnits(Cloud cloud)
     units.unit[d]    = (float)(1 / (units.inverse[d] * KernelSmoothingLength(cloud->kernel)));
   }
   return units;
-}
-
-PetscErrorCode PlacesSort(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[], int32_t sorted[])
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal *p = x + DIM * grid->order[k];
-
-    for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal place = Place(units, d, p[d]);
-
-      PetscCheck(PetscAbsReal(place) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-                 "a particle at (%g, %g, %g) m is further from the box than that is long", (double)p[0], (double)p[1],
-                 (double)p[2]);
-      sorted[d * n + k] = (int32_t)place;
-    }
-  }
-  PetscCall(PetscArrayzero(sorted + DIM * n, LANES)); /* read, and not used */
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void LinesSet(const CellGrid *grid, PetscInt reach, Lines *lines)
@@ -110,4 +90,38 @@ void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w
     slope_over_r2[k] *= share;
     slope[k] *= share;
   }
+}
+
+/* r2 of a graded particle's row over the square of the pair's size. */
+static void ScaleRow(Cloud cloud, PetscInt a, const PairRow *row, PetscReal r2[])
+{
+  for (PetscInt k = 0; k < row->n; k++) r2[k] = row->r2[k] / PetscSqr(CloudPairSize(cloud, a, row->index[k]));
+}
+
+void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row)
+{
+  PetscReal r2[ROW_CAPACITY];
+
+  if (!cloud->size) {
+    KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
+    return;
+  }
+  ScaleRow(cloud, a, row, r2);
+  KernelEvaluate(cloud->kernel, row->n, r2, row->W, NULL);
+  for (PetscInt k = 0; k < row->n; k++)
+    row->W[k] *= PetscPowRealInt(1 / CloudPairSize(cloud, a, row->index[k]), (int)cloud->domain->dim);
+}
+
+void PairRowGradient(Cloud cloud, PetscInt a, PairRow *row)
+{
+  PetscReal r2[ROW_CAPACITY];
+
+  if (!cloud->size) {
+    KernelGradient(cloud->kernel, row->n, row->r2, row->F);
+    return;
+  }
+  ScaleRow(cloud, a, row, r2);
+  KernelGradient(cloud->kernel, row->n, r2, row->F);
+  for (PetscInt k = 0; k < row->n; k++)
+    row->F[k] *= PetscPowRealInt(1 / CloudPairSize(cloud, a, row->index[k]), (int)cloud->domain->dim + 2);
 }

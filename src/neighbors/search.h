@@ -1,4 +1,4 @@
-/* Private to neighbors/: what the searches of particles of one size and of graded ones share. */
+/* Private to neighbors/: the search of the neighbours. */
 #ifndef ISPH_SEARCH_H
 #define ISPH_SEARCH_H
 
@@ -8,7 +8,7 @@
 #define LANES   SEARCH_LANES /* candidates compared at once */
 #define PADDING 1e4f         /* squared distance over h2, beyond any kernel */
 
-/* Positions are compared as integers, sixteen at a time. Their unit is the same on every rank, and the box is 2^n units
+/* Positions are compared as integers, many at a time. Their unit is the same on every rank, and the box is 2^n units
    long, n = BOX_BITS unless the box is narrow. Differences are therefore exact, and the same for both particles of a
    pair, also across a periodic face or a mirror. The unit is a billionth of the box, so a position is as exact as the
    single precision of the pair factors. */
@@ -23,42 +23,6 @@ static inline PetscReal Place(const Units *units, PetscInt d, PetscReal x)
 {
   return rint((x - units->center[d]) * units->inverse[d]);
 }
-
-/* SumSquares - dx2 + dy2 + dz2, rounded in the same way for both particles of a pair wherever it is compiled: which
-   products a compiler joins with the sums is not left to it. Not collective. */
-static inline float SumSquares(float dx, float dy, float dz)
-{
-#if defined(__FP_FAST_FMAF)
-  return fmaf(dz, dz, fmaf(dy, dy, dx * dx));
-#else
-  return dx * dx + dy * dy + dz * dz;
-#endif
-}
-
-/* Candidates eight at a time, where vectors of eight are the longest. */
-#if defined(__AVX2__) && defined(__FMA__) && !defined(__AVX512F__) && !defined(PETSC_USE_64BIT_INDICES)
-  #define SEARCH_EIGHT
-
-/* EightSquares - SumSquares of eight candidates. */
-static inline __m256 EightSquares(const int32_t p[DIM], const float unit[DIM], const int32_t *x, const int32_t *y,
-                                  const int32_t *z)
-{
-  const __m256 dx = (__m256)(unit[0] * EightSingle(EightApart(p[0], x))),
-               dy = (__m256)(unit[1] * EightSingle(EightApart(p[1], y))),
-               dz = (__m256)(unit[2] * EightSingle(EightApart(p[2], z)));
-
-  return _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
-}
-
-/* EightNear - which of the first 'count' candidates b are below their limit, without particle a itself: a bit each. */
-static inline unsigned EightNear(__m256 s2, __m256 limit, __m256i b, PetscInt a, PetscInt count)
-{
-  const __m256i real = _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)),
-                keep = _mm256_andnot_si256(_mm256_cmpeq_epi32(b, _mm256_set1_epi32(a)), real);
-
-  return (unsigned)_mm256_movemask_ps(_mm256_and_ps(_mm256_castsi256_ps(keep), _mm256_cmp_ps(s2, limit, _CMP_LT_OQ)));
-}
-#endif
 
 /* A run of up to LANES candidates in one integer: where it starts in the grid's order in the lower half, its count in
    the upper half, to halve the memory traffic. A larger count stands for more runs behind this one. */
@@ -138,17 +102,61 @@ PetscErrorCode ReserveList(Cloud cloud, PetscInt64 pairs);
 /* DropWallPairs - removes the Laplacian weights of the pairs of a wall particle with other wall particles, between
    which nothing flows. Returns the sum of the other weights. Not collective. */
 PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[], uint16_t laplacian[]);
-/* PlacesSort - the integer positions of n points x ([n][3], m) in the order of their grid: sorted has room for [3][n]
-   and LANES more, which are zero. Not collective. */
-PetscErrorCode PlacesSort(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[], int32_t sorted[]);
-
 /* FindWeights - volumes over V_0, of rings their areas, at the positions of the cloud, ghosts too. WeightRow -
    multiplies the factors of a row, where they stand for a neighbour of full share, by its CloudShare. Not collective.
  */
 void FindWeights(Cloud cloud);
 void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float w[], float slope_over_r2[], float slope[]);
-/* SearchGraded - CloudSearch of particles of different sizes. Not collective. */
-PetscErrorCode SearchGraded(Cloud cloud, RowVisitor visit, void *context);
+/* Cells of a level's grid, SPLIT along x in one, and some more layers of them all around: the largest sizes of the
+   particles that may be in pairs with one in the cell; 0: there are none. */
+typedef struct {
+  CellBox box;
+  /* [box.count] for a particle of the grid's level, those of this level and coarser ones; for a particle of a coarser
+     level, those of the grid's level */
+  PetscReal *coarse[SEARCH_LEVELS], *fine[SEARCH_LEVELS];
+} Blocks;
+
+/* The particles of a level in the order of its grid, with room for LANES more, which are read and not used. */
+typedef struct {
+  PetscInt  n;
+  int32_t  *place; /* [3][n] integer positions */
+  float    *size;  /* [n] of graded particles */
+  PetscInt *index; /* [n] local indices */
+} Candidates;
+
+/* The particles of a level of sizes, ghosts too. Those of one size have one level, without what only graded ones need.
+ */
+typedef struct {
+  PetscReal       largest; /* size, 1 */
+  PetscInt       *point;   /* [n] local indices, of graded particles, and ... */
+  PetscReal      *x;       /* [n][3] ... their positions, m */
+  const CellGrid *grid;
+  Lines           lines[LINES_MOST_REACH];
+  Blocks          blocks;
+  Candidates      all;
+} Level;
+
+typedef struct {
+  Units     units;
+  PetscReal support;     /* of the kernel, m */
+  float     limit, unit; /* support2/h2; of the Laplacian factors */
+  Level     level[SEARCH_LEVELS];
+  Run      *run; /* of one row */
+  /* Of one row: r2/h2, then over h_ab2; sizes of the neighbours; h over h_ab. */
+  float s[ROW_CAPACITY + LANES], size[ROW_CAPACITY + LANES], ratio[ROW_CAPACITY + LANES];
+} Search;
+
+/* SearchCreate - sorts the particles at the positions of the cloud; search is zeroed. Not collective. */
+PetscErrorCode SearchCreate(Cloud cloud, Search *search);
+PetscErrorCode SearchDestroy(Cloud cloud, Search *search);
+/* SearchLevel - the level of particle a. SearchLevelRuns - the candidates of level l for particle a, of level 'own':
+   those near enough for a pair with the largest of them. The block is that of the finer one of both levels. Writes to
+   search->run; returns their number. Not collective. */
+static inline PetscInt SearchLevel(Cloud cloud, PetscInt a)
+{
+  return (CloudLevel(cloud, a) + 1) / 2;
+}
+PetscInt SearchLevelRuns(Cloud cloud, const Search *search, PetscInt a, PetscInt own, PetscInt l, PetscInt block);
 
 /* Pads a row with pairs of the particle with itself that weigh nothing, so that what follows works on whole vectors.
    The next row overwrites them. */

@@ -35,7 +35,7 @@
 /* No particle counts as further outside the liquid than this, in spacings. */
 #define LARGEST_OUTSIDE 0.5
 /* A chunk, whose last vector may go beyond its end. */
-#define ROOM      (CHUNK + EIGHT)
+#define ROOM      (CHUNK + WIDE)
 #define BELOW_ONE (1 - 1e-9)
 /* With half of this drops, threads, sheets and contact lines do the same, in up to twice the steps. */
 #define STEP_LIMIT 0.5
@@ -48,7 +48,7 @@ static PetscErrorCode CurvatureSetUp(Tension tension)
   const PetscReal dr = support / WALL_TABLE;
 
   PetscFunctionBegin;
-  EightSet();
+  WideStart();
   KernelHalfSpace(tension->kernel, 0, &tension->plane, NULL);
   KernelSurfaceTable(tension->kernel, WALL_TABLE, tension->fraction);
   for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
@@ -92,17 +92,17 @@ typedef struct {
    support. Returns their number. */
 static PetscInt FindNeighbors(Tension tension, PetscInt begin, PetscInt m, float s[], Neighbors *near)
 {
-  const float limit = (float)PetscSqr(KernelSupport(tension->kernel) / KernelSmoothingLength(tension->kernel));
-  PetscInt    n     = 0;
+  const Wide limit = WideSet((float)PetscSqr(KernelSupport(tension->kernel) / KernelSmoothingLength(tension->kernel)));
+  PetscInt   n     = 0;
 
-  for (PetscInt k = m; k < m + EIGHT; k++) s[k] = FLT_MAX; /* what fills up the last vector */
-  for (PetscInt k = 0; k < m; k += EIGHT) {
-    const Eight    eight = EightLoad(s + k);
-    const unsigned kept  = EightBelow(eight, limit);
+  for (PetscInt k = m; k < m + WIDE; k++) s[k] = FLT_MAX; /* what fills up the last vector */
+  for (PetscInt k = 0; k < m; k += WIDE) {
+    const Wide     wide = WideLoad(s + k);
+    const WideKept kept = WideKeep(WideBelow(wide, limit), WIDE);
 
-    EightPack(kept, eight, near->s + n);
-    EightIndices(kept, (int32_t)(begin + k), near->place + n);
-    n += __builtin_popcount(kept);
+    WidePack(kept, wide, near->s + n);
+    WidePackIntegers(kept, WideCounting((int32_t)(begin + k)), near->place + n);
+    n += WideCount(kept);
   }
   return n;
 }
