@@ -45,7 +45,7 @@ static PetscErrorCode FindPoints(Packing packing, PetscInt b)
 typedef struct {
   const Emission *emission;
   Body            body;
-  PetscInt        b, k, first_id;
+  PetscInt        b, k;
   PetscReal       time;
 } Portion;
 
@@ -63,7 +63,7 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
 
     for (PetscInt d = 0; d < DIM; d++) sample.x[d] = portion->emission->x[DIM * p + d] + shift[d];
     BodyEmissionVelocity(portion->body, portion->time, sample.x, sample.v);
-    sample.id = sample.parent = portion->first_id + p;
+    sample.id = sample.parent = p;
     PetscCall(visitor(context, &sample));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,9 +115,9 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
       PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), packing->cloud->comm,
                      "the emitter %s has brought as many particles as this build of PETSc can number",
                      BodyName(portion.body));
-      portion.k        = emission->done;
-      portion.first_id = EMITTED_ID + (portion.k * emitters + number) * most;
-      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, &portion, &count));
+      portion.k = emission->done;
+      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, &portion,
+                              EMITTED_ID + (portion.k * emitters + number) * most, &count));
       *emitted += count;
     }
     number++;

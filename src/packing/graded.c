@@ -108,8 +108,9 @@ static PetscReal Stretch(const Region *region, PetscReal volume)
   return sum > 0 ? volume / sum : 1;
 }
 
-/* The particles of body b, of this volume (m3) as rings; *id is the number of the next. */
-static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal volume,
+/* The particles of body b; of rings its volume is this length (m) times the area of a cell of the fine lattice. *id is
+   the number of the next. */
+static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal ring_length,
                               PetscSegBuffer samples, PetscInt *id)
 {
   const Domain             domain = packing->cloud->domain;
@@ -126,7 +127,7 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
   LatticeOfBody(domain, domain->spacing_coarse, body, &region.coarse);
   PetscCall(CheckPitch(packing, &region));
   PetscCall(RegionFill(&region));
-  stretch = Stretch(&region, volume);
+  stretch = Stretch(&region, ring_length * region.fine.pitch[0] * region.fine.pitch[1]);
   for (PetscInt k = 0; k < region.n; k++) {
     const RegionPoint *point  = &region.point[k];
     const PetscReal    s      = DomainSize(domain, point->measure) * domain->spacing;
@@ -251,19 +252,19 @@ static PetscErrorCode KeepSamples(Packing packing, PetscInt kind, PetscSegBuffer
 PetscErrorCode GradedSetUp(Packing packing)
 {
   const Scene    scene = packing->cloud->scene;
-  PetscReal      level[SCENE_MAX_BODIES], volume[SCENE_MAX_BODIES];
+  PetscReal      level[SCENE_MAX_BODIES], length[SCENE_MAX_BODIES];
   PetscSegBuffer samples;
   PetscInt       id = 0;
 
   PetscFunctionBegin;
-  PetscCall(LatticeFit(packing, level, volume));
+  PetscCall(LatticeFit(packing, level, length));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
   PetscCall(CheckSolids(packing->cloud->domain, scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     if (BodyEmits(SceneBody(scene, b)))
       PetscCall(CheckEmitter(packing->cloud->domain, scene, SceneBody(scene, b)));
     else
-      PetscCall(AddBody(packing, b, level, volume[b], samples, &id));
+      PetscCall(AddBody(packing, b, level, length[b], samples, &id));
   }
   PetscCall(KeepSamples(packing, 0, samples));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
@@ -281,32 +282,12 @@ PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *context)
+PetscErrorCode GradedVisitWalls(void *source, SampleVisitor visitor, void *context)
 {
   const Packing packing = (Packing)source;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < packing->graded_count[1]; k++) PetscCall(visitor(context, &packing->graded[1][k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode GradedWeighWalls(Packing packing, PetscInt weight[])
-{
-  PetscInt count;
-
-  PetscFunctionBegin;
-  PetscCall(SamplesWeigh(packing->cloud->domain, VisitWalls, packing, weight, &count));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode GradedCreateWalls(Packing packing, PetscInt first_id, PetscInt *count)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < packing->graded_count[1]; k++) {
-    packing->graded[1][k].id += first_id;
-    packing->graded[1][k].parent += first_id;
-  }
-  PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitWalls, packing, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -235,15 +235,30 @@ static PetscReal ChooseLevel(const Shells *shells, PetscReal tolerance)
 /* The level of the signed distance (m) below which lattice points fill a body, so that their number is its volume over
    that of a lattice cell: with the level 0 a small sphere would be up to a fifth too light or heavy. At most LEVEL_MAX
    pitches from 0. *length: the volume of the body as rings over the area of a lattice cell, m. */
-static PetscErrorCode FitLevel(Packing packing, PetscInt b, const Lattice *lattice, PetscReal *level, PetscReal *length)
+static PetscErrorCode FitLevel(Packing packing, PetscInt b, PetscReal *level, PetscReal *length)
 {
-  Shells shells;
+  const Domain domain = packing->cloud->domain;
+  Lattice      lattice;
+  Shells       shells;
 
   PetscFunctionBegin;
-  PetscCall(CollectShells(packing, b, lattice, &shells));
-  *level  = ChooseLevel(&shells, POINT_TOLERANCE * packing->cloud->domain->spacing);
+  LatticeOfBody(domain, domain->spacing, SceneBody(packing->cloud->scene, b), &lattice);
+  PetscCall(CollectShells(packing, b, &lattice, &shells));
+  *level  = ChooseLevel(&shells, POINT_TOLERANCE * domain->spacing);
   *length = shells.length;
   PetscCall(PetscFree(shells.distance));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal length[SCENE_MAX_BODIES])
+{
+  const Scene scene = packing->cloud->scene;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
+    if (!BodyEmits(SceneBody(scene, b))) PetscCall(FitLevel(packing, b, &level[b], &length[b]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -288,20 +303,19 @@ static PetscErrorCode AddLength(void *context, const Sample *sample)
   return PETSC_SUCCESS;
 }
 
-/* Finds the level of body b and shows its points to the visitor. Rings all have the area with which they have the
-   body's volume. */
-static PetscErrorCode VisitBody(Packing packing, PetscInt b, PetscReal level[], SampleVisitor visitor, void *context,
-                                PetscInt *id)
+/* Shows the points of body b to the visitor. Rings all have the area with which they have the body's volume; length:
+   that of LatticeFit. */
+static PetscErrorCode VisitBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal length,
+                                SampleVisitor visitor, void *context, PetscInt *id)
 {
   const Domain domain = packing->cloud->domain;
   RingSum      sum    = {.domain = domain};
-  PetscReal    length = 0, area = 1;
-  PetscInt     first = *id;
+  PetscReal    area   = 1;
+  PetscInt     first  = *id;
   Lattice      lattice;
 
   PetscFunctionBegin;
   LatticeOfBody(domain, domain->spacing, SceneBody(packing->cloud->scene, b), &lattice);
-  PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
   if (domain->rings) {
     PetscCall(VisitPoints(packing, b, &lattice, level, 1, AddLength, &sum, &first));
     area = lattice.pitch[0] * lattice.pitch[1] / domain->volume * (sum.length > 0 ? length / sum.length : 1);
@@ -314,26 +328,25 @@ static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *c
 {
   const Packing packing = (Packing)source;
   const Scene   scene   = packing->cloud->scene;
-  PetscReal     level[SCENE_MAX_BODIES];
+  PetscReal     level[SCENE_MAX_BODIES], length[SCENE_MAX_BODIES];
   PetscInt      id = 0;
 
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
-    if (BodyEmits(SceneBody(scene, b))) continue;
-    PetscCall(VisitBody(packing, b, level, visitor, context, &id));
-  }
+  PetscCall(LatticeFit(packing, level, length));
+  for (PetscInt b = 0; b < SceneCount(scene); b++)
+    if (!BodyEmits(SceneBody(scene, b))) PetscCall(VisitBody(packing, b, level, length[b], visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context)
 {
-  PetscReal level[SCENE_MAX_BODIES];
+  PetscReal level[SCENE_MAX_BODIES], length;
   PetscInt  id = 0;
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) level[b] = -PETSC_MAX_REAL;
-  PetscCall(VisitBody(packing, body, level, visitor, context, &id));
+  PetscCall(FitLevel(packing, body, &level[body], &length));
+  PetscCall(VisitBody(packing, body, level, length, visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -344,25 +357,6 @@ static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscO
   PetscFunctionBegin;
   PetscCall(OptionReal("-packing_jitter", "largest random displacement from the lattice, of each component (spacings)",
                        "[0, 0.5)", &lattice->jitter));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal volume[SCENE_MAX_BODIES])
-{
-  const Domain domain = packing->cloud->domain;
-  const Scene  scene  = packing->cloud->scene;
-
-  PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    PetscReal length;
-    Lattice   lattice;
-
-    level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
-    if (BodyEmits(SceneBody(scene, b))) continue;
-    LatticeOfBody(domain, domain->spacing, SceneBody(scene, b), &lattice);
-    PetscCall(FitLevel(packing, b, &lattice, &level[b], &length));
-    volume[b] = length * lattice.pitch[0] * lattice.pitch[1];
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

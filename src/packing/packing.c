@@ -123,41 +123,36 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
 /* The cells are dealt out first, with the weights that CloudResync will use, so that nothing has to migrate. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
-  const Cloud    cloud  = packing->cloud;
-  const Domain   domain = cloud->domain;
-  const PetscInt cells = domain->cells[0] * domain->cells[1] * domain->cells[2], layers = PackingWallLayers(cloud);
-  SampleSource   visit = domain->graded ? GradedVisit : packing->ops.visit;
-  PetscInt      *weight, walls, solids;
-  PetscMPIInt    rank;
+  const Cloud        cloud   = packing->cloud;
+  const Domain       domain  = cloud->domain;
+  const PetscInt     cells   = domain->cells[0] * domain->cells[1] * domain->cells[2];
+  const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops.visit,
+                                domain->graded ? GradedVisitWalls : WallVisit, SolidVisit};
+  Dummies     dummies  = {.cloud = cloud, .layers = PackingWallLayers(cloud)};
+  void       *source[] = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
+  PetscInt   *weight, count[PETSC_STATIC_ARRAY_LENGTH(visit)], first_id = 0;
+  PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscCalloc1(cells, &weight));
-  PetscCall(SamplesWeigh(domain, visit, packing, weight, &packing->count));
+  PetscCall(SamplesWeigh(domain, visit[0], packing, weight, &packing->count));
   PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
-  if (rank) /* DomainPartition sums over the ranks */
-    PetscCall(PetscArrayzero(weight, cells));
-  else {
-    if (domain->graded)
-      PetscCall(GradedWeighWalls(packing, weight));
-    else
-      PetscCall(WallWeigh(domain, layers, weight));
-    PetscCall(SolidWeigh(domain, cloud->scene, layers, weight));
-  }
+  if (rank) PetscCall(PetscArrayzero(weight, cells)); /* DomainPartition sums over the ranks */
+  for (size_t k = 1; k < PETSC_STATIC_ARRAY_LENGTH(visit) && !rank; k++)
+    PetscCall(SamplesWeigh(domain, visit[k], source[k], weight, &count[k]));
   PetscCall(DomainPartition(domain, 1, weight));
   PetscCall(PetscFree(weight));
-  PetscCall(SamplesAppend(cloud->particles, domain, visit, packing, &packing->count));
-  if (domain->graded)
-    PetscCall(GradedCreateWalls(packing, packing->count, &walls));
-  else
-    PetscCall(WallCreateParticles(cloud->particles, domain, layers, packing->count, &walls));
-  PetscCall(SolidCreateParticles(cloud->particles, domain, cloud->scene, layers, packing->count + walls, &solids));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(visit); k++) {
+    PetscCall(SamplesAppend(cloud->particles, domain, visit[k], source[k], first_id, &count[k]));
+    first_id += count[k];
+  }
   PetscCall(PetscInfo(NULL,
                       "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
                       " solid particles\n",
-                      packing->type, packing->count, walls, solids));
+                      packing->type, count[0], count[1], count[2]));
   PetscCall(CheckEachBody(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

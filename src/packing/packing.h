@@ -44,16 +44,4 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
 PetscReal      PackingEmitted(Packing packing, PetscReal time);
 PetscErrorCode PackingDestroy(Packing *packing);
 
-/* WallCreateParticles - dummy particles of all wall faces: layers on a lattice of the particle spacing outside the box,
-   edges and corners included, 'layers' deep; appended to the swarm. Layer 1 is the top layer; the parent of a deeper
-   particle is the nearest top-layer particle, found by clamping its lattice index. Ids start at first_id; *count is the
-   global number made. Faces that are periodic or symmetric are spanned without gap or overlap (the lattice is fitted to
-   the box there). Collective. */
-PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
-                                   PetscInt *count);
-/* SolidCreateParticles - as WallCreateParticles, of the solids: points of the box's lattice inside them, at most
-   'layers' spacings deep; each is a top layer with a pressure of its own. */
-PetscErrorCode SolidCreateParticles(Particles particles, Domain domain, Scene scene, PetscInt layers, PetscInt first_id,
-                                    PetscInt *count);
-
 #endif

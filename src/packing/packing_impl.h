@@ -25,9 +25,10 @@ typedef PetscErrorCode (*SampleSource)(void *source, SampleVisitor visitor, void
 /* SamplesWeigh - adds the samples of a source to the number of particles of each cell, weight [cells]; *count is their
    number. Not collective. */
 PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count);
-/* SamplesAppend - appends those samples of a source that lie in this rank's cells to the swarm; *count is the number of
-   all. Collective. */
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt *count);
+/* SamplesAppend - appends those samples of a source that lie in this rank's cells to the swarm, with ids and parents
+   counted from first_id on; *count is the number of all. Collective. */
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
+                             PetscInt *count);
 
 /* What an emitter brings each time. */
 typedef struct {
@@ -90,20 +91,25 @@ void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice);
 void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice);
 /* LatticeJitter - of -packing_jitter, spacings, where the packing is a lattice. LatticeFit - the levels of all bodies'
    lattices of the spacing, for LatticeBelongs: whether point number 'point' of the lattice of body b, at x (m), is a
-   particle of it. LatticeFit also finds the volumes (m3) of bodies of rings; it is collective. */
+   particle of it. LatticeFit also finds the length (m) of all rings of a body: its volume over the area of a lattice
+   cell; it is collective. */
 PetscReal      LatticeJitter(Packing packing);
-PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal volume[SCENE_MAX_BODIES]);
+PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal length[SCENE_MAX_BODIES]);
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);
 /* LatticeVisitBody - shows the lattice points of one body. Collective. */
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
 
 /* PackingWallLayers - layers of dummy particles that fill the support of the kernel. Not collective. */
 PetscInt PackingWallLayers(Cloud cloud);
-/* WallWeigh - adds the dummy particles of the walls to the number of particles of each cell, weight [cells]. Not
-   collective. */
-PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[]);
-/* SolidWeigh - as WallWeigh, of the solids. */
-PetscErrorCode SolidWeigh(Domain domain, Scene scene, PetscInt layers, PetscInt weight[]);
+/* Dummy particles, 'layers' deep: the source of the next two. WallVisit - of all wall faces: the lattice of the box
+   beyond it, edges and corners included; the parent of a deeper particle is the nearest one of the top layer, 1.
+   SolidVisit - of the solids: points of that lattice inside them, each with a pressure of its own. Not collective. */
+typedef struct {
+  Cloud    cloud;
+  PetscInt layers;
+} Dummies;
+PetscErrorCode WallVisit(void *source, SampleVisitor visitor, void *context);
+PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context);
 /* A part of space to be filled with particles of the spacing SceneSpacing: a body, or a face, edge or corner of the
    box, which its walls continue. */
 typedef struct {
@@ -128,13 +134,11 @@ PetscErrorCode RegionFill(Region *region);
 /* RegionSpread - spreads the points that are not fixed evenly. Not collective. */
 PetscErrorCode RegionSpread(Region *region);
 
-/* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit - a
-   SampleSource of the liquid (source: the packing); GradedWeighWalls, GradedCreateWalls - as WallWeigh and
-   WallCreateParticles. GradedDestroy - frees them. */
+/* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit,
+   GradedVisitWalls - SampleSources of the liquid and of the walls, as WallVisit. GradedDestroy - frees them. */
 PetscErrorCode GradedSetUp(Packing packing);
 PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context);
-PetscErrorCode GradedWeighWalls(Packing packing, PetscInt weight[]);
-PetscErrorCode GradedCreateWalls(Packing packing, PetscInt first_id, PetscInt *count);
+PetscErrorCode GradedVisitWalls(void *source, SampleVisitor visitor, void *context);
 PetscErrorCode GradedDestroy(Packing packing);
 /* EmissionsDestroy - frees what emitters bring. */
 PetscErrorCode EmissionsDestroy(Packing packing);

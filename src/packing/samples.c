@@ -42,7 +42,8 @@ static PetscErrorCode KeepSample(void *context, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt *count)
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
+                             PetscInt *count)
 {
   Selection      selection = {.domain = domain};
   ParticleArrays arrays;
@@ -68,8 +69,8 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
     if (arrays.real[FIELD_VOLUME])
       arrays.real[FIELD_VOLUME][next] =
         sample[k].area * domain->volume * DomainRingLength(domain, sample[k].x, SampleSize(&sample[k]));
-    arrays.integer[INT_ID][next]     = sample[k].id;
-    arrays.integer[INT_PARENT][next] = sample[k].parent;
+    arrays.integer[INT_ID][next]     = first_id + sample[k].id;
+    arrays.integer[INT_PARENT][next] = first_id + sample[k].parent;
     arrays.integer[INT_BODY][next]   = sample[k].body;
     arrays.integer[INT_LAYER][next]  = sample[k].layer;
   }

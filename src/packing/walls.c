@@ -9,18 +9,14 @@ PetscInt PackingWallLayers(Cloud cloud)
 /* The lattice of box and walls, and where in it the box is: point i of direction d is inside the box if
    low[d] <= i < high[d]. */
 typedef struct {
-  Domain   domain;
   Lattice  lattice;
   PetscInt low[DIM], high[DIM];
-  PetscInt first_id;
 } Walls;
 
-static void WallsSetUp(Domain domain, PetscInt layers, PetscInt first_id, Walls *walls)
+static void WallsSetUp(Domain domain, PetscInt layers, Walls *walls)
 {
   Lattice *lattice = &walls->lattice;
 
-  walls->domain   = domain;
-  walls->first_id = first_id;
   LatticeOfBox(domain, domain->spacing, lattice);
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscBool real  = (PetscBool)(d < domain->dim);
@@ -56,50 +52,30 @@ static PetscInt WallOrdinal(const Walls *walls, const PetscInt at[DIM])
   return CellIndex(walls->lattice.n, at[0], at[1], at[2]) - inside;
 }
 
-static PetscErrorCode VisitWalls(void *source, SampleVisitor visitor, void *context)
+PetscErrorCode WallVisit(void *source, SampleVisitor visitor, void *context)
 {
-  const Walls   *walls   = (const Walls *)source;
-  const Lattice *lattice = &walls->lattice;
+  const Cloud    cloud = ((const Dummies *)source)->cloud;
+  Walls          walls;
+  const Lattice *lattice = &walls.lattice;
   PetscInt       number  = 0;
 
   PetscFunctionBegin;
+  WallsSetUp(cloud->domain, ((const Dummies *)source)->layers, &walls);
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    Sample   sample = {.body = -1, .area = lattice->pitch[0] * lattice->pitch[1] / walls->domain->volume};
+    Sample   sample = {.body = -1, .area = lattice->pitch[0] * lattice->pitch[1] / cloud->domain->volume};
     PetscInt at[DIM], parent[DIM];
 
     CellCoordinates(lattice->n, point, at);
-    for (PetscInt d = 0; d < DIM; d++) sample.layer = PetscMax(sample.layer, StepsOutside(walls, d, at[d]));
+    for (PetscInt d = 0; d < DIM; d++) sample.layer = PetscMax(sample.layer, StepsOutside(&walls, d, at[d]));
     if (!sample.layer) continue;
     for (PetscInt d = 0; d < DIM; d++) {
-      sample.x[d] = lattice->origin[d] + (at[d] - walls->low[d]) * lattice->pitch[d];
-      parent[d]   = PetscMax(walls->low[d] - 1, PetscMin(walls->high[d], at[d]));
+      sample.x[d] = lattice->origin[d] + (at[d] - walls.low[d]) * lattice->pitch[d];
+      parent[d]   = PetscMax(walls.low[d] - 1, PetscMin(walls.high[d], at[d]));
     }
-    DomainWallVelocity(walls->domain, sample.x, sample.v);
-    sample.id     = walls->first_id + number++;
-    sample.parent = walls->first_id + WallOrdinal(walls, parent);
+    DomainWallVelocity(cloud->domain, sample.x, sample.v);
+    sample.id     = number++;
+    sample.parent = WallOrdinal(&walls, parent);
     PetscCall(visitor(context, &sample));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode WallWeigh(Domain domain, PetscInt layers, PetscInt weight[])
-{
-  Walls    walls;
-  PetscInt count;
-
-  PetscFunctionBegin;
-  WallsSetUp(domain, layers, 0, &walls);
-  PetscCall(SamplesWeigh(domain, VisitWalls, &walls, weight, &count));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode WallCreateParticles(Particles particles, Domain domain, PetscInt layers, PetscInt first_id,
-                                   PetscInt *count)
-{
-  Walls walls;
-
-  PetscFunctionBegin;
-  WallsSetUp(domain, layers, first_id, &walls);
-  PetscCall(SamplesAppend(particles, domain, VisitWalls, &walls, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

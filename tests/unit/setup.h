@@ -2,7 +2,7 @@
 #ifndef ISPH_SETUP_H
 #define ISPH_SETUP_H
 
-#include "../../src/packing/packing.h"
+#include "../../src/packing/packing_impl.h"
 #include "../../src/pressure/pressure.h"
 #include "../../src/tension/tension.h"
 #include "../../src/operators/operators.h"
@@ -62,6 +62,7 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
   ParticleArrays arrays;
   PetscMPIInt    rank;
   PetscInt       walls, solids;
+  Dummies        dummies = {.layers = layers};
 
   PetscFunctionBegin;
   PetscCall(SetupOpen(options, s));
@@ -72,8 +73,9 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
   for (PetscInt a = 0; a < arrays.n; a++) arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
   PetscCall(ParticlesClose(s->particles, &arrays));
   if (layers) {
-    PetscCall(WallCreateParticles(s->particles, s->domain, layers, n, &walls));
-    PetscCall(SolidCreateParticles(s->particles, s->domain, s->scene, layers, n + walls, &solids));
+    dummies.cloud = s->cloud;
+    PetscCall(SamplesAppend(s->particles, s->domain, WallVisit, &dummies, n, &walls));
+    PetscCall(SamplesAppend(s->particles, s->domain, SolidVisit, &dummies, n + walls, &solids));
   }
   PetscCall(CloudResync(s->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
