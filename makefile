@@ -60,13 +60,6 @@ $(BUILD)/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(dir $@)
 	@echo CC $<; $(CC) $(ALL_FLAGS) -c -o $@ $<
 
-# The names of the program's options: some are read after the packing only.
-$(BUILD)/names.h: $(SOURCES)
-	@mkdir -p $(BUILD); grep -oh '"-[a-z][a-z0-9_]*"' $(SOURCES) | sort -u | sed 's/"-/"/; s/$$/,/' > $@
-
-$(BUILD)/sim/option_check.o: $(BUILD)/names.h
-$(BUILD)/sim/option_check.o: ALL_FLAGS += -I$(BUILD)
-
 # Objects depend on the compiler and its flags, so that a switch of either rebuilds.
 $(BUILD)/flags: force
 	@mkdir -p $(BUILD); echo '$(CC) $(OMPI_CC) $(ALL_FLAGS)' | cmp -s - $@ || echo '$(CC) $(OMPI_CC) $(ALL_FLAGS)' > $@

@@ -12,11 +12,6 @@ static const char *const late[] = {
 };
 #define LATE_PREFIX "spectrum_" /* SLEPc's options of the spectrum at the end */
 
-/* Names of this program that may be read after the packing only. */
-static const char *const known[] = {
-#include "names.h"
-};
-
 /* Beginnings of the names of PETSc's objects, which take a prefix, and of those types that have options of their own.
  */
 static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st_", "bv_", "ds_"};
@@ -224,16 +219,14 @@ static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a name that nothing has read is no fault. early: more may be read later. petsc: filled when first needed, on
-   rank 0. */
+/* Whether a name that nothing has read is no fault. early: PETSc's objects may read more later. petsc: filled when
+   first needed, on rank 0. */
 static PetscErrorCode Forgive(const char name[], PetscBool early, OptionNames *petsc, PetscBool *forgiven)
 {
   PetscFunctionBegin;
   *forgiven = PETSC_FALSE;
   for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(late) && !*forgiven; l++)
     PetscCall(PetscStrcmp(name, late[l], forgiven));
-  for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(known) && early && !*forgiven; l++)
-    PetscCall(PetscStrcmp(name, known[l], forgiven));
   if (*forgiven || !(early || !strncmp(name, LATE_PREFIX, strlen(LATE_PREFIX)))) PetscFunctionReturn(PETSC_SUCCESS);
   if (!petsc->n) PetscCall(OptionNamesPetsc(petsc));
   *forgiven = (PetscBool)(!petsc->n || Find(petsc, name)); /* without a list none is refused early */

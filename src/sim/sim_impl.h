@@ -100,8 +100,8 @@ typedef struct {
   OptionName *entry; /* [n] */
 } OptionNames;
 /* RefuseUnusedOptions - a UserError naming the first option nobody read, with the nearest name that exists or the
-   choice it belongs to. early: before the packing, options that may still be read pass; own: adds the names of the
-   program's own options, on rank 0. Collective. */
+   choice it belongs to. early: before the packing, options of PETSc pass, which may still be read; own: adds the names
+   of the program's own options, on rank 0. Collective. */
 PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early, PetscErrorCode (*own)(MPI_Comm, OptionNames *));
 /* OptionNamesFromHelp - adds those in the text of -help (which is cut), of bodies for each of the scene.
    OptionNamesPetsc - adds those of PETSc's and SLEPc's libraries; none where these cannot be read. Not collective. */
