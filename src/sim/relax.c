@@ -1,15 +1,12 @@
 /* Relaxation of the packing to rest, as in Kuri et al.: no body force, velocities damped if asked; the result is
  * cached. */
 #include "sim_impl.h"
-#include <ctype.h>
 
 #define WHY_LENGTH 512
 
-/* What the relaxed positions cannot depend on, by its whole name: when and where the run writes, what it measures, how
+/* What the relaxed positions cannot depend on, by its whole name: when the run writes, what it measures, how
    long it goes on after the relaxation. All else counts, initial velocities too: speeds of the scene set limits. */
-static const char *const irrelevant[] = {"output_dir",
-                                         "output_overwrite",
-                                         "series_interval",
+static const char *const irrelevant[] = {"series_interval",
                                          "snapshot_interval",
                                          "snapshot_fields",
                                          "snapshot_double",
@@ -23,11 +20,9 @@ static const char *const irrelevant[] = {"output_dir",
                                          "wall_clock_limit",
                                          "time_end",
                                          "steps_max",
-                                         "dry_run",
                                          "monitor",
                                          "packing_cache",
                                          "log_view",
-                                         "options_left",
                                          "gauge_points",
                                          "gauge_heights",
                                          "gauge_lines",
@@ -50,7 +45,7 @@ static const char *const irrelevant[] = {"output_dir",
 static PetscBool Irrelevant(Scene scene, const char option[])
 {
   const char  *name   = option + 1;
-  const size_t length = strcspn(name, " ");
+  const size_t length = strcspn(name, " \n");
 
   for (PetscInt b = 0; b < SceneCount(scene) + SceneSolidCount(scene); b++) {
     const char *body = BodyName(b < SceneCount(scene) ? SceneBody(scene, b) : SceneSolid(scene, b - SceneCount(scene)));
@@ -63,27 +58,21 @@ static PetscBool Irrelevant(Scene scene, const char option[])
   return PETSC_FALSE;
 }
 
-/* All other options in use, as one text. */
+/* All other options in use, one a line. */
 static PetscErrorCode DescribeRelaxation(Scene scene, char **how)
 {
-  char  *all;
-  size_t length;
+  char *end;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetAll(NULL, &all));
-  PetscCall(PetscStrlen(all, &length));
-  PetscCall(PetscCalloc1(length + 1, how));
-  for (char *option = all, *next; *option; option = next) {
-    char *end = option + 1, before;
-
-    /* an option reaches to the next " -" that starts a name */
-    while (*end && !(end[0] == ' ' && end[1] == '-' && isalpha((unsigned char)end[2]))) end++;
-    before = *end;
-    *end   = 0;
-    if (!Irrelevant(scene, option)) PetscCall(PetscStrlcat(*how, option, length + 1));
-    next = before ? end + 1 : end;
+  PetscCall(OutputOptions(how));
+  end = *how;
+  for (const char *line = *how, *next; *line; line = next) {
+    next = line + strcspn(line, "\n") + 1; /* each line has its end */
+    if (Irrelevant(scene, line)) continue;
+    memmove(end, line, (size_t)(next - line));
+    end += next - line;
   }
-  PetscCall(PetscFree(all));
+  *end = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
