@@ -30,7 +30,8 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses to show the entries of a matrix that has none: PETSc would leave an empty file. */
+/* Refuses to show the entries of a matrix that has none. Before the KSP reads its options: PETSc empties the file then.
+ */
 static PetscErrorCode CheckViews(Pressure pressure)
 {
   const struct {
@@ -122,16 +123,39 @@ static PetscErrorCode Start(void *context, PetscBool again)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the matrix has entries; *cheap: whether the preconditioner does without. */
+static PetscErrorCode ChooseMatrix(Pressure pressure, PetscBool *cheap)
+{
+  const char *const cheap_types[]     = {PCTWOLEVEL, PCJACOBI, PCNONE};
+  char              type[TYPE_LENGTH] = PCTWOLEVEL;
+  PetscBool         shell, same;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_type", type, sizeof(type), NULL));
+  *cheap = PETSC_FALSE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(cheap_types); k++) {
+    PetscCall(PetscStrcmp(type, cheap_types[k], &same));
+    *cheap = (PetscBool)(*cheap || same);
+  }
+  PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
+  PetscCheckUser(*cheap || !shell, pressure->cloud->comm,
+                 "-mat_type shell has no entries for this -pc_type; " PCTWOLEVEL ", jacobi and none do without");
+  pressure->assembled = (PetscBool) !(shell || (*cheap && !pressure->mat_type[0]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the solver for the present rows: CG with the two-level preconditioner, which stops at a tolerance of the true
    residual, then as the user's options say. */
 static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
   PC        pc;
-  PetscBool gamg, cheap, shell, direct;
+  PetscBool gamg, cheap = PETSC_FALSE, direct;
 
   PetscFunctionBegin;
   PetscCall(PressureReset(pressure));
+  PetscCall(ChooseMatrix(pressure, &cheap));
+  PetscCall(CheckViews(pressure));
   pressure->solver_layout = cloud->layout;
   PetscCall(VecCreate(cloud->comm, &pressure->solver.b));
   PetscCall(VecSetSizes(pressure->solver.b, cloud->n_rows, pressure->rows_global));
@@ -145,12 +169,6 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPGetPC(pressure->solver.ksp, &pc));
   PetscCall(SetConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &cheap, PCTWOLEVEL, PCJACOBI, PCNONE, ""));
-  PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
-  PetscCheckUser(cheap || !shell, cloud->comm,
-                 "-mat_type shell has no entries for this -pc_type; " PCTWOLEVEL ", jacobi and none do without");
-  pressure->assembled = (PetscBool) !(shell || (cheap && !pressure->mat_type[0]));
-  PetscCall(CheckViews(pressure));
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->solver.ksp, &direct, KSPPREONLY, KSPNONE, ""));
@@ -345,8 +363,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   result->density = pressure->density_left;
   result->rebuilt = (PetscBool)(pressure->age++ == 0);
   if (result->rebuilt) pressure->first_iterations = report->iterations;
-  if (report->iterations > REBUILD_GROWTH * pressure->first_iterations + REBUILD_SLACK)
-    pressure->rebuild = PETSC_TRUE;
+  if (report->iterations > REBUILD_GROWTH * pressure->first_iterations + REBUILD_SLACK) pressure->rebuild = PETSC_TRUE;
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (SolverFailed(report))
     pressure->rebuild = PETSC_TRUE;

@@ -186,7 +186,9 @@ def scenes():
             ["-<solid>_contact_angle", "curvature"])
     refused("floating_point_traps", GOOD + "-fp_trap", ["-fp_trap"])
     refused("view_of_the_swarm", GOOD + "-dm_view", ["-dm_view", "DMSwarm", "-snapshot_interval"])
-    refused("entries_of_no_matrix", GOOD + "-ksp_view_mat binary:entries", ["-ksp_view_mat", "-mat_type aij"])
+    refused("entries_of_no_matrix", GOOD + f"-ksp_view_mat binary:{runs.scratch('entries')}",
+            ["-ksp_view_mat", "-mat_type aij"])
+    runs.check(not os.path.exists(runs.scratch("entries")), "entries_of_no_matrix_leave_no_file")
     refused("spacing_too_small", GOOD + "-spacing 1e-9", ["-spacing", "room for"])
     refused("more_than_the_memory", GOOD + "-spacing 0.01", ["-spacing", "memory"])
     refused("negative_spacing", GOOD + "-spacing -1", ["-spacing"])
