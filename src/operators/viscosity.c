@@ -85,10 +85,11 @@ static PetscReal WallFactor(Cloud cloud, const Viscosity *viscosity, PetscInt a)
   const Domain     domain = cloud->domain;
   const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a,
                   support = CloudSize(cloud, a) * KernelSupport(cloud->kernel);
-  PetscReal nearest       = cloud->solid_normal ? SceneSolidDistance(cloud->scene, x, NULL) : support, place;
+  PetscReal nearest       = support, place;
   PetscInt  k;
 
   if (!viscosity->no_slip) return 1;
+  if (cloud->solid_normal) nearest = SceneSolidDistance(cloud->scene, x, NULL);
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_WALL) nearest = PetscMin(nearest, x[d] - domain->lower[d]);
     if (domain->face[d][1] == FACE_WALL) nearest = PetscMin(nearest, domain->upper[d] - x[d]);
@@ -125,7 +126,7 @@ typedef struct {
   PetscReal       *deficit;    /* [n_total] see FindDeficits; NULL: missing neighbours do not count */
   PetscReal        scale;      /* zeta V_0 scale_f */
   PetscBool        one_liquid; /* all pairs of the fluid have one density and one viscosity */
-  PetscReal        subtracted; /* from the factors of DeficitFactor and walls; 1 for the remainder, else 0 */
+  PetscInt        *kept;       /* [ROW_CAPACITY + SIMD_WIDTH] room for MultiplyFactors; NULL: all pairs stay */
 } Friction;
 
 /* deficit: [n_total] max(0, FILLED_FRACTION/s - 1) with the filled fraction s = sum V W of a particle's kernel; 0 for
@@ -175,33 +176,64 @@ static PetscErrorCode FrictionEnd(Cloud cloud, Friction *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the pairs with walls by 'factor', the others by their DeficitFactor; both less f->subtracted. */
+/* Multiplies the pairs with walls by 'factor', the others by their DeficitFactor. With f->kept only the pairs stay for
+   which that is not 1, times what it exceeds 1 by. */
 static void MultiplyFactors(Cloud cloud, const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
 {
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt b = row->index[k];
+  PetscInt n = 0;
 
-    row->f[k] *= (cloud->integer[INT_LAYER][b] ? factor
-                  : f->deficit                 ? DeficitFactor(f->deficit[a], f->deficit[b])
-                                               : 1) -
-                 f->subtracted;
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt  b     = row->index[k];
+    const PetscReal times = cloud->integer[INT_LAYER][b] ? factor
+                            : f->deficit                 ? DeficitFactor(f->deficit[a], f->deficit[b])
+                                                         : 1;
+
+    if (!f->kept)
+      row->f[k] *= times;
+    else if (times != 1) {
+      f->kept[n]  = b;
+      row->f[n++] = row->f[k] * (times - 1);
+    }
+  }
+  if (!f->kept) return;
+  row->n     = n;
+  row->index = f->kept;
+  for (PetscInt k = n; k < n + SIMD_WIDTH; k++) { /* SumPairs reads multiples of SIMD_WIDTH */
+    f->kept[k] = a;
+    row->f[k]  = 0;
   }
 }
 
-/* Loads the row of fluid particle a with its coefficients
+/* Divides the row by r^2 + eta^2. */
+static void DivideByDistance(Cloud cloud, PetscInt a, PairRow *row)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], eta2 = EtaSquared(cloud->kernel);
+  const Simd3      p = Simd3Set(x + DIM * a);
+
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(row->index + k);
+    const Simd3       d  = Simd3Difference(p, Simd3Collect(x, &at));
+    const Simd        size =
+                 cloud->size ? 0.5 * (SimdSet(cloud->size[a]) + SimdGather(cloud->size, row->index + k)) : SimdSet(1),
+               f = SimdLoad(row->f + k) / (Simd3Dot(d, d) + eta2 * size * size);
+
+    (void)memcpy(row->f + k, &f, sizeof(f));
+  }
+}
+
+/* Loads the row of fluid particle a, whose pairs with walls count 'factor' times, with its coefficients
 
      zeta m_b F (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b), cleary: over r^2 + eta^2,
 
    with the neighbour's mass m_b = V_b rho_0b, also between liquids of different density. Rings: times the length of a
    ring at the pair's middle over the length of ring a. */
-static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PairRow *row)
+static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *rest = cloud->rest_density, *density = f->density, *mu = f->mu;
-  const PetscReal  x0 = x[DIM * a], x1 = x[DIM * a + 1], x2 = x[DIM * a + 2], mu_a = mu[a],
-                  inverse_a = 1 / (density[a] * density[a]), eta2 = EtaSquared(cloud->kernel),
-                  factor = WallFactor(cloud, f->viscosity, a), scale = 2 * f->scale * mu_a;
+  const PetscReal  mu_a = mu[a], inverse_a = 1 / (density[a] * density[a]), scale = 2 * f->scale * mu_a;
 
   PairRowLoadFactors(cloud, a, row);
+  if (factor != 1 || f->kept || (f->deficit && f->deficit[a] > 0)) MultiplyFactors(cloud, f, a, factor, row);
   if (f->one_liquid) {
     SIMD_LOOP()
     for (PetscInt k = 0; k < row->n; k++) row->f[k] *= scale / density[a];
@@ -214,17 +246,7 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PairRow *ro
       row->f[k] *= scale * rest[b] * (inverse_a + 1 / (density[b] * density[b])) * mu_b / (mu_a + mu_b + SMALLEST);
     }
   }
-  if (f->viscosity->form == VISCOSITY_CLEARY) {
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < row->n; k++) {
-      const PetscInt   b = row->index[k];
-      const PetscReal *y = x + DIM * b;
-
-      row->f[k] /=
-        PetscSqr(x0 - y[0]) + PetscSqr(x1 - y[1]) + PetscSqr(x2 - y[2]) + eta2 * PetscSqr(CloudPairSize(cloud, a, b));
-    }
-  }
-  if (factor != 1 || f->subtracted != 0 || (f->deficit && f->deficit[a] > 0)) MultiplyFactors(cloud, f, a, factor, row);
+  if (f->viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, row);
   if (cloud->domain->rings)
     for (PetscInt k = 0; k < row->n; k++)
       row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / CloudRingLength(cloud, a);
@@ -311,16 +333,18 @@ PetscErrorCode OperatorsViscosityRemainder(Cloud cloud, const Viscosity *viscosi
 {
   Friction f;
   PairRow  row;
+  PetscInt kept[ROW_CAPACITY + SIMD_WIDTH];
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscCall(FrictionBegin(cloud, viscosity, cloud->rest_density, PETSC_TRUE, &f));
-  f.subtracted = 1;
+  f.kept = kept;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal sum[DIM];
+    const PetscReal factor = WallFactor(cloud, viscosity, a);
+    PetscReal       sum[DIM];
 
-    if (f.deficit[a] == 0 && WallFactor(cloud, viscosity, a) == 1) continue;
-    Coefficients(cloud, &f, a, &row);
+    if (f.deficit[a] == 0 && factor == 1) continue;
+    Coefficients(cloud, &f, a, factor, &row);
     SumPairs(cloud, viscosity->form, a, row.n, row.index, row.f, cloud->field[FIELD_VELOCITY], sum);
     for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += sum[d];
   }
@@ -340,7 +364,7 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
   PetscCall(PetscArrayzero(drag, DIM * cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     if (f.mu[a] <= 0 || !OperatorsNearWall(cloud, x + DIM * a)) continue;
-    Coefficients(cloud, &f, a, &row);
+    Coefficients(cloud, &f, a, WallFactor(cloud, viscosity, a), &row);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt b = row.index[k];
       PetscReal      d[DIM], u[DIM], c = cloud->volume[a] * cloud->rest_density[a] * row.f[k];
@@ -371,7 +395,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
     PetscReal *acceleration = cloud->field[FIELD_ACCELERATION] + DIM * a, sum[DIM];
 
     if (f.mu[a] <= 0) continue;
-    Coefficients(cloud, &f, a, &row);
+    Coefficients(cloud, &f, a, WallFactor(cloud, viscosity, a), &row);
     SumPairs(cloud, viscosity->form, a, row.n, row.index, row.f, v, sum);
     acceleration[0] += GrowthFriction(cloud, &f, a) * v[DIM * a];
     for (PetscInt d = 0; d < DIM; d++) acceleration[d] += sum[d];
@@ -395,7 +419,7 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
   PetscFunctionBegin;
   PetscCall(FrictionBegin(cloud, viscosity, density, PETSC_TRUE, &f));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    Coefficients(cloud, &f, a, &row);
+    Coefficients(cloud, &f, a, WallFactor(cloud, viscosity, a), &row);
     PetscCall(PetscArraycpy(pair + cloud->first[a], row.f, row.n));
     pair[cloud->first[cloud->n_fluid] + a] = GrowthFriction(cloud, &f, a);
   }
