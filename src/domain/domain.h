@@ -12,7 +12,7 @@ typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
 extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
 
 /* The box. In two dimensions its third extent is [-spacing/2, spacing/2] and the faces there are open. Only
-   DomainSetTime and DomainPartition change the box after DomainSetUp.
+   DomainPartition changes the box after DomainSetUp.
 
    Rings (-dimension axisymmetric): an axisymmetric scene in two dimensions, x the distance from the axis and y the
    position along the axis; the face x = 0 is a symmetry face. A particle is a ring of constant volume. Its cross

@@ -4,7 +4,8 @@ its record in misses.csv.
 A row beyond its tolerance must have a record and lie in the record's band; outside it fails, worse or better. A row
 that is within its tolerance again is cured and fails until its record is removed. Where chance decides on which side of
 the tolerance a row lies, the record says so in 'why', and its band is judged alone. A run that stops is the row 'run',
-its value the time (s) at which it stopped. A record whose entry or row does not exist fails."""
+its value the time (s) at which it stopped; where chance decides whether it stops, 'why' says so, and a run to the end
+is right too. A record whose entry or row does not exist fails."""
 import csv
 import math
 import os
@@ -58,7 +59,8 @@ def stale(records, entry, quantities):
     """(quantity, what is wrong) of the records of an entry that ran to its end with these quantities, but not that."""
     return [(name, "cured: it runs to the end, remove its record" if name == "run" else
              "recorded as a known miss, but there is no such row: remove its record")
-            for (owner, name) in records if owner == entry and name not in quantities]
+            for (owner, name), record in records.items()
+            if owner == entry and name not in quantities and not (name == "run" and record.why)]
 
 
 def stop_time(reason):
