@@ -296,6 +296,17 @@ def folders():
     driven = runs.numbered(runs.run(moved + table, "driven"), "checkpoint")[-1]
     runs.run(moved + f"{table}2 -steps_max 1 -restart {driven}", "driven_on")
     refused("checkpoint_of_other_motion", moved + f"{table}3 -restart {driven}", ["-s_motion_file (there a file of"])
+    corners = ((4, 4, 8), (6, 4, 8), (4, 6, 8), (4, 4, 11))
+    for name, shift in ((table + ".stl", 0), (table + "2.stl", 0), (table + "3.stl", 0.5)):
+        facets = ["facet normal 0 0 0\nouter loop\n" +
+                  "".join(f"vertex {corners[k][0] + shift} {corners[k][1]} {corners[k][2]}\n" for k in facet) +
+                  "endloop\nendfacet\n" for facet in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]
+        with open(name, "w", encoding="utf-8") as file:
+            file.write("solid s\n" + "".join(facets) + "endsolid s\n")
+    shaped = GOOD + "-solids s -s_shape stl -s_file "
+    stood = runs.numbered(runs.run(shaped + table + ".stl", "stood"), "checkpoint")[-1]
+    runs.run(shaped + f"{table}2.stl -steps_max 1 -restart {stood}", "stands_on")
+    refused("checkpoint_of_other_stl", shaped + f"{table}3.stl -restart {stood}", ["-s_file (there a file of"])
     refused("checkpoint_is_the_end", GOOD + f"-time_end 1e-9 -restart {checkpoint}", ["-time_end"])
     refused("checkpoint_is_a_pipe", GOOD + f"-restart {pipe}", [pipe, "no readable file"])
     runs.check(checksums(good) == before, "checkpoint_folder_unchanged", "files differ")
