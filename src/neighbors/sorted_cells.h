@@ -29,9 +29,9 @@ typedef struct {
   float     *single; /* [SORTED_WIDTH][single_stride] those that SortedCellsCollectSingle found */
 } SortedCells;
 
-/* SortedCellsBuild - sorts the particles with the 'count' local indices 'of' into cells of at least this size (m), which
-   is at least the support (m) over SORTED_REACH - 1. SortedCellsLoad - fills 'width' columns from 'column' on with the
-   values of a field ([n_total][width]). Not collective. */
+/* SortedCellsBuild - sorts the particles with the 'count' local indices 'of' into cells of at least this size (m),
+   which is at least the support (m) over SORTED_REACH - 1. SortedCellsLoad - fills 'width' columns from 'column' on
+   with the values of a field ([n_total][width]). Not collective. */
 PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count, const PetscInt of[], PetscReal size,
                                 PetscReal support);
 void           SortedCellsLoad(SortedCells *cells, PetscInt column, PetscInt width, const PetscReal field[]);
