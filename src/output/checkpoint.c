@@ -8,10 +8,10 @@
 #define CHECKPOINT_FORMAT  "isph checkpoint"
 #define CHECKPOINT_VERSION 4
 #define FREE_BODIES        "free_bodies"
-#define SCENE              "scene_identity" /* "scene" in files before: other lines, not to be compared with */
-#define HEAD_TEXT          65536            /* room for a text: the most that HDF5 keeps in an attribute */
+#define SCENE              "scene_identity" /* older files have "scene", whose lines cannot be compared with these */
+#define HEAD_TEXT          65536            /* bytes of a text: the most that HDF5 keeps in an attribute */
 
-/* The head of the file: real and whole numbers, by name. */
+/* The head of the file: real numbers and integers, by name. */
 #define HEAD_REALS(X)                                                                                                  \
   X(TIME, "time")                                                                                                      \
   X(TIME_STEP, "time_step")                                                                                            \
@@ -116,8 +116,8 @@ static void HeadPut(H5File *h5, const Head *head, const char scene[], const char
   for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
 }
 
-/* The positions inside the box, as a restart wants them, to be freed: a particle may be behind a periodic face for some
-   steps. */
+/* The positions, wrapped into the box as a restart needs them, to be freed: during a run a particle may be behind a
+   periodic face for some steps. */
 static PetscErrorCode Positions(Output output, const ParticleArrays *arrays, PetscReal **position)
 {
   PetscFunctionBegin;
@@ -150,8 +150,8 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The numbers of all free bodies, a row each: written, or read into the scene. *good: as many as there must be, and
-   finite. Nothing without free bodies. */
+/* Writes the numbers of all free bodies, a row for each, or reads them into the scene. *good becomes false if a number
+   is not finite. Does nothing without free bodies. */
 static PetscErrorCode FreeBodies(Output output, H5File *h5, PetscBool write, PetscBool *good)
 {
   const Scene scene = output->cloud->scene;
@@ -194,8 +194,8 @@ void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH])
   (void)snprintf(name, OUTPUT_NAME_LENGTH, "checkpoint_%06d.h5", (int)step);
 }
 
-/* Removes all checkpoints but that of this step and the newest before it; later ones are of a run that was given up by
- * a restart. That by the clock is older than this one, too. */
+/* Removes all checkpoints but those of this step and the newest step before it. Later steps are of a run that a restart
+   gave up. The checkpoint by the clock is older than this step's. */
 static PetscErrorCode Prune(Output output, PetscInt step)
 {
   PetscInt count, *numbers, before = -1;
@@ -330,7 +330,7 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses numbers that no run leaves. The divergence is nan where it was not asked for, the level where it is unknown.
+/* Refuses numbers that no run leaves. The divergence is nan if it was not measured, the level if it is unknown.
  */
 static PetscErrorCode HeadCheckNumbers(Output output, const char file[], const Head *head)
 {
@@ -380,8 +380,8 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The rows of this rank: those it had when as many ranks wrote the file, else an equal share. Not *good: the numbers of
-   particles and ranks do not fit each other or into the file. Collective. */
+/* The rows of this rank: on as many ranks as wrote the file, the rows that it wrote; else equal slabs. *good: the
+   counts of the ranks add up to the number of particles, and the file is long enough. Collective. */
 static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *rows, PetscBool *good)
 {
   const PetscInt total = (PetscInt)head->integer[HEAD_PARTICLES], size = output->size, rank = output->rank;
@@ -478,7 +478,7 @@ static void HeadUse(Output output, const Head *head, StepState *state)
   output->checkpoint.next = ScheduleAfter(&output->checkpoint, time);
 }
 
-/* The walls move as the options say now. */
+/* Gives the walls the velocity of this run's options. */
 static PetscErrorCode MoveWalls(Output output)
 {
   ParticleArrays arrays;
@@ -520,11 +520,10 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(FreeBodies(output, &h5, PETSC_FALSE, &good));
   external = h5.external;
   PetscCall(H5FileClose(&h5, &failed));
-  PetscCheckUser(
-    !external, output->comm,
-    "The checkpoint %s cannot be used: data of it lie elsewhere, behind a link or in another file; restart "
-    "from another one.",
-    file);
+  PetscCheckUser(!external, output->comm,
+                 "The checkpoint %s cannot be used: some of its data lie behind a link or in another file; restart "
+                 "from another one.",
+                 file);
   PetscCheckUser(good && !failed, output->comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   PetscCall(RestartCheckParticles(output, file));

@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <time.h>
 
-/* Options that belong to one start of the program, not to the run. */
+/* Options of one start of the program, not of the run. */
 static const char *const transient[] = {"-restart",
                                         "-output_dir",
                                         "-output_overwrite",
@@ -19,7 +19,7 @@ static const char *const transient[] = {"-restart",
                                         "-v",
                                         NULL};
 
-/* The end of the next word of a text, words being separated by spaces; *word is moved to its start. */
+/* Moves *word to the start of the next word, after spaces; returns the end of the word. */
 static char *WordEnd(char **word)
 {
   char *end;
@@ -49,7 +49,7 @@ PetscErrorCode OutputOptions(char **text)
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetAll(NULL, &all));
   PetscCall(PetscStrlen(all, &length));
-  PetscCall(PetscCalloc1(3 * length + 1, text)); /* at most two quotes and a line end more for each option */
+  PetscCall(PetscCalloc1(3 * length + 1, text)); /* at most two quotes and a line end are added for each option */
   key     = all;
   key_end = WordEnd(&key);
   while (*key) {
@@ -57,7 +57,7 @@ PetscErrorCode OutputOptions(char **text)
     PetscBool found = PETSC_FALSE, skip = PETSC_FALSE;
     PetscInt  words = 0;
 
-    while (*next && !found) { /* the value is all up to the next key */
+    while (*next && !found) { /* the value ends at the next option's name */
       PetscCall(IsKey(next, next_end, &found));
       if (found) break;
       if (!words++) value = next;

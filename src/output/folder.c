@@ -99,8 +99,8 @@ static PetscBool IsOurs(const char name[])
   return PETSC_FALSE;
 }
 
-/* Counts the files that make a folder a run's, and removes all that a run writes when asked to. Rank 0 only; returns an
- * errno. */
+/* Counts the files that show that the folder holds a run; with 'removing', removes all that a run writes. Rank 0 only;
+   returns an errno. */
 static int Sweep(Output output, PetscBool removing, PetscInt *found)
 {
   DIR           *folder = opendir(output->folder);

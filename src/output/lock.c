@@ -1,6 +1,6 @@
-/* The lock of a run folder: a file that rank 0 holds with a lock of the operating system, which ends with the process,
-   whatever ends that and wherever it ran. Two runs do not write into one folder, and a folder that vanishes is noticed,
-   since its lock is gone, too. Where a file system knows no locks, the second is all that it does. */
+/* The lock of a run folder: a file that rank 0 holds with a lock of the operating system. The lock ends with the
+   process, however that ends. It keeps two runs out of one folder, and its absence shows that the folder was removed.
+   On a file system without locks it shows the latter only. */
 #include "output_impl.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define LOCK_FILE    "run.lock"
-#define OWNER_LENGTH 384 /* bytes of what stands in it */
+#define OWNER_LENGTH 384 /* bytes of the text in it */
 
 /* The lock that this process holds. */
 static struct {
@@ -35,7 +35,7 @@ static void Release(void)
   Held.file = -1;
 }
 
-/* Writes who has the lock, for those whom it keeps out. Returns an errno. */
+/* Writes who has the lock, for the message of a run that finds it. Returns an errno. */
 static int WriteOwner(void)
 {
   const time_t now       = time(NULL);
@@ -59,7 +59,7 @@ static int Take(const char path[], char owner[])
   if (!registered) (void)atexit(Release);
   registered = PETSC_TRUE;
   (void)snprintf(Held.path, sizeof(Held.path), "%s", path);
-  do { /* again if its former owner has removed it in between */
+  do { /* again if the former owner removed the file in between */
     if (Held.file >= 0) (void)close(Held.file);
     Held.file = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
     if (Held.file < 0) return errno;
@@ -75,7 +75,8 @@ static int Take(const char path[], char owner[])
   return WriteOwner();
 }
 
-/* The lowest rank that does not see the file, or their number. Rank 0 must not close it: that would end its lock. */
+/* The lowest rank that does not see the file, or the number of ranks. Rank 0 must not close it: that would end its
+   lock. */
 static PetscErrorCode Blind(Output output, const char path[], PetscMPIInt *first)
 {
   const int file = output->rank ? open(path, O_RDONLY | O_CLOEXEC) : Held.file;

@@ -1,4 +1,4 @@
-/* The class: options, what is due when. */
+/* The class Output: its options, and what is due when. */
 #include "output_impl.h"
 
 PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output)
@@ -52,7 +52,7 @@ PetscErrorCode OutputSetFromOptions(Output output)
   PetscOptionsBegin(output->comm, NULL, "What a run writes", "Output");
   PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder,
                                output->folder, sizeof(output->folder), NULL));
-  PetscCall(PetscOptionsBool("-output_overwrite", "Remove the files of a run the folder holds already", "OutputSetUp",
+  PetscCall(PetscOptionsBool("-output_overwrite", "Remove the files of an earlier run in the folder", "OutputSetUp",
                              output->overwrite, &output->overwrite, NULL));
   PetscCall(PetscOptionsReal("-series_interval", "Time between lines of series.csv, s; 0: every step", "OutputStep",
                              output->series.interval, &output->series.interval, NULL));
@@ -62,8 +62,8 @@ PetscErrorCode OutputSetFromOptions(Output output)
                              "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
   PetscCall(OptionReal("-checkpoint_wall_clock",
                        "wall-clock time between checkpoints into " CHECKPOINT_BY_CLOCK
-                       " (s), the last alone is kept, until the next other checkpoint; the run goes on as without "
-                       "them, one continued from there differs by round-off and the solver's tolerance; 0: none",
+                       " (s); each replaces the last, the next other checkpoint removes it; a run continued from it "
+                       "differs by round-off and the solver's tolerance; 0: none",
                        "[0, inf)", &output->clock_interval));
   PetscCall(SnapshotSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();

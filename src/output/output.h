@@ -17,17 +17,17 @@ PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output);
    -checkpoint_interval (s), -checkpoint_wall_clock (s), -snapshot_* (what is in them). Refuses (UserError) negative
    intervals. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
-/* OutputSetUp - makes the run folder and its parents; refuses (UserError) one that cannot be written and one that holds
-   another run unless -output_overwrite, which removes the files of that run; locks it, and refuses (UserError) one in
-   which another run is going on; writes options.opts (every option in use,
-   usable with -options_file), version.txt and the head of series.csv. restart: the checkpoint of OutputRestart, or
-   NULL; in its own folder the series and the snapshots are cut behind the state and go on. To be called when nothing
-   else can refuse the run. Collective. */
+/* OutputSetUp - makes the run folder and its parents, locks the folder, and writes options.opts (every option in use,
+   usable with -options_file), version.txt and the head of series.csv. Refuses (UserError) a folder that cannot be
+   written, a folder in which another run is going on, and a folder with the files of an earlier run; -output_overwrite
+   removes these files. restart: the checkpoint of OutputRestart, or NULL; a restart in the checkpoint's own folder cuts
+   the series and the snapshots behind the state and continues them. Call it when nothing else can refuse the run.
+   Collective. */
 PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState *state);
 PetscErrorCode OutputView(Output output, PetscViewer viewer);
 /* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written
    twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full or
-   the folder gone. Collective. */
+   the folder is gone. Collective. */
 PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last);
 /* OutputSeriesDue - whether a state at this time (s) gets a line of the series. Not collective, same answer on all
  * ranks. */
@@ -36,13 +36,13 @@ PetscBool OutputSeriesDue(Output output, PetscReal time);
  * same answer on all ranks. */
 PetscBool OutputCheckpointDue(Output output, const StepState *state);
 /* OutputCheckpoint - writes the swarm's stored fields and the state to <dir>/checkpoint_<step>.h5: first under a
-   temporary name, fsync, then renamed; keeps this one and the newest one before it. The swarm's order is kept in the
-   file. Collective. */
+   temporary name, fsync, then renamed; removes all others but the newest before it. The file keeps the swarm's order.
+   Collective. */
 PetscErrorCode OutputCheckpoint(Output output, const StepState *state);
 /* OutputClockDue - whether -checkpoint_wall_clock has passed since the last checkpoint, by this rank's clock. Not
-   collective. OutputByClock - writes <dir>/checkpoint_clock.h5; it replaces the former of this name, and the next
-   OutputCheckpoint removes it. The run goes on as without, so nothing must have been brought into the state of a
-   restart; one from it agrees to round-off. Collective. */
+   collective. OutputByClock - writes <dir>/checkpoint_clock.h5 in place of the former file of this name; the next
+   OutputCheckpoint removes it. The file must not change the run, so the caller does not bring the run into the state of
+   a restart first, and a restart from this file agrees with the run to round-off only. Collective. */
 PetscBool      OutputClockDue(Output output);
 PetscErrorCode OutputByClock(Output output, const StepState *state);
 /* OutputCheckpointName - the name of the file that OutputCheckpoint makes at a step. Not collective. */
@@ -50,12 +50,12 @@ PetscErrorCode OutputByClock(Output output, const StepState *state);
 void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);
 /* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every
    rank gets the particles it had, in their order; on another number, equal slabs of the file. Refuses (UserError) a
-   missing, truncated, damaged or foreign file, one whose scene is another one, one with contents that no run leaves,
-   and one with data outside of it. Writes nothing. Call OutputSetUp and CloudResync afterwards. Collective. */
+   file that is missing, truncated, damaged or no checkpoint, a checkpoint of another scene, numbers that no run leaves,
+   and data outside the file. Writes nothing. Call OutputSetUp and CloudResync afterwards. Collective. */
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state);
 /* OutputFolder - the run folder. Not collective. */
 const char *OutputFolder(Output output);
-/* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of one of them, bytes of
+/* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of a snapshot, bytes of
    a checkpoint. Collective. */
 PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,
                               PetscInt64 *checkpoint);

@@ -5,7 +5,7 @@
 #include "../storage/storage.h"
 #include "output.h"
 
-/* What is due at multiples of an interval (s). next is the number of the multiple that is due next. */
+/* A schedule: multiples of an interval (s). next: the number of the multiple that is due next. */
 typedef struct {
   PetscReal  interval;
   PetscInt64 next;
@@ -21,7 +21,7 @@ typedef struct {
   unsigned  fields;         /* bit f: field f of SnapshotFieldAt is in it */
 } SnapshotEntry;
 
-/* The fields that a snapshot may have: the stored reals, then id, body, surface, layer, then the colour. */
+/* The fields that a snapshot may have: the stored reals, then id, body, surface, layer. */
 #define SNAPSHOT_FIELDS (FIELD_STORED_COUNT + 4)
 typedef struct {
   const char *name, *unit, *meaning;
@@ -36,7 +36,7 @@ typedef struct {
   unsigned  fields;             /* bits, as in SnapshotEntry */
   PetscBool region;             /* only particles in lower .. upper */
   PetscInt  numbers[2];         /* how many the user gave */
-  PetscReal corner[2][DIM + 1]; /* m: lower, upper; one more than wanted, to notice it */
+  PetscReal corner[2][DIM + 1]; /* m: lower, upper; room for a surplus number, to refuse it */
   PetscInt  compression;        /* HDF5's deflate, 0 to 9 */
   PetscBool walls, precise;     /* wall particles too; double precision */
 } SnapshotSetup;
@@ -48,7 +48,7 @@ struct _p_Output {
   Gauges         gauges; /* borrowed */
   char           folder[PETSC_MAX_PATH_LEN];
   char          *options;                  /* the user's, one a line, before solvers add defaults of their own */
-  PetscBool      overwrite, ready, solids; /* solids: they are written */
+  PetscBool      overwrite, ready, solids; /* solids: solids.h5 is written */
   Schedule       series, snapshot, checkpoint;
   SnapshotSetup  content;
   PetscInt       series_step, snapshot_step;                  /* of the last line and the last snapshot; -1: none */
@@ -100,8 +100,7 @@ PetscErrorCode FolderMake(Output output);
 PetscErrorCode FolderClear(Output output);
 /* FolderHolds - whether the file lies in the run folder. Collective. */
 PetscErrorCode FolderHolds(Output output, const char file[], PetscBool *same);
-/* FolderNumbers - the numbers in the names <prefix><digits>.h5 present, ascending, in an array to be freed. Rank 0
-   only. */
+/* FolderNumbers - the numbers of the files <prefix><digits>.h5, ascending, in an array to be freed. Rank 0 only. */
 PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count, PetscInt **numbers);
 /* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk.
    FolderDiscard - removes <name>.tmp. Collective. */
@@ -112,9 +111,9 @@ PetscErrorCode FolderDiscard(Output output, const char name[]);
 #define CHECKPOINT_BY_CLOCK "checkpoint_clock.h5"
 
 /* --- lock.c: the lock of the run folder --- */
-/* FolderLock - makes the lock; refuses (UserError) a folder in which another run is going on, and one that not all
-   ranks see. FolderUnlock - removes it; the end of the program does so, too. FolderStands - refuses (UserError) to go
-   on when the lock is gone, since the folder was removed or moved then. Collective. */
+/* FolderLock - makes the lock; refuses (UserError) a folder in which another run is going on, and a folder that some
+   ranks do not see. FolderUnlock - removes the lock; the end of the program does so, too. FolderStands - refuses
+   (UserError) to go on without the lock: the folder was removed or moved. Collective. */
 PetscErrorCode FolderLock(Output output);
 PetscErrorCode FolderUnlock(Output output);
 PetscErrorCode FolderStands(Output output);
@@ -124,28 +123,29 @@ PetscErrorCode FolderStands(Output output);
 PetscErrorCode DescribeRun(Output output, PetscBool same);
 
 /* --- restart_scene.c: what a scene and the scene of a checkpoint must have in common --- */
-/* RestartSceneCheck - refuses (UserError) a checkpoint whose lines of CloudIdentity, known on rank 0, are others, and
-   names what differs; an empty one is of an older version and taken, with a line that says so. Collective.
-   RestartOptionsSay - prints which options are others than those stored (known on rank 0; lines as of OutputOptions),
-   and which of them cannot act because the particles are those of the checkpoint. Collective. */
+/* RestartSceneCheck - stored: CloudIdentity of the checkpoint, known on rank 0. Refuses (UserError) the checkpoint if
+   this differs, and names the differences. An empty identity is of an older version: the checkpoint is accepted, and a
+   line says so. RestartOptionsSay - stored: OutputOptions of the checkpoint, known on rank 0. Prints which options have
+   changed, and which of these act at the start of a run only. Collective. */
 PetscErrorCode RestartSceneCheck(Output output, const char file[], const char stored[]);
 PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 
 /* --- restart_check.c --- */
 /* RestartCheckParticles - refuses (UserError) particles that no run leaves in a checkpoint: numbers that are not
-   finite, places out of the box, bodies that the scene does not have. Collective. */
+   finite, positions outside the box, bodies that the scene does not have. Collective. */
 PetscErrorCode RestartCheckParticles(Output output, const char file[]);
 
 /* --- table.c: tables of comma-separated values that grow line by line and whose first columns are time and step --- */
-/* TableOpen - opens <folder>/<name> to append, with the head line if it is new. same: the run in the folder is
-   continued, so lines behind restart_step are cut off; *last: the step of the last line or -1. Collective. */
+/* TableOpen - opens <folder>/<name> to append; a new file gets the head line. same: the run in the folder is continued,
+   so lines behind restart_step are cut off. *last: the step of the last line, or -1. Collective. */
 PetscErrorCode TableOpen(Output output, const char name[], const char head[], PetscBool same, PetscInt restart_step,
                          FILE **file, PetscInt *last);
-/* TableWrite - count lines: time, step, then 'width' values with so many digits. Rank 0; returns an errno. */
+/* TableWrite - count lines: time, step, then 'width' values with 'digits' digits. Rank 0; returns an errno. */
 int TableWrite(FILE *file, const StepState *state, PetscInt digits, PetscInt count, PetscInt width,
                const PetscReal values[]);
 
-/* --- series.c: series.csv, a line a due step, and the tables of the gauges, a block of lines a snapshot --- */
+/* --- series.c: series.csv, with a line for each due step, and the tables of the gauges, with a block of lines for each
+   snapshot --- */
 /* SeriesStart - opens the files as TableOpen does; SeriesWrite - adds a line; SeriesWriteTables - adds a block to each
    table; SeriesFinish - closes the files. Collective. */
 PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step);
@@ -154,7 +154,8 @@ PetscErrorCode SeriesWriteTables(Output output, const StepState *state);
 PetscErrorCode SeriesFinish(Output output);
 
 /* --- snapshot_fields.c --- */
-/* SnapshotSetFromOptions - inside an options block; SnapshotCheck - refuses bad values, after it. Collective. */
+/* SnapshotSetFromOptions - reads -snapshot_..., inside an options block. SnapshotCheck - refuses (UserError) bad
+   values, after the block. Collective. */
 PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject);
 PetscErrorCode SnapshotCheck(Output output);
 PetscErrorCode SnapshotView(Output output, PetscViewer viewer);
@@ -170,13 +171,14 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step);
 PetscErrorCode SnapshotWrite(Output output, const StepState *state);
 
 /* --- solids.c --- */
-/* SolidsWrite - the dummy particles of solids, which do not move, into solids.h5: for pictures. Collective. */
+/* SolidsWrite - writes where the dummy particles of solids are at the start into solids.h5, for pictures.
+   Collective. */
 PetscErrorCode SolidsWrite(Output output);
 
 /* --- paraview.c --- */
 /* XdmfWrite - snapshots.xdmf, which names all snapshots on disk as one series; replaces the old one at once.
-   Collective. VtkWrite - makes an open snapshot with all its fields a VTKHDF file of points too (the group VTKHDF,
-   whose data sets are links to the fields), which VTK 9.1 and ParaView 5.10 and later read. Collective. */
+   Collective. VtkWrite - adds to an open snapshot the group VTKHDF, whose data sets are links to the fields. VTK 9.1
+   and ParaView 5.10 and later then read the snapshot as a file of points. Collective. */
 PetscErrorCode XdmfWrite(Output output);
 PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry);
 

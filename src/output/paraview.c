@@ -1,10 +1,10 @@
-/* Snapshots as ParaView and VTK read them: one XDMF file that tells of all, and in each a group VTKHDF. */
+/* Snapshots as ParaView and VTK read them: one XDMF file for all, and a group VTKHDF in each. */
 #include "output_impl.h"
 #include <errno.h>
 
 #define XDMF_FILE  "snapshots.xdmf"
-#define VTK_GROUP  "VTKHDF"       /* of a snapshot */
-#define VTK_POINTS "Connectivity" /* in it, 0, 1, 2, ...: XDMF's points too */
+#define VTK_GROUP  "VTKHDF"       /* in a snapshot */
+#define VTK_POINTS "Connectivity" /* in the group: 0, 1, 2, ...; XDMF's topology too */
 
 /* --- XDMF --- */
 
@@ -81,7 +81,7 @@ PetscErrorCode XdmfWrite(Output output)
 
 #define VTK_POLY_VERTEX 2 /* vtkCellType.h: one cell of all points */
 
-/* A data set of n integers. compressed: there may be as many as particles. */
+/* A data set of n integers. compressed: for one integer a particle. */
 static void Integers(H5File *h5, hid_t group, const char name[], hid_t type, PetscBool compressed, PetscInt n,
                      const PetscInt64 values[])
 {
@@ -101,7 +101,7 @@ static void Integers(H5File *h5, hid_t group, const char name[], hid_t type, Pet
   (void)H5Sclose(space);
 }
 
-/* What makes an unstructured grid of one cell that has all n points; group is the VTKHDF group. Rank 0. */
+/* Makes 'group', VTKHDF, an unstructured grid of one cell with all n points. Rank 0. */
 static PetscErrorCode VtkCell(H5File *h5, hid_t group, PetscInt n)
 {
   const PetscInt64 points = n, cells = n > 0, offsets[2] = {0, n}, version[2] = {1, 0}, type = VTK_POLY_VERTEX;

@@ -1,12 +1,12 @@
-/* What is checked of the particles of a checkpoint before they are used: what each says by itself. That none is there
-   twice or missing follows from the seal: the file is as it was written. */
+/* Checks each particle of a checkpoint by itself before it is used. The seal shows that the file is as it was written:
+   no particle is missing or there twice. */
 #include "output_impl.h"
 
 #define FLAW_LENGTH   256
-#define WALL_MARGIN   2 /* kernel supports and spacings: dummies of the walls are nearer to the box */
-#define LIQUID_MARGIN 2 /* spacings: a negative -wall_guard lets liquid one behind a wall */
+#define WALL_MARGIN   2 /* in supports plus coarse spacings: dummies of walls are nearer to the box */
+#define LIQUID_MARGIN 2 /* spacings: a negative -wall_guard lets liquid one spacing behind a wall */
 
-/* Says what is wrong with a particle, unless something was wrong before. */
+/* Keeps the first flaw that is found. */
 static void Note(char flaw[FLAW_LENGTH], const char format[], ...)
 {
   va_list arguments;

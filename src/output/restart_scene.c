@@ -1,10 +1,10 @@
-/* Whether a checkpoint was made for this scene, by the lines of CloudIdentity in it, and which options have changed. */
+/* Whether a checkpoint is of this scene, from the lines of CloudIdentity in it, and which options have changed. */
 #include "output_impl.h"
 #include <stdlib.h>
 
 #define DIFFERENCES 1024 /* characters of the list of differences */
 
-/* The line of a text that begins like another line, for so many characters; NULL if there is none. */
+/* The line of 'text' whose first 'beginning' characters are those of 'line'; NULL if there is none. */
 static const char *FindLine(const char text[], const char line[], size_t beginning)
 {
   while (*text && strncmp(text, line, beginning)) {
@@ -14,8 +14,8 @@ static const char *FindLine(const char text[], const char line[], size_t beginni
   return *text ? text : NULL;
 }
 
-/* Adds what differs between the lines of 'text' and those of 'other'. missing: only what 'other' does not have. A text
-   from a file may be anything: what is no such line is passed over. */
+/* Adds to 'differences' the lines of 'text' that 'other' lacks or, unless 'missing', has with another value. A text
+   from a file may be anything: lines of another form are passed over. */
 static void Compare(const char text[], const char other[], PetscBool missing, char differences[DIFFERENCES])
 {
   for (const char *line = text, *next; *line; line = next) {
@@ -50,19 +50,17 @@ PetscErrorCode RestartSceneCheck(Output output, const char file[], const char st
   }
   free(text);
   PetscCallMPI(MPI_Bcast(differences, DIFFERENCES, MPI_CHAR, 0, output->comm));
-  PetscCheckUser(!differences[0], output->comm,
-                 "The checkpoint %s is of another scene, which cannot go on as this one; "
-                 "what differs: %s.",
-                 file, differences);
+  PetscCheckUser(!differences[0], output->comm, "The checkpoint %s is of another scene; what differs: %s.", file,
+                 differences);
   if (!output->rank && !stored[0])
-    PetscCall(PetscPrintf(PETSC_COMM_SELF,
-                          "The checkpoint %s is of an older version and does not describe its scene: "
-                          "it is taken to be this one.\n",
-                          file));
+    PetscCall(PetscPrintf(
+      PETSC_COMM_SELF,
+      "The checkpoint %s is of an older version and does not describe its scene; the run takes it for this scene.\n",
+      file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options that say how a run begins. Emitters need the packing's later, too. */
+/* Whether the option acts at the start of a run only. Emitters need those of the packing later, too. */
 static PetscBool OnlyAtStart(Scene scene, const char line[])
 {
   static const char start[] = "-time_start", packing[] = "-packing_", cache[] = "-packing_cache";
@@ -72,7 +70,7 @@ static PetscBool OnlyAtStart(Scene scene, const char line[])
   return (PetscBool)(!strncmp(line, start, strlen(start)));
 }
 
-/* The line of a text of options that is of the same option as this line, or NULL. name: the length of its name. */
+/* The line of 'text' with the option of 'line', whose name has 'name' characters; NULL if there is none. */
 static const char *SameOption(const char text[], const char line[], size_t name)
 {
   const char *found = FindLine(text, line, name);
@@ -84,7 +82,7 @@ static const char *SameOption(const char text[], const char line[], size_t name)
   return found;
 }
 
-/* Prints the lines of a text of options that another text has not, or has with another value if 'values'. */
+/* Prints the options of 'text' that 'other' lacks or, with 'values', has with another value. */
 static PetscErrorCode SayOptions(Scene scene, const char text[], const char other[], PetscBool values, PetscInt *said)
 {
   PetscFunctionBegin;

@@ -1,4 +1,4 @@
-/* The time series: plain CSV with a head line, one line a due step, SI units. And the tables that gauges fill. */
+/* The time series: CSV with a head line, one line for each due step, SI units; and the tables that gauges fill. */
 #include "output_impl.h"
 
 #define SERIES_FILE   "series.csv"
@@ -15,7 +15,7 @@ typedef struct {
   PetscReal        wall; /* s */
 } SeriesValues;
 
-/* The columns behind time and step: name, unit ("" if it has none), whether it needs -gauge_crater, value from v
+/* The columns behind time and step: name, unit ("": none), whether -gauge_crater is needed, value from v
    (SeriesValues). */
 #define SERIES_COLUMNS(X)                                                                                              \
   X("time_step", "s", PETSC_FALSE, v->state->time_step)                                                                \

@@ -13,7 +13,7 @@ static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --- finding those of an earlier start of the run --- */
+/* --- snapshots of an earlier start of the run --- */
 
 /* Reads what the XDMF file needs from a snapshot. Rank 0. */
 static PetscErrorCode EntryRead(Output output, PetscInt index, SnapshotEntry *entry, PetscBool *good)
@@ -77,10 +77,10 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --- writing one --- */
+/* --- writing --- */
 
-/* Whether a particle at x (m), of the fluid or a wall as 'body' says, goes into the snapshots. Solids that move do:
-   solids.h5 has only where they are at the start. */
+/* Whether a particle of 'body' at x (m) goes into the snapshots. Particles of moving solids do: solids.h5 has their
+   positions at the start only. */
 static PetscBool Wanted(Output output, PetscInt body, const PetscReal x[DIM])
 {
   const SnapshotSetup *content = &output->content;
@@ -93,7 +93,7 @@ static PetscBool Wanted(Output output, PetscInt body, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
-/* Where the rows of the snapshot come from: particle[k] is the local index of row k. */
+/* The rows of the snapshot: particle[k] is the local index of row k. */
 static PetscErrorCode Choose(Output output, const ParticleArrays *arrays, PetscInt particle[], Rows *rows)
 {
   PetscInt n = 0;
@@ -129,7 +129,7 @@ static void WriteHead(Output output, const StepState *state, const SnapshotEntry
   H5FilePutText(h5, "options", output->options);
 }
 
-/* The values of a real field in the precision of the snapshots, or of an integer field, in values. */
+/* Fills 'values' with an integer field, or with a real field in the precision of the snapshots. */
 static void Pack(Output output, const ParticleArrays *arrays, const PetscInt particle[], PetscInt n, PetscInt f,
                  void *values)
 {
@@ -166,7 +166,7 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
     const hid_t         real  = output->content.precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
 
     if (!(output->content.fields & 1U << f)) continue;
-    PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "Snapshots know fields of up to three numbers");
+    PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "A field of a snapshot has at most three numbers");
     rows->width = field.width;
     Pack(output, arrays, particle, rows->n, f, values);
     PetscCall(
@@ -176,7 +176,7 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Bytes a particle has in a snapshot. */
+/* Bytes of a particle in a snapshot. */
 static PetscInt64 ParticleBytes(Output output)
 {
   const size_t real  = output->content.precise ? sizeof(double) : sizeof(float);

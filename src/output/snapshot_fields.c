@@ -1,7 +1,7 @@
 /* What goes into the snapshots: -snapshot_fields, -snapshot_lower and so on. */
 #include "output_impl.h"
 
-#define DEFLATE 1 /* default: halves the files; 4 or 9 gain a hundredth more */
+#define DEFLATE 1 /* default: halves the files; 4 or 9 save 1 % more */
 
 /* Integer fields of a snapshot. */
 static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER};
@@ -20,7 +20,7 @@ void SnapshotName(PetscInt index, char name[64])
   (void)snprintf(name, 64, "snapshot_%06d.h5", (int)index);
 }
 
-/* What every snapshot has: without it a particle is not to be told from others. */
+/* Fields of every snapshot: they identify a particle. */
 static PetscBool Always(PetscInt f)
 {
   const PetscInt integer = SnapshotFieldAt(f).integer;
@@ -35,28 +35,30 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscBool      set[2];
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-snapshot_walls",
-                             "Wall particles in the snapshots too; those of solids that move always are", "OutputStep",
-                             content->walls, &content->walls, NULL));
+  PetscCall(PetscOptionsBool(
+    "-snapshot_walls",
+    "Write particles of walls and solids at rest into the snapshots too; those of moving solids always are",
+    "OutputStep", content->walls, &content->walls, NULL));
   PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", content->precise,
                              &content->precise, NULL));
   content->names       = SNAPSHOT_FIELDS + 1;
   content->compression = DEFLATE;
-  PetscCall(PetscOptionsStringArray("-snapshot_fields",
-                                    "Fields of a snapshot besides position, id and body: velocity, pressure, density, "
-                                    "lambda, volume (of rings), size (of graded rings), viscosity (that "
-                                    "varies), surface, layer (of walls); or none; default: "
-                                    "all",
-                                    "OutputStep", content->name, &content->names, NULL));
+  PetscCall(PetscOptionsStringArray(
+    "-snapshot_fields",
+    "Fields of a snapshot besides position, id and body: velocity, pressure, density, lambda, volume (of rings), size "
+    "(of graded rings), viscosity (if it varies), surface, layer (of walls); or none; default: all",
+    "OutputStep", content->name, &content->names, NULL));
   for (PetscInt d = 0; d < DIM; d++) {
     content->corner[0][d] = domain->lower[d];
     content->corner[1][d] = domain->upper[d];
   }
   content->numbers[0] = content->numbers[1] = domain->dim + 1;
-  PetscCall(PetscOptionsRealArray("-snapshot_lower", "Lower corner of what snapshots hold (m); default: the box's",
-                                  "OutputStep", content->corner[0], &content->numbers[0], &set[0]));
-  PetscCall(PetscOptionsRealArray("-snapshot_upper", "Upper corner of what snapshots hold (m); default: the box's",
-                                  "OutputStep", content->corner[1], &content->numbers[1], &set[1]));
+  PetscCall(PetscOptionsRealArray("-snapshot_lower",
+                                  "Lower corner of the region in the snapshots (m); default: the box's", "OutputStep",
+                                  content->corner[0], &content->numbers[0], &set[0]));
+  PetscCall(PetscOptionsRealArray("-snapshot_upper",
+                                  "Upper corner of the region in the snapshots (m); default: the box's", "OutputStep",
+                                  content->corner[1], &content->numbers[1], &set[1]));
   for (PetscInt side = 0; side < 2; side++)
     if (!set[side]) content->numbers[side] = domain->dim;
   content->region = (PetscBool)(set[0] || set[1]);
@@ -65,7 +67,7 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the particles have a field of the snapshots. */
+/* Whether the particles have field f. */
 static PetscBool Present(Output output, PetscInt f)
 {
   return (PetscBool)(f >= FIELD_STORED_COUNT || ParticlesHave(output->cloud->particles, f));
@@ -94,7 +96,7 @@ static PetscErrorCode CheckFields(Output output)
     }
     PetscCheckUser(found, output->comm,
                    "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
-                   "differs), size (of graded rings), viscosity (that varies), surface and layer, or none.",
+                   "differs), size (of graded rings), viscosity (if it varies), surface and layer, or none.",
                    content->name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -114,11 +116,10 @@ PetscErrorCode SnapshotCheck(Output output)
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscReal lower = content->corner[0][d], upper = content->corner[1][d];
 
-    PetscCheckUser(
-      lower < upper && lower < domain->upper[d] && upper > domain->lower[d], output->comm,
-      "-snapshot_lower and -snapshot_upper leave %c from %g to %g m; there must be a part of the box, which "
-      "goes from %g to %g m.",
-      'x' + (int)d, (double)lower, (double)upper, (double)domain->lower[d], (double)domain->upper[d]);
+    PetscCheckUser(lower < upper && lower < domain->upper[d] && upper > domain->lower[d], output->comm,
+                   "-snapshot_lower and -snapshot_upper leave %c from %g to %g m; some part of the box, from %g to %g "
+                   "m, must remain.",
+                   'x' + (int)d, (double)lower, (double)upper, (double)domain->lower[d], (double)domain->upper[d]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

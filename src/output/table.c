@@ -4,10 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define LINE_LENGTH 65536 /* bytes: a hundred for each column that a run can have */
+#define LINE_LENGTH 65536 /* bytes: 100 for each column that a run can have */
 
-/* Copies the head and the whole lines up to a step to a temporary file that then takes the name. Rank 0; returns an
-   errno, EILSEQ when the file has other columns. */
+/* Cuts the file behind a step: copies the head and the complete lines to a temporary file, which replaces it. Rank 0;
+   returns an errno, EILSEQ when the file has other columns. */
 static int Cut(const char path[], const char temporary[], const char head[], PetscInt restart_step, PetscInt *last_step)
 {
   FILE *from = fopen(path, "r"), *to;
@@ -75,7 +75,7 @@ PetscErrorCode TableOpen(Output output, const char name[], const char head[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One value; whole numbers come out as such as far as the digits go. Returns an errno. */
+/* Writes a value. Returns an errno. */
 static int WriteValue(FILE *file, PetscInt digits, double value)
 {
   if (value != value) return fputs(",nan", file) < 0 ? errno : 0; /* no "-nan" */
