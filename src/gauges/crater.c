@@ -297,9 +297,9 @@ static PetscErrorCode CrownAndJet(Gauges gauges, CraterValues *values)
 
     if (!connected[a]) continue;
     FromAxis(gauges, x + DIM * a, r);
-    jet      = r[0] * r[0] + r[1] * r[1] <= PetscSqr(gauges->crater.jet_radius);
-    top[jet] = PetscMax(top[jet],
-                        x[DIM * a + cloud->domain->dim - 1] + 0.5 * (CloudSize(cloud, a) - 1) * cloud->domain->spacing);
+    jet = r[0] * r[0] + r[1] * r[1] <= PetscSqr(gauges->crater.jet_radius);
+    top[jet] =
+      PetscMax(top[jet], x[DIM * a + cloud->domain->dim - 1] + 0.5 * (cloud->size[a] - 1) * cloud->domain->spacing);
   }
   PetscCall(PetscFree(connected));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, 2, MPIU_REAL, MPIU_MAX, gauges->comm));

@@ -108,8 +108,7 @@ static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
   PetscCall(CloudGetWork(cloud, 1, &label));
   PetscCall(ConnectedLabels(gauges, label));
   PetscCall(PetscMalloc1(cloud->n_fluid, &own));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    own[a] = SingleParticle(cloud, a, label[a], CloudSize(cloud, a) * touch);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) own[a] = SingleParticle(cloud, a, label[a], cloud->size[a] * touch);
   PetscCall(CloudRestoreWork(cloud, &label));
   send = PIECE_REALS * (PetscMPIInt)Merge(cloud->n_fluid, own);
   PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &start));

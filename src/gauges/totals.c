@@ -44,7 +44,7 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
     sum[0] += 0.5 * mass * Dot(v, v);
     sum[1] += mass * SceneForcePotential(scene, x);
     sum[2] += 1;
-    if (arrays.real[FIELD_VOLUME]) sum[3] += arrays.real[FIELD_VOLUME][a];
+    sum[3] += ParticleVolume(domain, &arrays, a) / domain->volume;
     highest = PetscMax(highest, x[domain->dim - 1] + 0.5 * (ParticleSize(domain, &arrays, a) - 1) * domain->spacing);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
@@ -53,8 +53,8 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
   totals->multiplicity     = gauges->multiplicity;
   totals->kinetic_energy   = gauges->multiplicity * sum[0];
   totals->potential_energy = gauges->multiplicity * sum[1];
-  totals->volume    = gauges->multiplicity * (domain->rings || domain->graded ? sum[3] : sum[2] * domain->volume);
-  totals->particles = (PetscInt)sum[2];
-  totals->highest   = HeightOverLevel(gauges, highest);
+  totals->volume           = gauges->multiplicity * sum[3] * domain->volume;
+  totals->particles        = (PetscInt)sum[2];
+  totals->highest          = HeightOverLevel(gauges, highest);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -71,6 +71,8 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
   PetscCall(PetscFree(c->weight));
+  PetscCall(PetscFree(c->length));
+  PetscCall(PetscFree(c->share));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->liquid));
@@ -96,14 +98,15 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    if ((f != FIELD_VISCOSITY || SceneViscosityVaries(cloud->scene)) && (f != FIELD_SIZE || cloud->domain->graded))
+    if (f != FIELD_VISCOSITY || SceneViscosityVaries(cloud->scene))
       PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
   cloud->volume = cloud->field[FIELD_VOLUME];
   cloud->size   = cloud->field[FIELD_SIZE];
-  if (cloud->domain->rings || cloud->domain->graded)
-    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->length));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->share));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
@@ -153,15 +156,15 @@ static void CountKinds(Cloud cloud)
   cloud->layout++;
 }
 
-/* The sizes of the graded particles begin to end - 1, whose volumes are known. Rings have theirs already. */
+/* The sizes of the particles begin to end - 1, whose volumes are known. Graded rings have theirs already. */
 static PetscErrorCode FindSizes(Cloud cloud, PetscInt begin, PetscInt end)
 {
   PetscReal most = 0;
 
   PetscFunctionBegin;
-  if (!cloud->size) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = begin; a < end; a++) {
-    if (!cloud->domain->rings) cloud->size[a] = DomainSize(cloud->domain, cloud->volume[a]);
+    if (!ParticlesHave(cloud->particles, FIELD_SIZE))
+      cloud->size[a] = cloud->domain->graded ? DomainSize(cloud->domain, cloud->volume[a]) : 1;
     most = PetscMax(most, cloud->size[a]);
   }
   PetscCheck(most <= (1 + POINT_TOLERANCE) * cloud->size_most, PETSC_COMM_SELF, PETSC_ERR_PLIB,
@@ -184,6 +187,7 @@ PetscErrorCode CloudFindSolidNormals(Cloud cloud)
 /* Chooses the ghosts from the positions of the moment and gives them all that does not change until the next choice. */
 static PetscErrorCode BuildHalo(Cloud cloud)
 {
+  PetscReal   most[2] = {0, 0}; /* distance outside, volume */
   PetscMPIInt rank;
   PetscInt    ghosts;
 
@@ -191,12 +195,18 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
   /* Every particle gets all ghosts within reach + slack, also one that has not been migrated or wrapped yet. */
-  cloud->distance_outside = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
-                                                OUTSIDE_LIMIT * cloud->slack);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
+  most[0] = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
+                                OUTSIDE_LIMIT * cloud->slack);
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    most[1] =
+      PetscMax(most[1], ParticlesHave(cloud->particles, FIELD_VOLUME) ? cloud->volume[a] : cloud->domain->volume);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
+  cloud->distance_outside = most[0];
+  cloud->volume_most      = most[1];
   PetscCall(FindSizes(cloud, 0, cloud->n_owned));
   PetscCall(HaloBuild(cloud->halo, cloud->n_owned, cloud->field[FIELD_POSITION], cloud->reach,
-                      cloud->slack + cloud->distance_outside, cloud->size, cloud->size_most, &ghosts));
+                      cloud->slack + cloud->distance_outside, cloud->domain->graded ? cloud->size : NULL,
+                      cloud->size_most, &ghosts));
   PetscCall(ParticlesCheckRoom(cloud->comm, (PetscInt64)cloud->n_owned + ghosts));
   cloud->n_total = cloud->n_owned + ghosts;
   PetscCall(Reserve(cloud, cloud->n_total));

@@ -29,15 +29,19 @@ typedef struct _p_Cloud {
   PetscInt   n_fluid, n_rows, n_owned, n_total, capacity;
   PetscReal *field[FIELD_COUNT]; /* [n_total][width], see the table in particles.h */
   PetscInt  *integer[INT_COUNT]; /* [n_total] */
-  /* Volumes. 'volume' is of the whole particle, m^dim (m3 of a ring): mass = rest density * volume. Sums over
-     neighbours weight with V_0 = d0^dim (Domain's volume) times 'weight'; NULL: all weights are 1. Of a ring the weight
-     is the ring area over V_0, at the positions of the last search. The pair of particles of different sizes has the
-     smoothing length (h_a + h_b)/2 in all sums: then a pair's kernel is the same for both, and the first-order error
-     that differing lengths make in a Laplacian vanishes. */
-  PetscReal *volume;       /* [n_total] FIELD_VOLUME */
+  /* The metric, with which an operator has one text for particles of one size, graded particles and rings. 'volume' is
+     of the whole particle, m^dim (m3 of a ring): mass = rest density * volume. Sums over neighbours weight with V_0 =
+     d0^dim (Domain's volume) times 'weight', of a ring its area over V_0. The pair of particles of different sizes has
+     the smoothing length (h_a + h_b)/2 in all sums: then a pair's kernel is the same for both, and the first-order
+     error that differing lengths make in a Laplacian vanishes. weight, length and share are those of the positions of
+     the last search. */
+  PetscReal *volume;       /* [n_total] FIELD_VOLUME, = V_0 weight length */
+  PetscReal *size;         /* [n_total] spacing over d0, 1 */
   PetscReal *weight;       /* [n_total] 1 */
-  PetscReal *size;         /* [n_total] FIELD_SIZE of graded particles, 1; NULL: all have one size */
+  PetscReal *length;       /* [n_total] m, of rings DomainRingLength; of other particles 1 */
+  PetscReal *share;        /* [n_total] weight over size^dim: about 1 of rings, whose areas change, of others 1 */
   PetscReal  size_most;    /* 1; of all ranks and times: supports are at most so much wider than the kernel's */
+  PetscReal  volume_most;  /* m^dim, largest volume of a particle of any rank */
   PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
   PetscReal
     *solid_normal; /* [n_total][3] out of the solid, at its dummy particles, zero elsewhere; NULL without solids */
@@ -98,22 +102,18 @@ PetscErrorCode CloudMoved(Cloud cloud);
 /* CloudFindSolidNormals - solid_normal, ghosts too, at the positions of the cloud: again after solids have moved.
    Collective. */
 PetscErrorCode CloudFindSolidNormals(Cloud cloud);
-/* CloudWeigh - a value of a sum over neighbours times the weight of particle a; without weights it is rounded as if
-   there were no factor. Not collective. */
-static inline PetscReal CloudWeigh(Cloud cloud, PetscInt a, PetscReal value)
-{
-  return cloud->weight ? cloud->weight[a] * value : value;
-}
-
-/* CloudSize - the size s/d0 of particle a, 1 where all have one. CloudPairSize - that of a pair, whose smoothing length
-   is so many times the kernel's. Not collective. */
-static inline PetscReal CloudSize(Cloud cloud, PetscInt a)
-{
-  return cloud->size ? cloud->size[a] : 1;
-}
+/* CloudPairSize - the size of a pair: its smoothing length over the kernel's. CloudPairMeasure - V_a V_b of a pair in
+   sums over the plane, m^2dim; of rings times the length of the ring half-way between, m^(2dim + 1). Not collective. */
 static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
 {
-  return cloud->size ? 0.5 * (cloud->size[a] + cloud->size[b]) : 1;
+  return 0.5 * (cloud->size[a] + cloud->size[b]);
+}
+static inline PetscReal CloudPairMeasure(Cloud cloud, PetscInt a, PetscInt b)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+
+  return cloud->weight[a] * (cloud->weight[b] * PetscSqr(cloud->domain->volume)) *
+         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b);
 }
 
 /* CloudJump - by how much (Pa) the pressure is higher in the liquid of particle a than in that of b, a neighbour of the
@@ -133,23 +133,6 @@ static inline PetscBool CloudMeets(Cloud cloud, PetscInt a, PetscInt b)
   return (PetscBool)(cloud->liquid[a] + cloud->liquid[b] == 1 && cloud->liquid[a] >= 0 && cloud->liquid[b] >= 0);
 }
 
-/* CloudShare - the weight over that of a particle of its size: of rings, whose areas change, about 1, of others 1.
-   CloudWeighSelf - what W(0) of size 1 becomes in a sum of particle a itself. CloudRingLength - DomainRingLength of
-   particle a. Not collective. */
-static inline PetscReal CloudShare(Cloud cloud, PetscInt a)
-{
-  if (!cloud->domain->rings) return 1;
-  return cloud->size ? cloud->weight[a] / PetscSqr(cloud->size[a]) : cloud->weight[a];
-}
-static inline PetscReal CloudWeighSelf(Cloud cloud, PetscInt a, PetscReal value)
-{
-  return cloud->domain->rings ? CloudShare(cloud, a) * value : value;
-}
-static inline PetscReal CloudRingLength(Cloud cloud, PetscInt a)
-{
-  return DomainRingLength(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, CloudSize(cloud, a));
-}
-
 /* CloudLevelSize - the largest size in a level of sizes: a little more than a power of sqrt(2), so that the fine
    spacing is alone in the first. CloudLevel - the level of particle a; the last has all that are larger, too. Not
    collective. */
@@ -163,7 +146,7 @@ static inline PetscInt CloudLevel(Cloud cloud, PetscInt a)
 {
   PetscInt level = 0;
 
-  while (cloud->size && level < SIZE_LEVELS - 1 && cloud->size[a] > CloudLevelSize(level)) level++;
+  while (level < SIZE_LEVELS - 1 && cloud->size[a] > CloudLevelSize(level)) level++;
   return level;
 }
 
@@ -173,7 +156,8 @@ static inline PetscInt CloudLevel(Cloud cloud, PetscInt a)
    to a multiple of eight with pairs that weigh nothing, here too (see PairRowLoadFactors). */
 typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context);
 /* CloudSearch - finds the neighbours of each owned particle, which are all particles within the kernel's support, from
-   the positions of the cloud, and the factors of the pairs. visit may be NULL. Not collective. */
+   the positions of the cloud, and the factors of the pairs; weight, length and share, ghosts too. visit may be NULL.
+   Not collective. */
 PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context);
 /* CloudUpdate - ghosts take the values of a field from their owners, with the sign of their image; refuses fields that
    have none. Collective. */

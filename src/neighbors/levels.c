@@ -10,7 +10,7 @@ static PetscErrorCode FillLevels(Cloud cloud, Level level[])
   const PetscReal *x = cloud->field[FIELD_POSITION];
 
   PetscFunctionBegin;
-  if (!cloud->size) {
+  if (!cloud->domain->graded) {
     level[0].all.n   = cloud->n_total;
     level[0].largest = 1;
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -109,8 +109,8 @@ static PetscErrorCode SortPlaces(const Units *units, const CellGrid *grid, Petsc
    particle can have at most. */
 static PetscErrorCode SortLevel(Cloud cloud, const Search *search, CellGrid *grid, Level *level, PetscInt *most)
 {
-  const PetscInt   n = level->all.n, reach = cloud->size ? LINES_MOST_REACH : 1;
-  const PetscReal *x       = cloud->size ? level->x : cloud->field[FIELD_POSITION];
+  const PetscInt   n = level->all.n, reach = cloud->domain->graded ? LINES_MOST_REACH : 1;
+  const PetscReal *x       = cloud->domain->graded ? level->x : cloud->field[FIELD_POSITION];
   PetscInt         longest = 0;
 
   PetscFunctionBegin;
@@ -119,7 +119,7 @@ static PetscErrorCode SortLevel(Cloud cloud, const Search *search, CellGrid *gri
   PetscCall(PetscMalloc1(DIM * n + LANES, &level->all.place));
   PetscCall(SortPlaces(&search->units, grid, n, x, level->all.place));
   level->all.index = grid->order;
-  if (cloud->size) {
+  if (cloud->domain->graded) {
     PetscCall(PetscCalloc2(n + LANES, &level->all.size, n + LANES, &level->all.index));
     for (PetscInt k = 0; k < n; k++) {
       level->all.index[k] = level->point[grid->order[k]];
@@ -153,7 +153,7 @@ PetscErrorCode SearchCreate(Cloud cloud, Search *search)
     if (level[l].all.n) PetscCall(SortLevel(cloud, search, &cloud->grid[l], &level[l], &candidates));
     most = PetscMax(most, candidates);
   }
-  for (PetscInt l = 0; l < SEARCH_LEVELS && cloud->size; l++)
+  for (PetscInt l = 0; l < SEARCH_LEVELS && cloud->domain->graded; l++)
     if (level[l].all.n) PetscCall(SetBlocks(cloud->domain->dim, search->support, level, l));
   PetscCall(PetscMalloc1(most / LANES + 3, &search->run));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -166,7 +166,7 @@ PetscErrorCode SearchDestroy(Cloud cloud, Search *search)
     Level *level = &search->level[l];
 
     PetscCall(PetscFree(level->all.place));
-    if (!cloud->size) continue;
+    if (!cloud->domain->graded) continue;
     PetscCall(PetscFree2(level->point, level->x));
     PetscCall(PetscFree2(level->all.size, level->all.index));
     for (PetscInt k = 0; k < SEARCH_LEVELS; k++) {

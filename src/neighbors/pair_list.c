@@ -76,15 +76,21 @@ PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[]
 
 void FindWeights(Cloud cloud)
 {
-  for (PetscInt a = 0; a < cloud->n_total && cloud->weight; a++)
-    cloud->weight[a] = cloud->volume[a] / (CloudRingLength(cloud, a) * cloud->domain->volume);
+  const Domain     domain = cloud->domain;
+  const PetscReal *x      = cloud->field[FIELD_POSITION];
+
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    cloud->length[a] = DomainRingLength(domain, x + DIM * a, cloud->size[a]);
+    cloud->weight[a] = cloud->volume[a] / (cloud->length[a] * domain->volume);
+    cloud->share[a]  = domain->rings ? cloud->weight[a] / PetscSqr(cloud->size[a]) : 1;
+  }
 }
 
 void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w, float *restrict slope_over_r2,
                float *restrict slope)
 {
   for (PetscInt k = 0; k < n; k++) {
-    const float share = (float)CloudShare(cloud, list[k]);
+    const float share = (float)cloud->share[list[k]];
 
     if (w) w[k] *= share;
     slope_over_r2[k] *= share;
@@ -102,7 +108,7 @@ void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row)
 {
   PetscReal r2[ROW_CAPACITY];
 
-  if (!cloud->size) {
+  if (!cloud->domain->graded) {
     KernelEvaluate(cloud->kernel, row->n, row->r2, row->W, NULL);
     return;
   }
@@ -116,7 +122,7 @@ void PairRowGradient(Cloud cloud, PetscInt a, PairRow *row)
 {
   PetscReal r2[ROW_CAPACITY];
 
-  if (!cloud->size) {
+  if (!cloud->domain->graded) {
     KernelGradient(cloud->kernel, row->n, row->r2, row->F);
     return;
   }

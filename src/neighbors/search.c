@@ -180,7 +180,7 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
   FindWeights(cloud);
   cloud->laplacian_unit = search->unit;
   cloud->first[0]       = 0;
-  if (!cloud->size)
+  if (!cloud->domain->graded)
     PetscCall(FindRows(PETSC_FALSE, PETSC_FALSE, cloud, search, visit, context));
   else if (cloud->domain->dim == 2)
     PetscCall(FindRows(PETSC_TRUE, PETSC_TRUE, cloud, search, visit, context));

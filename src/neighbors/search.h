@@ -102,8 +102,8 @@ PetscErrorCode ReserveList(Cloud cloud, PetscInt64 pairs);
 /* DropWallPairs - removes the Laplacian weights of the pairs of a wall particle with other wall particles, between
    which nothing flows. Returns the sum of the other weights. Not collective. */
 PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[], uint16_t laplacian[]);
-/* FindWeights - volumes over V_0, of rings their areas, at the positions of the cloud, ghosts too. WeightRow -
-   multiplies the factors of a row, where they stand for a neighbour of full share, by its CloudShare. Not collective.
+/* FindWeights - the cloud's weight, length and share, ghosts too. WeightRow - multiplies the factors of a row, where
+   they stand for a neighbour of full share, by its share. Not collective.
  */
 void FindWeights(Cloud cloud);
 void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float w[], float slope_over_r2[], float slope[]);

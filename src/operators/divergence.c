@@ -148,8 +148,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
                       B[5] * (no_sliding[5] + no_sliding[7]));
     if (time_offset > 0) div[a] -= time_offset * scale * scale * SquareTrace(no_sliding, B);
     if (cloud->domain->rings)
-      div[a] += HoopDivergence(cloud->domain, CloudSize(cloud, a), x[DIM * a], velocity[DIM * a], scale, no_sliding, B,
-                               time_offset);
+      div[a] +=
+        HoopDivergence(cloud->domain, cloud->size[a], x[DIM * a], velocity[DIM * a], scale, no_sliding, B, time_offset);
   }
   PetscCall(LogPairFlops(cloud->first[cloud->n_owned], 33));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -196,19 +196,15 @@ void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const Pets
 
 void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE],
-                  V2 = PetscSqr(cloud->domain->volume);
-  PairRow row;
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  PairRow          row;
 
   for (PetscInt d = 0; d < DIM; d++) force[d] = 0;
   PairRowLoadGeometry(cloud, x, b, &row);
   PairRowGradient(cloud, b, &row);
   for (PetscInt k = 0; k < row.n; k++) {
     const PetscInt  a = row.index[k];
-    const PetscReal c = cloud->integer[INT_LAYER][a]
-                          ? 0
-                          : CloudWeigh(cloud, a, CloudWeigh(cloud, b, V2)) *
-                              DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row.F[k];
+    const PetscReal c = cloud->integer[INT_LAYER][a] ? 0 : CloudPairMeasure(cloud, a, b) * (p[a] + p[b]) * row.F[k];
 
     force[0] -= c * row.dx[k];
     force[1] -= c * row.dy[k];

@@ -75,12 +75,12 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = CloudWeighSelf(cloud, a, V * self);
+    PetscReal sum = cloud->share[a] * (V * self);
 
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowEvaluate(cloud, a, &row);
     SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = 0; k < row.n; k++) sum += CloudWeigh(cloud, row.index[k], V) * row.W[k];
+    for (PetscInt k = 0; k < row.n; k++) sum += cloud->weight[row.index[k]] * V * row.W[k];
     cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * sum;
   }
   PetscCall(LogPairFlops(cloud->first[cloud->n_owned], 26));
@@ -93,7 +93,8 @@ typedef struct {
   PetscReal V, self;          /* volume of a particle, m^dim; W(0), m^-dim */
   PetscReal scale_w, scale_f; /* of KernelScales */
   PetscReal ratio;            /* scale_w/W(d0) */
-  PetscReal viscosity;        /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
+  PetscBool viscous;          /* the viscous term is wanted */
+  PetscReal friction;         /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
 } Scales;
 
 /* (s_ab/s_b)^dim of SIMD_WIDTH neighbours of a graded particle; s_ab is the mean of both sizes. It turns V_b W_ab into
@@ -146,31 +147,25 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   total = Simd3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
-    cloud->rest_density[a] * V * (CloudWeighSelf(cloud, a, scales->self) + scales->scale_w * total[3]);
+    cloud->rest_density[a] * V * (cloud->share[a] * scales->self + scales->scale_w * total[3]);
   Vec4Store(scale * (total + Simd3Sum(crowding, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
   Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);
-  if (viscous) Vec4Store(scales->viscosity * Simd3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
+  if (viscous) Vec4Store(scales->friction * Simd3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
 }
 
+/* Three instances of one text. */
 static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
-  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE, PETSC_FALSE);
-}
+  const Scales   *scales  = (const Scales *)context;
+  const PetscBool viscous = (PetscBool)(scales->viscous && a < cloud->n_fluid);
 
-static void ViscousRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
-{
-  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid), PETSC_FALSE);
-}
-
-static void GradedMomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
-{
-  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, PETSC_FALSE, PETSC_TRUE);
-}
-
-static void GradedViscousRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
-{
-  SumMoments(cloud, a, w, slope_over_r2, (const Scales *)context, (PetscBool)(a < cloud->n_fluid), PETSC_TRUE);
+  if (cloud->domain->graded)
+    SumMoments(cloud, a, w, slope_over_r2, scales, viscous, PETSC_TRUE);
+  else if (scales->viscous)
+    SumMoments(cloud, a, w, slope_over_r2, scales, viscous, PETSC_FALSE);
+  else
+    SumMoments(cloud, a, w, slope_over_r2, scales, PETSC_FALSE, PETSC_FALSE);
 }
 
 /* Computes FIELD_LAMBDA from the moments M in FIELD_CORRECTION, and replaces M by B. */
@@ -205,13 +200,11 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scales.scale_w, &scales.scale_f, &inverse_h2);
   KernelEvaluate(cloud->kernel, 1, &d2, &at_spacing, NULL);
-  scales.ratio     = scales.scale_w / at_spacing;
-  scales.viscosity = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
-                     scales.scale_f * inverse_h2;
-  if (cloud->size)
-    PetscCall(CloudSearch(cloud, viscosity ? GradedViscousRow : GradedMomentsRow, &scales));
-  else
-    PetscCall(CloudSearch(cloud, viscosity ? ViscousRow : MomentsRow, &scales));
+  scales.ratio    = scales.scale_w / at_spacing;
+  scales.viscous  = (PetscBool)(viscosity != NULL);
+  scales.friction = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
+                    scales.scale_f * inverse_h2;
+  PetscCall(CloudSearch(cloud, MomentsRow, &scales));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
   CloudWrote(cloud, FIELD_CORRECTION); /* stands for all sums of this function */

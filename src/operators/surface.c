@@ -50,7 +50,7 @@ static void FlagSurface(Cloud cloud, PetscInt flag[])
       flag[a] = 1;
     else {
       for (PetscInt d = 0; d < DIM; d++) n[d] /= length;
-      flag[a] = ConeIsEmpty(cloud, a, n, s * CloudSize(cloud, a)) ? 1 : 0;
+      flag[a] = ConeIsEmpty(cloud, a, n, s * cloud->size[a]) ? 1 : 0;
     }
   }
 }
@@ -81,7 +81,7 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     if (flag[a] || lambda[a] >= LAMBDA_NEAR) continue;
-    if (lambda[a] < LAMBDA_INNER || SurfaceIsNear(cloud, a, distance * CloudSize(cloud, a), flag)) flag[a] = 2;
+    if (lambda[a] < LAMBDA_INNER || SurfaceIsNear(cloud, a, distance * cloud->size[a], flag)) flag[a] = 2;
   }
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));

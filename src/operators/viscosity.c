@@ -83,10 +83,9 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
 static PetscReal WallFactor(Cloud cloud, const Viscosity *viscosity, PetscInt a)
 {
   const Domain     domain = cloud->domain;
-  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a,
-                  support = CloudSize(cloud, a) * KernelSupport(cloud->kernel);
-  PetscReal nearest       = support, place;
-  PetscInt  k;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, support = cloud->size[a] * KernelSupport(cloud->kernel);
+  PetscReal        nearest = support, place;
+  PetscInt         k;
 
   if (!viscosity->no_slip) return 1;
   if (cloud->solid_normal) nearest = SceneSolidDistance(cloud->scene, x, NULL);
@@ -211,11 +210,10 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PairRow *row)
   const Simd3      p = Simd3Set(x + DIM * a);
 
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
-    const SimdOffsets at = SimdLocate(row->index + k);
-    const Simd3       d  = Simd3Difference(p, Simd3Collect(x, &at));
-    const Simd        size =
-                 cloud->size ? 0.5 * (SimdSet(cloud->size[a]) + SimdGather(cloud->size, row->index + k)) : SimdSet(1),
-               f = SimdLoad(row->f + k) / (Simd3Dot(d, d) + eta2 * size * size);
+    const SimdOffsets at   = SimdLocate(row->index + k);
+    const Simd3       d    = Simd3Difference(p, Simd3Collect(x, &at));
+    const Simd        size = 0.5 * (SimdSet(cloud->size[a]) + SimdGather(cloud->size, row->index + k)),
+               f           = SimdLoad(row->f + k) / (Simd3Dot(d, d) + eta2 * size * size);
 
     (void)memcpy(row->f + k, &f, sizeof(f));
   }
@@ -249,7 +247,7 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
   if (f->viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, row);
   if (cloud->domain->rings)
     for (PetscInt k = 0; k < row->n; k++)
-      row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / CloudRingLength(cloud, a);
+      row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / cloud->length[a];
 }
 
 /* The rate (1/s) of the friction -nu v_r/r^2 of ring a's growth, in the form of Cleary; 0 for other particles and in
@@ -258,7 +256,7 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
    remains for the growth. */
 static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
 {
-  const PetscReal r = CloudRingLength(cloud, a) / (2 * PETSC_PI);
+  const PetscReal r = cloud->length[a] / (2 * PETSC_PI);
 
   if (!cloud->domain->rings || f->viscosity->form != VISCOSITY_CLEARY) return 0;
   return -f->mu[a] / (f->density[a] * r * r);
@@ -270,7 +268,7 @@ static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
    = 1 and for v_r = r, except near the axis (DomainRingLength). */
 static inline PetscReal GrowthRatio(Cloud cloud, PetscInt a, PetscInt b)
 {
-  return CloudRingLength(cloud, b) / CloudRingLength(cloud, a);
+  return cloud->length[b] / cloud->length[a];
 }
 
 /* The radial part of ring a's sum in the form of Morris that pairs of other particles do not have. */

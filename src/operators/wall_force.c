@@ -8,14 +8,13 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* V_a V_b (p_a + p_b) F; for rings times the length of the pair. */
+/* V_a V_b (p_a + p_b) F. */
 static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  const PetscReal *p = cloud->field[FIELD_PRESSURE];
   const PetscInt   b = row->index[k];
 
-  return CloudWeigh(cloud, a, CloudWeigh(cloud, b, PetscSqr(cloud->domain->volume))) *
-         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
+  return CloudPairMeasure(cloud, a, b) * (p[a] + p[b]) * row->F[k];
 }
 
 /* The force of fluid particle a on the walls beyond its pairs with dummy particles. */

@@ -8,11 +8,10 @@ PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
 
   PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
   PairRowEvaluate(cloud, a, row);
-  if (cloud->weight)
-    for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
+  for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
   SIMD_LOOP(reduction(+ : sum))
   for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
-  return cloud->domain->volume * (sum + CloudWeighSelf(cloud, a, self));
+  return cloud->domain->volume * (sum + cloud->share[a] * self);
 }
 
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)

@@ -25,12 +25,12 @@ static PetscReal SizeAround2(Cloud cloud, PetscInt a)
 {
   PetscReal sum = 0, weighted = 0;
 
-  if (!cloud->size) return 1;
+  if (cloud->size_most <= 1) return 1;
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     sum += cloud->laplacian[k];
     weighted += cloud->laplacian[k] * PetscSqr(CloudPairSize(cloud, a, cloud->list[k]));
   }
-  return sum > 0 ? weighted / sum : PetscSqr(CloudSize(cloud, a));
+  return sum > 0 ? weighted / sum : PetscSqr(cloud->size[a]);
 }
 
 /* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < FILLED_LAMBDA) up to that of a full

@@ -98,7 +98,7 @@ static PetscBool DensityNear(Pressure pressure, PetscReal norm)
 
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
     heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);
-  heaviest *= pressure->volume_most * pressure->row_scale;
+  heaviest *= cloud->volume_most * pressure->row_scale;
   return (PetscBool) !(norm * PetscSqr(pressure->dt) >
                        pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)pressure->rows_global));
 }

@@ -158,9 +158,9 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 
       CorrectedRow(cloud, a, &row, scale, out);
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
-      background = CloudSize(cloud, a) * factor * Norm(out);
+      background = cloud->size[a] * factor * Norm(out);
       against    = PetscMax(PAIRING_MOVING * background,
-                            PAIRING_LOADED * PetscMin(background, CloudSize(cloud, a) * factor * density[a] * Norm(g)));
+                            PAIRING_LOADED * PetscMin(background, cloud->size[a] * factor * density[a] * Norm(g)));
       for (PetscInt d = 0; d < DIM; d++)
         out[d] = (out[d] - background * n[d] - against * (crowding[d] - n[d])) / density[a];
     }

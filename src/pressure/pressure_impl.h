@@ -69,7 +69,6 @@ struct _p_Pressure {
      multiplied with the mass of their particle times row_scale, the reciprocal of a particle's of the first body. */
   PetscReal row_scale; /* 1/kg */
   PetscReal weight_scale;
-  PetscReal volume_most; /* largest volume of a particle, m^dim */
   PetscBool
          own_weights; /* densities or volumes differ: the pairs' weights are pair_weight, not the cloud's laplacian */
   float *pair_weight;

@@ -68,7 +68,7 @@ static PetscErrorCode LocateRows(Pressure pressure)
   if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
   PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
-  if (cloud->size) PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight));
+  PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight));
   if (domain->dim < DIM) {
     PetscCall(PetscMalloc1(domain->dim * cloud->n_rows, &x));
     for (PetscInt a = 0; a < cloud->n_rows; a++)

@@ -35,7 +35,7 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   PetscReal        fraction = 1, defect;
 
   if (lambda < LAMBDA_FULL) {
-    const PetscReal place = CloudSize(cloud, a) * Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
+    const PetscReal place = cloud->size[a] * Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
     const PetscInt  k     = (PetscInt)PetscMin(place, (PetscReal)(SURFACE_TABLE - 1));
     const PetscReal t     = PetscMin(place - k, 1.0);
 
@@ -51,7 +51,7 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
 static PetscBool IsHeld(Cloud cloud, PetscInt a)
 {
   return BodyHolds(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), cloud->field[FIELD_POSITION] + DIM * a,
-                   0.5 * CloudSize(cloud, a) * cloud->domain->spacing);
+                   0.5 * cloud->size[a] * cloud->domain->spacing);
 }
 
 /* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least LEAST_STEPS dt: in fewer steps the repair
@@ -70,7 +70,7 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     rhs[a] =
-      -div[a] / dt - DensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(CloudSize(cloud, a) * T, least)));
+      -div[a] / dt - DensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(cloud->size[a] * T, least)));
   for (PetscInt a = 0; a < cloud->n_fluid && SceneEmits(cloud->scene); a++)
     if (IsHeld(cloud, a)) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;

@@ -42,7 +42,7 @@ void SurfaceLattice(Pressure pressure)
 {
   const Domain domain = pressure->cloud->domain;
 
-  pressure->layer_share = domain->graded ? PetscMin(1, domain->spacing_coarse / domain->spacing - 1) : 0;
+  pressure->layer_share = PetscMin(1, domain->spacing_coarse / domain->spacing - 1);
   for (PetscInt k = 0; k < 2; k++) {
     PetscReal fraction, normal, square, place, t;
     PetscInt  at;
@@ -64,7 +64,7 @@ static PetscReal Normal(Pressure pressure, PetscInt a)
 {
   const Cloud cloud = pressure->cloud;
 
-  return Norm(cloud->field[FIELD_NORMAL] + DIM * a) * CloudSize(cloud, a) * cloud->domain->spacing;
+  return Norm(cloud->field[FIELD_NORMAL] + DIM * a) * cloud->size[a] * cloud->domain->spacing;
 }
 
 PetscReal SurfaceSlope(Pressure pressure, PetscInt a)

@@ -45,7 +45,6 @@ static PetscReal JoinedArea(Cloud cloud, const PetscReal area[], PetscInt a, Pet
 {
   const PetscReal *size = cloud->size;
 
-  if (!size) return area[a] + area[b];
   return (area[a] * PetscSqr(size[a]) + area[b] * PetscSqr(size[b])) / PetscSqr(JoinedSize(cloud, a, b));
 }
 
@@ -66,7 +65,7 @@ static PetscBool SameLiquid(Scene scene, PetscInt k, PetscInt l)
 static PetscBool RingsFit(Cloud cloud, const Resampling *resampling, const PetscReal area[], PetscInt a, PetscInt b,
                           PetscReal d2)
 {
-  const PetscReal spacing = CloudSize(cloud, a) * cloud->domain->spacing;
+  const PetscReal spacing = cloud->size[a] * cloud->domain->spacing;
 
   return (PetscBool)(d2 <= PetscSqr(REACH * spacing) && cloud->integer[INT_BODY][a] == cloud->integer[INT_BODY][b] &&
                      JoinedArea(cloud, area, a, b) <= JOINED_MOST &&

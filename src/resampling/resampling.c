@@ -27,9 +27,10 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 
 PetscReal ResamplingArea(Cloud cloud, PetscInt a)
 {
-  const PetscReal area = cloud->volume[a] / (CloudRingLength(cloud, a) * cloud->domain->volume);
+  const Domain    domain = cloud->domain;
+  const PetscReal length = DomainRingLength(domain, cloud->field[FIELD_POSITION] + DIM * a, cloud->size[a]);
 
-  return cloud->size ? area / PetscSqr(cloud->size[a]) : area;
+  return cloud->volume[a] / (length * domain->volume) / PetscSqr(cloud->size[a]);
 }
 
 PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)

@@ -24,7 +24,7 @@ void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal d
 static PetscReal Clearance(Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
   const Domain    domain  = cloud->domain;
-  const PetscReal spacing = CloudSize(cloud, a) * domain->spacing;
+  const PetscReal spacing = cloud->size[a] * domain->spacing;
   PetscReal       least2  = PETSC_MAX_REAL;
 
   for (PetscInt d = 0; d < domain->dim; d++) {
@@ -72,7 +72,7 @@ static PetscBool FindDirection(Cloud cloud, PetscInt a, PetscReal distance, Pets
 /* Finds the displacement at the spacing of rings of half the area; without room there, nearer. */
 static PetscBool FindPlace(Cloud cloud, PetscInt a, PetscReal area, PetscReal at[DIM])
 {
-  PetscReal distance = 0.5 * APART * PetscSqrtReal(area) * CloudSize(cloud, a) * cloud->domain->spacing;
+  PetscReal distance = 0.5 * APART * PetscSqrtReal(area) * cloud->size[a] * cloud->domain->spacing;
 
   for (PetscInt k = 0; k < NEARER; k++, distance *= 0.5)
     if (FindDirection(cloud, a, distance, at)) return PETSC_TRUE;

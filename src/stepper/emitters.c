@@ -19,7 +19,7 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
     const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
-    PetscReal        v[DIM], radius = 0.5 * CloudSize(cloud, a) * cloud->domain->spacing;
+    PetscReal        v[DIM], radius = 0.5 * cloud->size[a] * cloud->domain->spacing;
 
     if (!BodyEmits(body)) continue;
     BodyEmissionVelocity(body, stepper->time, x, v);

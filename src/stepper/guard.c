@@ -9,7 +9,7 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
                   wall_velocity = domain->wall_velocity[d][side][d];
 
   for (PetscInt k = d; k < DIM * cloud->n_fluid; k += DIM) {
-    const PetscReal least = distance * CloudSize(cloud, k / DIM);
+    const PetscReal least = distance * cloud->size[k / DIM];
 
     if (wall && inwards * (x[k] - at) < least) {
       x[k] = at + inwards * least;

@@ -19,7 +19,7 @@ static PetscReal Strengthening(const Shifting *shifting, PetscReal crowding)
 static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal dt, PetscInt a, PetscReal dr[DIM])
 {
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
-  const PetscReal  size = CloudSize(cloud, a), h = size * KernelSmoothingLength(cloud->kernel),
+  const PetscReal  size = cloud->size[a], h = size * KernelSmoothingLength(cloud->kernel),
                   cap    = size * CAP * cloud->domain->spacing,
                   factor = -shifting->strength * h * dt * cloud->field[FIELD_VELOCITY_JUMP][a];
   PetscReal length;

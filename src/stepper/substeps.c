@@ -107,7 +107,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
     const PetscReal step[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
                                  r_new[3 * a + 2] - from[3 * a + 2]};
 
-    largest = PetscMax(largest, Norm(step) / CloudSize(cloud, a));
+    largest = PetscMax(largest, Norm(step) / cloud->size[a]);
     if (!(Norm(step) + Norm(v_new + DIM * a) < PETSC_MAX_REAL)) trial->largest[LARGEST_BROKEN] = 1;
   }
   trial->largest[LARGEST_DISPLACEMENT] += largest;

@@ -53,7 +53,7 @@ static PetscBool IsFrayed(Stepper stepper, PetscInt a)
   const Domain     domain = cloud->domain;
   const Body       body   = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
   const Material  *m      = BodyMaterial(body);
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, reach = CloudSize(cloud, a) * domain->spacing;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, reach = cloud->size[a] * domain->spacing;
 
   if (cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA || !stepper->viscous.implicit) return PETSC_FALSE;
   if (PetscSqr(m->viscosity) <= m->density * m->tension * domain->spacing) return PETSC_FALSE;

@@ -106,8 +106,7 @@ static inline PetscReal Mass(Cloud cloud, PetscInt a)
 {
   const PetscReal mass = cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
 
-  if (!cloud->domain->rings) return cloud->size ? mass * cloud->weight[a] : mass;
-  return mass * cloud->volume[a] / (cloud->domain->volume * DomainRingLength(cloud->domain, cloud->domain->upper, 1));
+  return mass * cloud->weight[a] * (cloud->length[a] / DomainRingLength(cloud->domain, cloud->domain->upper, 1));
 }
 
 /* Makes the rows of held liquid y = m x; x: NULL for that of 1. */

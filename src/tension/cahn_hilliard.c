@@ -246,7 +246,7 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) origin[d] = domain->lower[d] - (support + cloud->slack);
   PetscCall(PetscMalloc1(cloud->n_total, &of));
-  PetscCall(SurfaceList(tension, cloud, NULL, 0, of, &count));
+  PetscCall(SurfaceList(tension, cloud, NULL, of, &count));
   PetscCall(CellMaskDestroy(&tension->near));
   PetscCall(CellMaskCreate(radius > support ? domain->comm : PETSC_COMM_SELF, domain->dim, origin, radius / NEAR_CELLS,
                            radius, count, of, cloud->field[FIELD_POSITION], &tension->near));
@@ -257,7 +257,7 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
   PetscFunctionBegin;
-  PetscCall(LiquidSort(tension, cloud, 0, NULL, 0));
+  PetscCall(LiquidSort(tension, cloud, 0, NULL));
   PetscCall(MarkNear(tension, cloud));
   PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
   if (tension->summed) PetscCall(LoadDensities(tension, cloud));

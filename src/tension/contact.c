@@ -230,7 +230,7 @@ static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const P
   PetscReal     *from = liquid->near + k, *copy = liquid->near + to, image[DIM];
 
   for (PetscInt w = 0; w < width; w++) copy[w * stride] = from[w * stride];
-  if (tension->rings || tension->graded) copy[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
+  if (tension->weighted) copy[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
   if (width > DIM) {
     const PetscReal normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
 
@@ -399,7 +399,7 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
   around->cell   = cell;
   around->images = 0;
   if (faces || solids) columns = COLUMNS(0, width);
-  if (tension->rings || tension->graded) columns |= COLUMNS(WEIGHT_COLUMN, 1);
+  if (tension->weighted) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   if (solids) columns |= COLUMNS(SOLID_COLUMN, 1);
   PetscCall(
     SortedCellsCollect(liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1), &around->real));

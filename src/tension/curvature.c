@@ -114,7 +114,7 @@ static void EvaluateNeighbors(Tension tension, const Around *around, PetscInt n,
   const PetscReal *volume = tension->liquid->near + WEIGHT_COLUMN * tension->liquid->stride;
 
   KernelSingle(tension->kernel, n, near->s, near->W, wants_f ? near->F : NULL);
-  for (PetscInt k = 0; k < n && (tension->rings || tension->graded); k++) {
+  for (PetscInt k = 0; k < n && tension->weighted; k++) {
     const float v = (float)volume[near->place[k]];
 
     near->W[k] *= v;
@@ -438,15 +438,14 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
 
     if (!TensionOwns(cloud, level, a)) continue;
     SortedPosition(liquid, p, x);
-    tension->size = CloudSize(cloud, a);
+    tension->size = cloud->size[a];
     if (!TensionNear(tension, cloud, level, a)) continue;
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, a, x, THRESHOLD / (V * H * tension->size), &phi, g);
     length = Norm(g);
     if (slope) {
       share[a] = SheetShare(tension, V * phi, V * length);
-      slope[a] =
-        Sigma(tension, cloud, a) * SheetSlope(tension, tension->rings ? V : cloud->volume[a], V * phi) * share[a];
+      slope[a] = Sigma(tension, cloud, a) * SheetSlope(tension, V * phi) * share[a];
     }
     if (slope && tension->rings && !LooseHas(tension, a)) SheetHoop(tension, cloud, a, slope[a], V * phi);
     if (V * length * H * tension->size < THRESHOLD) continue;
@@ -487,7 +486,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     SortedPosition(liquid, p, x);
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
     PetscCall(ReserveWeights(tension, *used + around.n));
-    tension->size = CloudSize(cloud, a);
+    tension->size = cloud->size[a];
     ContactSlant(tension, &around, a, normal + DIM * a, 1);
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, tension->place + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
@@ -569,7 +568,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
   for (PetscInt l = 0; l < tension->levels; l++) {
     SortedCells *liquid = &tension->liquids[l];
 
-    PetscCall(LiquidSort(tension, cloud, l, keep, 1));
+    PetscCall(LiquidSort(tension, cloud, l, keep));
     SortedCellsLoad(liquid, DIM, DIM, normal);
     SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
     if (liquid->count > tension->fit_capacity[l]) {

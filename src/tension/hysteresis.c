@@ -21,7 +21,7 @@ static PetscReal Hold(Tension tension, Cloud cloud, PetscReal dt, PetscInt a, co
                       PetscReal distance, const PetscReal inward[DIM], const PetscReal wall_v[DIM], PetscReal v[DIM])
 {
   const PetscReal *n     = cloud->field[FIELD_NORMAL] + DIM * a;
-  const PetscReal  reach = REACH * KernelSupport(tension->kernel) * CloudSize(cloud, a),
+  const PetscReal  reach = REACH * KernelSupport(tension->kernel) * cloud->size[a],
                   share = distance < reach ? 2 / reach * (1 - PetscMax(0, distance) / reach) : 0, into = Dot(n, inward),
                   sigma  = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
                   before = Dot(v, v);
@@ -31,7 +31,7 @@ static PetscReal Hold(Tension tension, Cloud cloud, PetscReal dt, PetscInt a, co
   length = Norm(across);
   if (length == 0 || share == 0) return 0;
   for (PetscInt d = 0; d < DIM; d++) speed += (v[d] - wall_v[d]) * across[d] / length;
-  KernelHalfSpace(cloud->kernel, PetscMax(0, distance) / CloudSize(cloud, a), NULL, &seen);
+  KernelHalfSpace(cloud->kernel, PetscMax(0, distance) / cloud->size[a], NULL, &seen);
   most   = dt * sigma * contact->stick * 2 * length / seen * share / cloud->rest_density[a];
   change = PetscMax(-most, PetscMin(most, speed));
   for (PetscInt d = 0; d < DIM; d++) v[d] -= change * across[d] / length;
@@ -46,8 +46,7 @@ static PetscReal HoldAtSolid(Tension tension, Cloud cloud, PetscReal dt, PetscIn
   const PetscReal  s    = SceneSolidDistance(cloud->scene, x, &near);
   PetscReal        inward[DIM], wall_v[DIM];
 
-  if (s > REACH * KernelSupport(tension->kernel) * CloudSize(cloud, a) || tension->solid.angle[near].stick == 0)
-    return 0;
+  if (s > REACH * KernelSupport(tension->kernel) * cloud->size[a] || tension->solid.angle[near].stick == 0) return 0;
   SceneSolidNormal(cloud->scene, x, inward);
   BodyMotion(SceneSolid(cloud->scene, near), SceneSolidTime(cloud->scene), x, wall_v);
   return Hold(tension, cloud, dt, a, &tension->solid.angle[near], s, inward, wall_v, v);

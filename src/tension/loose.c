@@ -16,7 +16,7 @@ static PetscBool IsHeld(Cloud cloud, PetscInt a)
   const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
   const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
 
-  if (BodyHolds(body, x, CloudSize(cloud, a) * cloud->domain->spacing)) return PETSC_TRUE;
+  if (BodyHolds(body, x, cloud->size[a] * cloud->domain->spacing)) return PETSC_TRUE;
   if (!OperatorsNearWall(cloud, x)) return PETSC_FALSE;
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
     if (cloud->integer[INT_LAYER][cloud->list[k]] > 0) return PETSC_TRUE;
@@ -34,7 +34,7 @@ PetscErrorCode LooseFind(Tension tension, Cloud cloud)
   PetscCall(PetscArrayzero(least, LEAST_COUNT * cloud->n_total));
   OperatorsConnect(cloud, CONNECTION * tension->spacing, parent);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, half = 0.5 * CloudSize(cloud, a) * tension->spacing;
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, half = 0.5 * cloud->size[a] * tension->spacing;
     PetscReal       *of = least + LEAST_COUNT * a;
 
     of[LEAST_R]       = x[0] - half;

@@ -30,7 +30,7 @@ void MarangoniAdd(Cloud cloud)
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, n2 = Dot(n, n),
-                    least = INSIDE / (CloudSize(cloud, a) * KernelSmoothingLength(cloud->kernel));
+                    least = INSIDE / (cloud->size[a] * KernelSmoothingLength(cloud->kernel));
     PetscReal slope[DIM]  = {0, 0, 0}, along, grad[DIM];
 
     if (n2 < least * least) continue;

@@ -68,19 +68,20 @@ PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient)
   return t * t * (3 - 2 * t);
 }
 
-PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi)
+PetscReal SheetSlope(Tension tension, PetscReal phi)
 {
-  const PetscReal low = PetscMax(phi, THICKNESS_SPRAY * tension->plane * tension->spacing);
+  const PetscReal low = PetscMax(phi, THICKNESS_SPRAY * tension->plane * tension->spacing),
+                  V_0 = PetscPowRealInt(tension->spacing, (int)tension->dim);
 
-  return -2 * volume * tension->plane / (tension->size * low * low);
+  return -2 * V_0 * tension->plane / (tension->size * low * low);
 }
 
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi)
 {
   const Domain    domain = cloud->domain;
   const PetscReal V = domain->volume, self = V * KernelSelf(tension->kernel),
-                  others = (phi - CloudShare(cloud, a) * self) / (tension->plane * tension->spacing - self),
-                  r      = CloudRingLength(cloud, a) / (2 * PETSC_PI);
+                  others = (phi - cloud->share[a] * self) / (tension->plane * tension->spacing - self),
+                  r      = cloud->length[a] / (2 * PETSC_PI);
 
   cloud->field[FIELD_ACCELERATION][DIM * a] +=
     slope * phi / (V * cloud->rest_density[a] * r) * PetscMax(0, PetscMin(1, others));
@@ -102,7 +103,7 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
 
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, NULL);
-    for (PetscInt k = 0; k < m && tension->graded; k++) W[k] *= (float)volume[begin + k];
+    for (PetscInt k = 0; k < m && tension->weighted; k++) W[k] *= (float)volume[begin + k];
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < m; k++) {
       const PetscReal dx = cx[begin + k] - x[0], dy = cy[begin + k] - x[1], dz = cz[begin + k] - x[2];
@@ -155,12 +156,11 @@ static void SheetPlane(PetscInt dim, const PetscReal M[6], PetscReal P[6])
   for (PetscInt d = 0; d < 6; d++) P[d] -= inverse[d] / trace;
 }
 
-/* Adds the pull 'pull' of ring b, thin, on its neighbour a, over their weights, to its acceleration; what a gives to b
-   over 1/rho to sum. */
-static void PullRing(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[DIM], PetscReal sum[DIM])
+/* Adds the pull 'pull' of thin particle b on its neighbour a, over their weights, to its acceleration; what a gives to
+   b over 1/rho to sum. */
+static void PullPair(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[DIM], PetscReal sum[DIM])
 {
-  const PetscReal on_a =
-    cloud->weight[b] * CloudRingLength(cloud, b) / (CloudRingLength(cloud, a) * cloud->rest_density[a]);
+  const PetscReal on_a = cloud->weight[b] * cloud->length[b] / (cloud->length[a] * cloud->rest_density[a]);
 
   for (PetscInt e = 0; e < DIM; e++) {
     sum[e] += cloud->weight[a] * pull[e];
@@ -198,14 +198,7 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
       if (F[k] == 0) continue;
       TensorApply(P, d[0], d[1], d[2], pull);
       for (PetscInt e = 0; e < DIM; e++) pull[e] = f * d[e] + spread * pull[e];
-      if (tension->rings) {
-        PullRing(cloud, b, a, pull, sum);
-        continue;
-      }
-      for (PetscInt e = 0; e < DIM; e++) {
-        sum[e] += tension->graded ? cloud->weight[a] / cloud->weight[b] * pull[e] : pull[e];
-        if (a < cloud->n_owned) out[DIM * a + e] -= pull[e] / cloud->rest_density[a];
-      }
+      PullPair(cloud, b, a, pull, sum);
     }
   }
   if (b < cloud->n_owned)
@@ -217,7 +210,7 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
                                  PetscReal plane[])
 {
   SortedCells   *liquid  = TensionLevel(tension, level);
-  const PetscInt columns = COLUMNS(0, DIM) | (tension->graded ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
+  const PetscInt columns = COLUMNS(0, DIM) | (tension->weighted ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
   PetscInt       cell = -1, n = 0;
 
   PetscFunctionBegin;
@@ -230,7 +223,7 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
       cell = SortedCell(liquid, p);
       PetscCall(SortedCellsCollect(liquid, cell, columns, 1, &n));
     }
-    tension->size = CloudSize(cloud, a);
+    tension->size = cloud->size[a];
     SecondMoments(tension, p, n, M);
     flatness = Flatness(tension->dim, M);
     slope[a] *= flatness;
@@ -252,7 +245,7 @@ static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, con
   for (PetscInt a = 0; a < cloud->n_total; a++)
     if (cloud->integer[INT_LAYER][a] == 0 && slope[a] != 0 && CloudLevel(cloud, a) == level) thin[(*count)++] = a;
   PetscCall(LiquidAround(cloud, tension->largest[level] * KernelSupport(tension->kernel), *count, thin, keep));
-  PetscCall(LiquidSort(tension, cloud, level, keep, 1));
+  PetscCall(LiquidSort(tension, cloud, level, keep));
   PetscCall(PetscFree2(thin, keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -262,10 +255,10 @@ static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, cons
                               const PetscReal plane[])
 {
   SortedCells *liquid = TensionLevel(tension, level);
-  PetscInt     cell = -1, n = 0, thin = 1;
+  PetscInt     cell = -1, n = 0, thin = 0;
 
   PetscFunctionBegin;
-  if (tension->graded) PetscCall(SortThin(tension, cloud, level, slope, &thin));
+  PetscCall(SortThin(tension, cloud, level, slope, &thin));
   if (thin == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt p = 0; p < liquid->count; p++) liquid->sorted[DIM * liquid->count + p] = (PetscReal)liquid->index[p];
   for (PetscInt p = 0; p < liquid->count; p++) {
@@ -276,7 +269,7 @@ static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, cons
       cell = SortedCell(liquid, p);
       PetscCall(SortedCellsCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
     }
-    tension->size = CloudSize(cloud, a);
+    tension->size = cloud->size[a];
     Pull(tension, cloud, p, n, slope[a], plane + 6 * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -11,30 +11,35 @@
 #define CELLS_MOST   4
 #define AROUND_CELLS 2 /* cells in the radius of LiquidAround */
 
-PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[], PetscInt bits)
+/* Whether a particle is of the liquid whose surface is looked at, and its keep flag is set. */
+static inline PetscBool Counts(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt a)
+{
+  return (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && (!keep || keep[a]) &&
+                     (!tension->phase || tension->phases[a] & tension->phase));
+}
+
+PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[])
 {
   const PetscReal support = KernelSupport(tension->kernel);
   const PetscInt  across  = (PetscInt)(support / (CELL * cloud->domain->spacing)),
-                 cells    = PetscMax(cloud->size ? CELLS_GRADED : CELLS_LEAST, PetscMin(CELLS_MOST, across));
+                 cells    = PetscMax(tension->size_most > 1 ? CELLS_GRADED : CELLS_LEAST, PetscMin(CELLS_MOST, across));
   SortedCells *liquid     = TensionLevel(tension, level);
   PetscInt    *of, count = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_total, &of));
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if (cloud->integer[INT_LAYER][a] == 0 && (!keep || keep[a] & bits)) of[count++] = a;
+    if (Counts(tension, cloud, keep, a)) of[count++] = a;
   PetscCall(SortedCellsBuild(liquid, cloud, count, of, tension->largest[level] * support / cells, support));
   PetscCall(PetscFree(of));
-  if (cloud->size) {
-    PetscCall(PetscFree(liquid->largest));
-    PetscCall(PetscCalloc1(liquid->grid.count, &liquid->largest));
-    for (PetscInt p = 0; p < liquid->count; p++) {
-      PetscReal *largest = &liquid->largest[SortedCell(liquid, p)];
+  PetscCall(PetscFree(liquid->largest));
+  PetscCall(PetscCalloc1(liquid->grid.count, &liquid->largest));
+  for (PetscInt p = 0; p < liquid->count; p++) {
+    PetscReal *largest = &liquid->largest[SortedCell(liquid, p)];
 
-      if (CloudLevel(cloud, liquid->index[p]) == level) *largest = PetscMax(*largest, cloud->size[liquid->index[p]]);
-    }
+    if (CloudLevel(cloud, liquid->index[p]) == level) *largest = PetscMax(*largest, cloud->size[liquid->index[p]]);
   }
-  if (cloud->weight) SortedCellsLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
+  if (tension->weighted) SortedCellsLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
   if (tension->solid.count) SortedCellsLoad(liquid, SOLID_COLUMN, 1, tension->solid.index);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -52,32 +57,30 @@ PetscErrorCode LiquidAround(Cloud cloud, PetscReal radius, PetscInt count, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt bits, PetscInt of[],
-                           PetscInt *count)
+PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt of[], PetscInt *count)
 {
   PetscFunctionBegin;
   *count = 0;
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if ((cloud->integer[INT_SURFACE][a] == 1 || (tension->also && tension->also[a])) &&
-        cloud->integer[INT_LAYER][a] == 0 && (!keep || keep[a] & bits))
+    if ((cloud->integer[INT_SURFACE][a] == 1 || (tension->also && tension->also[a])) && Counts(tension, cloud, keep, a))
       of[(*count)++] = a;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sorts the surface particles for TensionNear of a level. of: [n_total] of work. */
 static PetscErrorCode SortSurface(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[],
-                                  PetscInt bits, PetscInt of[])
+                                  PetscInt of[])
 {
   const PetscReal reach = tension->largest[level] * TensionSurfaceReach(tension);
   PetscInt        count;
 
   PetscFunctionBegin;
-  PetscCall(SurfaceList(tension, cloud, keep, bits, of, &count));
+  PetscCall(SurfaceList(tension, cloud, keep, of, &count));
   PetscCall(SortedCellsBuild(&tension->surface[level], cloud, count, of, reach, reach));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* TensionSort of a level of graded particles. of: [n_total] of work. */
+/* TensionSort of a level. of: [n_total] of work. */
 static PetscErrorCode SortLevel(Tension tension, Cloud cloud, PetscInt level, PetscInt of[])
 {
   const PetscReal largest = tension->largest[level];
@@ -86,31 +89,29 @@ static PetscErrorCode SortLevel(Tension tension, Cloud cloud, PetscInt level, Pe
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_total, &keep));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (CloudLevel(cloud, a) == level) of[count++] = a;
-  PetscCall(LiquidAround(cloud, largest * TensionSurfaceReach(tension), count, of, keep));
-  PetscCall(SortSurface(tension, cloud, level, keep, 1, of));
+  for (PetscInt a = 0; a < cloud->n_total; a++) keep[a] = 1;
+  if (tension->levels > 1) {
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      if (CloudLevel(cloud, a) == level) of[count++] = a;
+    PetscCall(LiquidAround(cloud, largest * TensionSurfaceReach(tension), count, of, keep));
+  }
+  PetscCall(SortSurface(tension, cloud, level, keep, of));
   count = 0;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     if (CloudLevel(cloud, a) == level && TensionNear(tension, cloud, level, a)) of[count++] = a;
   PetscCall(LiquidAround(cloud, largest * KernelSupport(tension->kernel), count, of, keep));
-  PetscCall(LiquidSort(tension, cloud, level, keep, 1));
+  PetscCall(LiquidSort(tension, cloud, level, keep));
   PetscCall(PetscFree(keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TensionSort(Tension tension, Cloud cloud)
 {
-  const unsigned char *keep = tension->phase ? tension->phases : NULL;
-  PetscInt            *of;
+  PetscInt *of;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_total, &of));
-  for (PetscInt l = 0; l < tension->levels && tension->graded; l++) PetscCall(SortLevel(tension, cloud, l, of));
-  if (!tension->graded) {
-    PetscCall(SortSurface(tension, cloud, 0, keep, tension->phase, of));
-    PetscCall(LiquidSort(tension, cloud, 0, keep, tension->phase));
-  }
+  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(SortLevel(tension, cloud, l, of));
   PetscCall(PetscFree(of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

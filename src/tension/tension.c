@@ -44,7 +44,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->dim         = domain->dim;
   t->rings       = domain->rings;
   t->slender     = SLENDER;
-  t->graded      = domain->graded;
+  t->weighted    = (PetscBool)(domain->rings || domain->graded);
   t->size        = 1;
   t->liquid      = t->liquids;
   t->size_most   = DomainSizeMax(domain);
@@ -57,7 +57,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->sharpening  = 2;
   t->sheets      = PETSC_TRUE;
   do {
-    t->largest[t->levels] = domain->graded ? PetscMin(t->size_most, CloudLevelSize(t->levels)) : 1;
+    t->largest[t->levels] = PetscMin(t->size_most, CloudLevelSize(t->levels));
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
   PetscCall(ContactCreate(t, domain, scene));
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));

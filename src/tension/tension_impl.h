@@ -71,7 +71,7 @@ struct _p_Tension {
   MPI_Comm  comm;
   PetscBool active; /* the scene has tension and the model is not none */
   PetscInt  dim;
-  PetscBool rings, graded; /* of graded particles each has the H of its size, and its neighbours weigh their volumes */
+  PetscBool rings, weighted; /* the cloud's weights are not all 1 */
   PetscReal size, size_most; /* of the particle whose sums are made, 1; largest of all */
   char      type[64];
   PetscReal step_limit; /* see TensionStepLimit */
@@ -102,7 +102,7 @@ struct _p_Tension {
   FaceType     face[DIM][2];    /* of the box */
   ContactAngle contact[DIM][2]; /* of its walls */
   PetscBool    interface;       /* the scene has two liquids that do not mix */
-  /* curvature: of two liquids, the one whose surface is looked at (see interface.c): bits of LiquidSort, 0 where
+  /* curvature: of two liquids, the one whose surface is looked at (see interface.c): bits of phases, 0 where
      liquids mix; its part of the tension, N/m; [n_total] bits */
   PetscInt       phase;
   PetscReal      part;
@@ -161,21 +161,20 @@ static inline PetscBool TensionOwns(Cloud cloud, PetscInt level, PetscInt a)
 
 /* TensionSort - finds for each level where its particles are near the surface, and sorts the liquid for these.
    LiquidSort - sorts the liquid of a level, with its weights, and takes it into use: the fluid particles whose keep
-   flags ([n_total], NULL: all) have a bit of 'bits'. LiquidAround - sets the keep flags of what may be within a radius
-   (m) of the 'count' particles of (local indices). SurfaceList - the local indices of the surface particles whose keep
-   flags have a bit of 'bits'. Not collective. */
+   flags ([n_total], NULL: all) are set, of tension->phase alone if there is one. LiquidAround - sets the keep flags of
+   what may be within a radius (m) of the 'count' particles of (local indices). SurfaceList - the local indices of the
+   surface particles, kept as by LiquidSort. Not collective. */
 PetscErrorCode TensionSort(Tension tension, Cloud cloud);
-PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[], PetscInt bits);
+PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[]);
 PetscErrorCode LiquidAround(Cloud cloud, PetscReal radius, PetscInt count, const PetscInt of[], unsigned char keep[]);
-PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt bits, PetscInt of[],
-                           PetscInt *count);
+PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt of[], PetscInt *count);
 
 /* TensionNear - whether particle a of a level is within SURFACE_REACH H of a surface particle: exactly, so that it does
    not depend on where the cells are. After TensionSort. Not collective. */
 static inline PetscBool TensionNear(Tension tension, Cloud cloud, PetscInt level, PetscInt a)
 {
   return SortedCellsWithin(&tension->surface[level], cloud->field[FIELD_POSITION] + DIM * a,
-                           CloudSize(cloud, a) * TensionSurfaceReach(tension));
+                           cloud->size[a] * TensionSurfaceReach(tension));
 }
 
 /* TensionScales - KernelScales of W^H, or another kernel, at the size of the particle whose sums are made. */
@@ -185,7 +184,6 @@ static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scal
   const PetscReal square = PetscSqr(tension->size);
 
   KernelScales(kernel, scale_w, scale_f, inverse_h2);
-  if (!tension->graded) return;
   *scale_w /= PetscPowRealInt(tension->size, (int)tension->dim);
   *scale_f /= PetscPowRealInt(tension->size, (int)tension->dim) * square;
   *inverse_h2 /= square;
@@ -222,11 +220,11 @@ const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt
 /* SheetShare - how far a particle with phi and |grad phi| (1/m) is one of a sheet too thin for normals: 0 not, 1 all.
    Here and below the sizes of graded particles are tension->size. Not collective. */
 PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient);
-/* SheetSlope - dS/dphi (m2) of the surface S that a particle of this volume (m3; V_0 for rings, too) and phi has in a
-   sheet. Not collective. */
-PetscReal SheetSlope(Tension tension, PetscReal volume, PetscReal phi);
+/* SheetSlope - dS/dphi (m2) of the surface S that a particle of volume V_0 and this phi has in a sheet. Not collective.
+ */
+PetscReal SheetSlope(Tension tension, PetscReal phi);
 /* SheetHoop - adds to FIELD_ACCELERATION of ring a the pull of its sheet towards the axis, a hoop; slope (Pa m2) is
-   sigma times SheetSlope times SheetShare, for V_0. Not collective. */
+   sigma times SheetSlope times SheetShare. Not collective. */
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi);
 /* SheetPull - adds the forces between thin particles and all others to FIELD_ACCELERATION. The liquid must be sorted;
    slope ([n_total], Pa m2; that of ghosts is overwritten) is sigma times SheetSlope times share, and share ([n_owned])
