@@ -330,8 +330,7 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses numbers that no run leaves. The divergence is nan if it was not measured, the level if it is unknown.
- */
+/* Refuses numbers that no run leaves. The divergence is nan if it was not measured, the level if it is unknown. */
 static PetscErrorCode HeadCheckNumbers(Output output, const char file[], const Head *head)
 {
   PetscFunctionBegin;

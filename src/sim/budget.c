@@ -1,11 +1,11 @@
-/* The error budget at the end of a run: what the numbers cannot hide, and which knob to turn first. */
+/* The error budget at the end of a run: the errors that can be measured, and the option that reduces the largest. */
 #include "sim_impl.h"
 
-#define SOLVER_SHARE  0.3  /* of the divergence that steps leave: the solver's tolerance shows */
-#define ENERGY_SHARE  0.01 /* of the energy exchanged that may be missing or appear */
-#define SOLVER_FINE   1e-5 /* rms density error that a solver may leave in a step in any case */
+#define SOLVER_SHARE  0.3  /* of the divergence after a step: above it the solver's error dominates */
+#define ENERGY_SHARE  0.01 /* of the energy exchanged: a smaller residual is no error */
+#define SOLVER_FINE   1e-5 /* rms density error of the solver in a step that needs no remedy */
 #define DENSITY_FINE  1e-3 /* rms density error that needs no remedy */
-#define TENSION_SHARE 0.4  /* by which the measured work of surface tension may be wrong at R/d0 = 8 */
+#define TENSION_SHARE 0.4  /* relative error of the measured work of surface tension at R/d0 = 8 */
 #define LINE_LENGTH   512
 
 static PetscReal Energy(const GaugeTotals *totals)
@@ -26,8 +26,8 @@ PetscErrorCode BudgetStart(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy (J) it took to lift the liquid from the lowest corner of the box to where it is: what a change of its
-   volume changes in its own measure. */
+/* The energy (J) that lifted the liquid from the lowest corner of the box. An error of the volume changes the measured
+   energy by the same fraction of it. */
 static PetscReal Lift(Sim sim, const GaugeTotals *totals)
 {
   const Domain    domain = sim->domain;
@@ -43,12 +43,13 @@ static PetscReal Lift(Sim sim, const GaugeTotals *totals)
   return PetscAbsReal(totals->potential_energy - mass * least);
 }
 
-/* The energy of a run in J: what is there, what came and went, and what is missing (negative) or too much of it. */
+/* The energy balance of a run, in J. gain: of the liquid's energy since the start. residual: the part of it that no
+   work explains. */
 typedef struct {
   GaugeTotals totals;
   PetscReal   viscous, friction, tension, gain, residual;
-  PetscReal   exchanged; /* what changed its form, or its owner: the measure of the residual */
-  PetscReal   doubt;     /* of the residual */
+  PetscReal   exchanged; /* energy that changed its form or crossed the boundary: the scale of the residual */
+  PetscReal   doubt;     /* uncertainty of the residual */
 } Balance;
 
 static PetscErrorCode BalanceTake(Sim sim, Balance *b)
@@ -72,20 +73,20 @@ static PetscErrorCode BalanceTake(Sim sim, Balance *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The knob that the measured shares point to. The solver and the step show in the divergence that a step leaves, the
-   spacing in the density that the particles have in spite of it, and in the energy that disappears. */
-static const char *Knob(const StepState *state, const Balance *b)
+/* The dominant error. Solver and time step show in the divergence after a step, the time step also in energy that
+   grows; the spacing shows in the density error and in energy that is lost. */
+static const char *Dominant(const StepState *state, const Balance *b)
 {
   if (state->solver_error > PetscMax(SOLVER_FINE, SOLVER_SHARE * state->divergence))
-    return "the solver's tolerance: a smaller -pressure_density_tolerance or -ksp_rtol";
-  if (b->residual > b->doubt) return "the time step, energy grows: a smaller -time_cfl";
-  if (state->divergence > state->density_error) return "the time step: a smaller -time_cfl";
-  if (b->residual < -b->doubt) return "the particle spacing, energy is lost: a smaller -spacing";
-  if (state->density_error > DENSITY_FINE) return "the particle spacing: a smaller -spacing";
-  return "nothing: every share is small";
+    return "the solver's tolerance; reduce -pressure_density_tolerance or -ksp_rtol";
+  if (b->residual > b->doubt) return "the time step (energy grows); reduce -time_cfl";
+  if (state->divergence > state->density_error) return "the time step; reduce -time_cfl";
+  if (b->residual < -b->doubt) return "the particle spacing (energy is lost); reduce -spacing";
+  if (state->density_error > DENSITY_FINE) return "the particle spacing; reduce -spacing";
+  return "none, all errors are small";
 }
 
-/* What was given from outside, of what the scene has: ", solids that move 4.1, ..." */
+/* Lists the energy given from outside: ", the pressure of solids that move 4.1, ..." */
 static PetscErrorCode Outside(Sim sim, PetscReal multiplicity, char text[], size_t length)
 {
   const StepState *s = &sim->state;
@@ -109,9 +110,9 @@ static PetscErrorCode Outside(Sim sim, PetscReal multiplicity, char text[], size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the residual means. Where liquid meets liquid or a wall at speed, particles lose up to 1/sqrt(N) of the energy
-   with N spacings across a drop: 17 and 10 % in the main case with 8 and 16, 25 and 21 % in its like in two dimensions
-   with 10 and 20. */
+/* What the residual means. An impact on liquid or a wall loses up to 1/sqrt(N) of the energy with N spacings across a
+   drop: 17 and 10 % in the main case with N = 8 and 16, 25 and 21 % in the same impact in two dimensions with N = 10
+   and 20. */
 static PetscErrorCode Meaning(Sim sim, const Balance *b, char text[], size_t length)
 {
   const Scene     scene = sim->scene;
@@ -127,13 +128,14 @@ static PetscErrorCode Meaning(Sim sim, const Balance *b, char text[], size_t len
   }
   normal = PetscMin(1, 1 / PetscSqrtReal(PetscMax(1, least)));
   if (PetscAbsReal(b->residual) <= b->doubt)
-    PetscCall(PetscSNPrintf(text, length, "within its own error"));
+    PetscCall(PetscSNPrintf(text, length, "within the error of its measurement"));
   else if (share > 0)
-    PetscCall(PetscSNPrintf(text, length, "energy has appeared, which no flow does"));
+    PetscCall(PetscSNPrintf(text, length, "energy has grown, as it does in no flow"));
   else
     PetscCall(PetscSNPrintf(
-      text, length, "%s with %.0f spacings across the least body: each loses up to %.0f %%, a period of waves a few",
-      -share <= normal ? "as after one impact" : "more than one impact takes", (double)least, (double)(100 * normal)));
+      text, length,
+      "%s one impact loses with %.0f spacings across the smallest body, %.0f %%; a period of waves loses a few %%",
+      -share <= normal ? "no more than" : "more than", (double)least, (double)(100 * normal)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -150,17 +152,17 @@ static PetscErrorCode ReportEnergy(Sim sim)
   PetscCall(PetscPrintf(sim->comm,
                         "  energy      kinetic %.4g, potential %.4g, together %+.4g %s since the start\n"
                         "              viscosity gave %.4g, tension %.4g%s\n"
-                        "              residual %+.3g %s, %+.2g %% of what was exchanged: %s\n"
+                        "              residual %+.3g %s, %+.3g %% of the energy exchanged: %s\n"
                         "  dominant    %s\n",
                         (double)b.totals.kinetic_energy, (double)b.totals.potential_energy, (double)b.gain, joule,
                         (double)b.viscous, (double)b.tension, outside, (double)b.residual, joule,
                         b.exchanged > 0 ? 100 * (double)(b.residual / b.exchanged) : 0.0, meaning,
-                        Knob(&sim->state, &b)));
+                        Dominant(&sim->state, &b)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy of free bodies. The budget is that of the liquid: what they took from it is in the work of the pressure of
-   solids that move, and in that of viscosity. */
+/* Prints the energy of free bodies. The budget above is that of the liquid: the energy that the bodies took is in the
+   work of the pressure of solids that move and in the work of viscosity. */
 static PetscErrorCode ReportFree(Sim sim)
 {
   PetscReal kinetic = 0, potential = 0;

@@ -5,12 +5,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DRAWN        4     /* numbers of a particle in the picture */
-#define SIZE_STEPS   4     /* classes of sizes of graded particles, a fine spacing */
-#define SIZE_CLASSES 20    /* of them at most */
-#define WRITE_TIME   7e-3  /* s, of a snapshot with its lines of the series, whatever its size */
+#define DRAWN        4     /* numbers for each particle of the picture */
+#define SIZE_STEPS   4     /* size classes of graded particles for each fine spacing */
+#define SIZE_CLASSES 20    /* size classes at most */
+#define WRITE_TIME   7e-3  /* s, for a snapshot of any size with its lines of the series */
 #define WRITE_RATE   50e6  /* bytes/s, compressed and written */
-#define PICTURE      800.0 /* larger side of the picture, pixels */
+#define PICTURE      800.0 /* pixels, the larger side */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
 #define MEGABYTE     1e6
 #define VOLUME_STEP  0.25 /* spacings, of the cells that measure a shape's volume */
@@ -54,7 +54,7 @@ static PetscReal ShapeVolume(Sim sim, Body body)
   return cell * inside;
 }
 
-/* What the packing made of each body: too much or too little liquid asks for another spacing. */
+/* Prints the volume of each body's particles against that of its shape: if they differ, choose another spacing. */
 static PetscErrorCode PrintBodies(Sim sim)
 {
   PetscInt      *count;
@@ -88,7 +88,7 @@ static PetscErrorCode PrintBodies(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many particles of liquid there are of each size, in steps of a quarter of the fine spacing. */
+/* Prints the number of liquid particles of each size, in steps of a quarter of the fine spacing. */
 static PetscErrorCode PrintSizes(Sim sim)
 {
   const Domain   domain              = sim->domain;
@@ -171,7 +171,7 @@ static PetscErrorCode PrintBounds(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* beside: s that are not spent in steps, in all. */
+/* beside: s in all for other work than steps. */
 static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal beside)
 {
   char text[64];
@@ -186,11 +186,12 @@ static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal besid
   else if (run->rehearsed > 0)
     PetscCall(PetscPrintf(sim->comm, " (the whole run was tried)\n"));
   else
-    PetscCall(PetscPrintf(sim->comm, " (trial steps); liquid that gets faster needs more, slower liquid less\n"));
+    PetscCall(PetscPrintf(sim->comm, " (trial steps alone); a flow that accelerates needs more\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rank 0 writes what all send: x, up, colour and size of the particles of the slab. Returns an errno. */
+/* Rank 0 writes the picture. particle: [n][DRAWN] x, up, colour and size of the particles of the slab, from all ranks.
+   Returns an errno. */
 static int Draw(Sim sim, const char path[], PetscInt n, const double particle[])
 {
   const Domain domain = sim->domain;
@@ -273,7 +274,7 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscInt64  snapshots, bytes, checkpoint;
   RunEstimate run;
   StepTimes   times;
-  PetscReal   beside; /* s, for the start and the writing */
+  PetscReal   beside; /* s, for the start and for output */
   double      now;
 
   PetscFunctionBegin;

@@ -1,12 +1,12 @@
-/* -dump_options: all options of a scene as a commented options file. It is made from the text of -help: PETSc prints
-   that through a function pointer, and here the function keeps the text. */
+/* -dump_options: all options of a scene as a commented options file. The file is made from the text of -help: PETSc
+   prints this text through a function pointer, and the function here keeps it. */
 #include "sim_impl.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static FILE  *keeper = NULL; /* a stream that writes the help into the text */
+static FILE  *keeper = NULL; /* a stream that appends the help to the text */
 static char  *text   = NULL;
 static size_t text_length;
 static PetscErrorCode (*printer)(FILE *, const char[], va_list); /* PETSc's own, to be put back */
@@ -25,7 +25,7 @@ PetscErrorCode HelpCatch(void)
   PetscCheck(keeper, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the help texts");
   printer       = PetscVFPrintf;
   PetscVFPrintf = KeepHelp;
-  PetscCall(PetscOptionsHelpPrintedDestroy(&PetscOptionsHelpPrintedSingleton)); /* what is read again is shown again */
+  PetscCall(PetscOptionsHelpPrintedDestroy(&PetscOptionsHelpPrintedSingleton)); /* options read again are shown again */
   PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -55,8 +55,8 @@ PetscErrorCode DumpStart(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes one line of help, "  -name <now value : formerly default>: meaning (source)" and similar forms, as two lines
-   of the file. Of an option that is not set a list of numbers is left out, since PETSc shows its first one only. */
+/* Writes one line of help, " -name <now value : formerly default>: meaning (source)" and similar forms, as two lines of
+   the file. Leaves out the list of numbers of an option that is not set, since PETSc shows the first number only. */
 static PetscErrorCode WriteOption(FILE *file, char *line)
 {
   char      name[PETSC_MAX_PATH_LEN], shown[PETSC_MAX_PATH_LEN] = "", given[PETSC_MAX_PATH_LEN], *meaning, *end;
@@ -81,7 +81,7 @@ static PetscErrorCode WriteOption(FILE *file, char *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes what no class has read yet: the options of PETSc's solvers. */
+/* Writes the options that no class has read yet: those of PETSc's solvers. */
 static PetscErrorCode WriteOthers(FILE *file)
 {
   PetscInt count, restored;
@@ -105,7 +105,7 @@ static PetscErrorCode WriteFile(const char path[], char *help, int *error)
   PetscFunctionBegin;
   *error = file ? 0 : errno;
   if (!file) PetscFunctionReturn(PETSC_SUCCESS);
-  fprintf(file, "# All options of this scene; those behind a # have their default.\n");
+  fprintf(file, "# All options of this scene; options behind a # have their default.\n");
   for (char *line = strtok_r(help, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
     const size_t length = strlen(line);
 

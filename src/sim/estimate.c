@@ -1,23 +1,23 @@
-/* What a run takes, before it runs: steps are tried, and the run is rehearsed with a coarser spacing. */
+/* Estimates what a run takes, from trial steps and from a rehearsal of the run with a coarser spacing. */
 #include "sim_impl.h"
 #include <petsctime.h>
 
-#define TRIAL_LEAST     3     /* steps that are computed to tell the time */
-#define TRIAL_MOST      10000 /* of them */
-#define TRIAL_TIME      2.0   /* s, that they take at least, if they are quick */
+#define TRIAL_LEAST     3     /* trial steps at least */
+#define TRIAL_MOST      10000 /* trial steps at most */
+#define TRIAL_TIME      2.0   /* s of trial steps at least */
 #define TRIAL_LONG      10.   /* s, at most */
-#define TRIAL_SHARE     0.1   /* of the whole run's time, in between */
-#define STEEPEST        1.5   /* times in proportion */
-#define MANY            30  /* of so many steps the mean counts, of fewer what bounds them: they may still be growing */
-#define SPREAD_LEAST    0.1 /* standard deviation of the numbers of particles in them that shows what one costs */
-#define COARSER_LEAST   1.5 /* spacings of a rehearsal */
-#define COARSER_MOST    4.  /* of them: drops keep some particles across */
-#define REHEARSAL_SHARE 0.05 /* of the run's time that a rehearsal is to take */
+#define TRIAL_SHARE     0.1   /* of the run's wall time for trial steps, between these bounds */
+#define STEEPEST        1.5   /* most that a step's time grows with the number of particles, over proportional growth */
+#define MANY            30 /* with so many steps their mean counts; fewer may still be growing, so their bounds count */
+#define SPREAD_LEAST    0.1  /* relative spread of the particle numbers in trial steps that tells their cost */
+#define COARSER_LEAST   1.5  /* least ratio of the rehearsal's spacing to the run's */
+#define COARSER_MOST    4.   /* largest ratio: drops keep some particles across */
+#define REHEARSAL_SHARE 0.05 /* of the run's wall time for a rehearsal */
 #define REHEARSAL_LONG  15.  /* s, at most */
-#define REHEARSED_LEAST 0.05 /* of the run, to tell more of it than the trial steps */
+#define REHEARSED_LEAST 0.05 /* of the run: a shorter rehearsal tells no more than the trial steps */
 #define WHY_LENGTH      512
 
-/* Particles of liquid, of all ranks. */
+/* The number of liquid particles, over all ranks. */
 static PetscErrorCode CountLiquid(Sim sim, PetscInt *n)
 {
   ParticleArrays arrays;
@@ -31,16 +31,15 @@ static PetscErrorCode CountLiquid(Sim sim, PetscInt *n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How long (s) steps are tried of which k have taken 'all' (s), since the time 'start' of the run (s). */
+/* How long (s) to go on with trial steps, of which k have taken 'all' (s) since the simulated time 'start' (s). */
 static double TrialTime(Sim sim, PetscReal start, double all, PetscInt k)
 {
   const PetscReal share = sim->time_end < PETSC_MAX_REAL ? (sim->state.time - start) / (sim->time_end - start)
-                                                         : (PetscReal)k / sim->steps_max; /* of the run that is done */
+                                                         : (PetscReal)k / sim->steps_max; /* done so far */
 
   return PetscMin(TRIAL_LONG, PetscMax(TRIAL_TIME, TRIAL_SHARE * all / share));
 }
 
-/* Computes some steps for their time, with what emitters bring. */
 PetscErrorCode TrySteps(Sim sim, StepTimes *times)
 {
   const StepState before = sim->state;
@@ -85,8 +84,8 @@ PetscErrorCode TrySteps(Sim sim, StepTimes *times)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The time (s) of a step with n particles of liquid: along the straight line through the steps that were timed, if
-   emitters have made their numbers differ enough, but not much steeper than in proportion; else in proportion. */
+/* The wall time (s) of a step with n liquid particles: proportional to n; if emitters have changed n enough during the
+   timed steps, from the straight line through these steps, at most STEEPEST times as steep. */
 static PetscReal StepTime(const StepTimes *t, PetscReal n)
 {
   const PetscReal mean = t->steps > 0 ? t->n / t->steps : 0, time = t->steps > 0 ? t->time / t->steps : 0,
@@ -98,7 +97,7 @@ static PetscReal StepTime(const StepTimes *t, PetscReal n)
   return time + PetscMin(PetscMax(slope, 0), STEEPEST * time / mean) * (n - mean);
 }
 
-/* The mean number of particles of liquid in the run, if what emitters bring stays; now: at its start. */
+/* The mean number of liquid particles in the run, if all that emitters bring stays. now: their number at the start. */
 static PetscReal MeanParticles(Sim sim, PetscInt now)
 {
   const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
@@ -107,23 +106,22 @@ static PetscReal MeanParticles(Sim sim, PetscInt now)
   return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
 }
 
-/* Time (s) and steps of the run in it. */
+/* A span of simulated time (s), and the steps of the run in it. */
 typedef struct {
   PetscReal time, steps;
 } Span;
 
-/* Sums over the steps of a rehearsal: how many steady steps the run would take in their place, and with how many
-   particles; how many steady ones the rehearsal would take and how many it took, which differ by those that follow a
-   rejected one; and the time they took a particle, all of them and the early ones, which are as the trial steps of the
-   run. last, before: two spans at its end, the former up to half of all, the latter as long as all before it. */
+/* Sums over the steps of a rehearsal. A steady step has the full size that the bounds allow; steps after a rejected
+   step are smaller. early: steps in the time of the run's trial steps. last, before: two spans at the end of the
+   rehearsal: last is at most half of it, before is as long as all steps before it. */
 typedef struct {
-  PetscReal time, steps, n;           /* s, 1, 1: the last one of all steps together */
-  PetscReal steady, taken;            /* 1, 1 */
-  PetscReal cost, early, early_steps; /* s, s, 1 */
+  PetscReal time, steps, n; /* simulated time, s; steady steps of the run in it; these times the run's particles */
+  PetscReal steady, taken;  /* steady steps of the rehearsal, and its steps */
+  PetscReal cost, early, early_steps; /* wall time for each particle, s, of all steps and of early steps; early steps */
   Span      last, before;
 } Rehearsal;
 
-/* Spacings, fine and coarse (m; coarse 0: not graded), as options. */
+/* Sets the options of the fine and the coarse spacing (m; coarse 0: not graded). */
 static PetscErrorCode SetSpacing(PetscReal spacing, PetscReal coarse)
 {
   char text[64];
@@ -137,7 +135,8 @@ static PetscErrorCode SetSpacing(PetscReal spacing, PetscReal coarse)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds a step of the coarse run. dt: s; n: particles that the run has now; took: s. */
+/* Adds a step of the coarse run. dt: its size, s; n: particles that the run itself has at this time; took: wall time,
+   s. */
 static void AddStep(Sim coarse, PetscReal coarser, PetscReal dt, PetscReal n, PetscReal took, PetscBool early,
                     Rehearsal *r)
 {
@@ -160,8 +159,8 @@ static void AddStep(Sim coarse, PetscReal coarser, PetscReal dt, PetscReal n, Pe
   r->early_steps++;
 }
 
-/* Steps of the coarse run to its end, for 'longest' s at most. n: particles of liquid of the run at its start; covered:
-   what the trial steps went, s. */
+/* Computes the coarse run to its end, for 'longest' s at most. n: liquid particles of the run at its start; covered:
+   simulated time of the trial steps, s. */
 static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, PetscReal covered, double longest,
                                     Rehearsal *r)
 {
@@ -197,7 +196,7 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A second program of the same options: the particles of its scene must not be those of the run. */
+/* Makes a second program from the same options, since its particles must not be those of the run. */
 static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, PetscReal covered, double longest,
                                     Rehearsal *r)
 {
@@ -209,13 +208,14 @@ static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, Pets
   PetscCall(SimSetFromOptions(coarse, &stop));
   coarse->relaxation_time = 0;
   PetscCall(SimSetUp(coarse));
-  ProgressBegin("the dry run", "nothing is lost"); /* the set-up has given its own name to the work */
+  ProgressBegin("the dry run", "nothing is lost"); /* the set-up had set another name */
   PetscCall(RehearseSteps(coarse, coarser, n, covered, longest, r));
   PetscCall(SimDestroy(&coarse));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The run with a spacing 'coarser' times as large, as far as it comes: a scene may not be possible so coarse. */
+/* Rehearses the run with a spacing 'coarser' times as large, as far as it gets: a scene may be impossible at this
+   spacing. */
 static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscReal covered, double longest, Rehearsal *r)
 {
   const Domain   domain = sim->domain;
@@ -235,7 +235,7 @@ static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscReal covered, do
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the trial steps say alone. */
+/* The estimate from the trial steps alone. */
 static RunEstimate Extrapolate(Sim sim, const StepTimes *times, PetscInt n)
 {
   const PetscReal step =

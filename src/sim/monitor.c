@@ -1,5 +1,5 @@
-/* -monitor: every step, the PETSc way. ascii: a line on the screen; ascii:file a line in a file; ascii:file:ascii_csv
-   comma- separated values with a head line; draw: the particles, coloured by body, in the plane of the first and the
+/* -monitor: every step, the PETSc way. ascii: a line on the screen; ascii:file: a line in a file; ascii:file:ascii_csv:
+   comma-separated values with a head line; draw: the particles, coloured by body, in the plane of the first and the
    last direction (in three dimensions a slab through the middle). */
 #include "sim_impl.h"
 #include <petscdraw.h>

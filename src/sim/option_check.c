@@ -1,4 +1,4 @@
-/* Options that nothing has read: refused, with what is known about them. */
+/* Refuses options that nothing has read, and says what is known about them. */
 #include "sim_impl.h"
 #include <stdio.h>
 #include <string.h>
@@ -12,14 +12,13 @@ static const char *const late[] = {
 };
 #define LATE_PREFIX "spectrum_" /* SLEPc's options of the spectrum at the end */
 
-/* Beginnings of the names of PETSc's objects, which take a prefix, and of those types that have options of their own.
- */
+/* Beginnings of the names of options of PETSc's objects, which may stand behind a prefix. */
 static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st_", "bv_", "ds_"};
 
 /* Ends of the names of options that earlier versions had, and what became of them. */
 #define CONSTANT(name, file) "it is the constant " #name " of src/" file " now"
 #define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude shakes the box"
-#define HYSTERESIS           "-wall_contact_hysteresis is that of all walls, -<solid>_contact_hysteresis of a solid"
+#define HYSTERESIS           "-wall_contact_hysteresis is for all walls, -<solid>_contact_hysteresis for a solid"
 #define SHEAR                "a shear is a strain, -<body>_strain_rate with all numbers of the velocity gradient"
 static const struct {
   const char *name, *fate;
@@ -32,10 +31,10 @@ static const struct {
   {"box_zmax_contact_hysteresis", HYSTERESIS},
   {"gauge_cell", CONSTANT(CELL_SIZE, "gauges/crater_grid.c")},
   {"gauge_connection", CONSTANT(CONNECTION, "gauges/gauges_impl.h")},
-  {"gauge_crater_radius", "the crater is looked for half way to the box"},
+  {"gauge_crater_radius", "the crater is measured half way to the box"},
   {"rebalance", CONSTANT(IMBALANCE, "neighbors/cloud.c")},
   {"spectrum_modes", CONSTANT(HIGHEST, "spectrum/modes.c")},
-  {"color", "snapshots tell bodies by their field body"},
+  {"color", "the field body of a snapshot tells bodies apart"},
   {"shear_center", SHEAR},
   {"shear_direction", SHEAR},
   {"shear_normal", SHEAR},
@@ -43,14 +42,14 @@ static const struct {
   {"tension_same_side", CONSTANT(SAME_SIDE, "tension/curvature.c")},
   {"tension_thinnest", CONSTANT(THINNEST, "tension/curvature.c")},
   {"tension_threshold", CONSTANT(THRESHOLD, "tension/curvature.c")},
-  {"time_capillary_limit", "-time_step_max and -time_step choose shorter and other steps"},
+  {"time_capillary_limit", "use -time_step_max for shorter steps, -time_step for fixed ones"},
   {"time_force_limit", CONSTANT(FORCE_LIMIT, "stepper/time_step.c")},
   {"time_growth", CONSTANT(GROWTH, "stepper/time_step.c")},
   {"time_spray_share", CONSTANT(SPRAY_SHARE, "stepper/time_step.c")},
   {"time_viscous_limit", CONSTANT(VISCOUS_LIMIT, "stepper/time_step.c")},
   {"velocity_amplitude", SWINGS},
   {"velocity_frequency", SWINGS},
-  {"packing_repulsion", "the term that keeps -packing_distance counts as much as the density's error now"},
+  {"packing_repulsion", "its weight is fixed now: the term for -packing_distance counts as much as the density error"},
   {"packing_skin", CONSTANT(SKIN, "packing/poisson_samples.c")},
   {"pc_twolevel_omega", CONSTANT(OMEGA, "twolevel/twolevel.c")},
   {"pc_twolevel_ratio", CONSTANT(RATIO, "twolevel/twolevel.c")},
@@ -79,16 +78,16 @@ PetscErrorCode RefuseTraps(MPI_Comm comm)
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-fp_trap", &trap, NULL));
   if (trap) PetscCall(PetscSetFPTrap(PETSC_FP_TRAP_OFF));
   PetscCheckUser(!trap, comm,
-                 "-fp_trap cannot be used: loops over pairs also compute what they then drop, among it divisions by "
-                 "zero");
+                 "-fp_trap cannot be used: loops over pairs also compute values that they drop, some of them with a "
+                 "division by zero");
   PetscCall(PetscOptionsHasName(NULL, NULL, "-dm_view", &view));
   PetscCheckUser(!view, comm,
-                 "-dm_view shows nothing of this program's particles, a DMSwarm without a grid: the log says how many "
-                 "there are and -snapshot_interval writes them");
+                 "-dm_view shows nothing of the particles, a DMSwarm without a grid: the log has their number, "
+                 "-snapshot_interval writes them");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where an option of one of PETSc's objects begins behind its prefix; NULL if it is none. */
+/* The name of an option of a PETSc object without its prefix; NULL if 'name' is no such option. */
 static const char *BehindPrefix(const char name[])
 {
   const char *last = NULL;
@@ -101,7 +100,7 @@ static const char *BehindPrefix(const char name[])
   return last;
 }
 
-/* Whether a name is in the list, or behind a prefix of PETSc's objects. */
+/* The entry of a name, also without a PETSc object's prefix; NULL if there is none. */
 static const OptionName *Find(const OptionNames *names, const char name[])
 {
   const char *part = BehindPrefix(name);
@@ -111,7 +110,7 @@ static const OptionName *Find(const OptionNames *names, const char name[])
   return NULL;
 }
 
-/* The option of the list that a misspelt name is likest to; 'part' is the name, or what is behind its prefix. */
+/* The option of the list nearest to a misspelt name; part: the name, or the name without its prefix. */
 static const OptionName *Nearest(const OptionNames *names, const char part[], PetscInt *distance)
 {
   const OptionName *nearest = NULL;
@@ -126,7 +125,7 @@ static const OptionName *Nearest(const OptionNames *names, const char part[], Pe
   return nearest;
 }
 
-/* The choice that an option of PETSc's belongs to, " -pc_type gamg"; empty if it cannot be told from the name. */
+/* The choice that an option of PETSc belongs to, " -pc_type gamg"; empty if the name does not show it. */
 static PetscErrorCode ChoiceOfPetsc(const char name[], char choice[], size_t length)
 {
   const struct {
@@ -155,7 +154,8 @@ static PetscErrorCode ChoiceOfPetsc(const char name[], char choice[], size_t len
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options of a body without its name, as the options of all bodies that have them: "-film_radius, -drop_radius". */
+/* For a name that is a body's option without the body's name: the options of all bodies, "-film_radius,
+   -drop_radius". */
 static void ForBodies(const OptionNames *own, const char name[], char text[], size_t length)
 {
   const size_t size = strlen(name);
@@ -171,7 +171,7 @@ static void ForBodies(const OptionNames *own, const char name[], char text[], si
   }
 }
 
-/* What became of an option of an earlier version; NULL if it is none. */
+/* What became of an option of an earlier version; NULL for other names. */
 static const char *Fate(const char name[])
 {
   const size_t all = strlen(name);
@@ -185,7 +185,7 @@ static const char *Fate(const char name[])
   return NULL;
 }
 
-/* What is known about a name that nothing has read. */
+/* Says what is known about an option that nothing has read. */
 static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, const char name[], char text[])
 {
   const char       *part = BehindPrefix(name), *fate = Fate(name);
@@ -202,7 +202,7 @@ static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, 
     (void)snprintf(text, SENTENCE, " here: it belongs to %s, which this scene does not choose", exact->choice);
   else if (exact || Find(petsc, name))
     (void)snprintf(text, SENTENCE, " here: it belongs to%s%s, which this scene does not choose",
-                   choice[0] ? "" : " a part of the program or of PETSc's", choice);
+                   choice[0] ? "" : " a part of the program or of PETSc", choice);
   else if (bodies[0])
     (void)snprintf(text, SENTENCE, " (did you mean %s?)", bodies);
   else {
@@ -219,8 +219,8 @@ static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a name that nothing has read is no fault. early: PETSc's objects may read more later. petsc: filled when
-   first needed, on rank 0. */
+/* Whether an option may be unread. early: PETSc's objects may read more later. petsc: filled when first needed, on rank
+   0. */
 static PetscErrorCode Forgive(const char name[], PetscBool early, OptionNames *petsc, PetscBool *forgiven)
 {
   PetscFunctionBegin;
@@ -229,12 +229,12 @@ static PetscErrorCode Forgive(const char name[], PetscBool early, OptionNames *p
     PetscCall(PetscStrcmp(name, late[l], forgiven));
   if (*forgiven || !(early || !strncmp(name, LATE_PREFIX, strlen(LATE_PREFIX)))) PetscFunctionReturn(PETSC_SUCCESS);
   if (!petsc->n) PetscCall(OptionNamesPetsc(petsc));
-  *forgiven = (PetscBool)(!petsc->n || Find(petsc, name)); /* without a list none is refused early */
+  *forgiven = (PetscBool)(!petsc->n || Find(petsc, name)); /* without a list, refuse none early */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first name that is a fault, empty if there is none; all that nothing has read are taken from the database then,
-   so that their values harm nobody. */
+/* The first unread option to be refused, or empty. If there is one, all unread options are taken from the database, so
+   that PETSc does not warn of them. */
 static PetscErrorCode FindFault(MPI_Comm comm, PetscBool early, OptionNames *petsc, char fault[OPTION_NAME_LENGTH])
 {
   PetscMPIInt rank;

@@ -1,5 +1,5 @@
-/* The names of all options there are: those of this program from its own -help for the scene, those of PETSc's from the
-   text of its library, where each stands as it is written in the source. */
+/* The names of all options: the program's from its own -help for the scene, PETSc's from the text of its library, which
+   has each name as a string. */
 #define _GNU_SOURCE /* dladdr */
 #include "sim_impl.h"
 #include <ctype.h>
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define NAME_LEAST 4 /* characters of a name in the library; shorter ones are mostly chance */
+#define NAME_LEAST 4 /* characters of a name in the library; shorter strings are mostly chance */
 #define ANY_BODY   "<body>_"
 
 static PetscErrorCode Add(OptionNames *names, const char name[], size_t length, const char choice[], PetscBool body)
@@ -35,7 +35,7 @@ PetscErrorCode OptionNamesDestroy(OptionNames *names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of an option of any body, and the choice it belongs to, for each body, solid and region of the scene. */
+/* Adds an option of any body, with its choice, for each body, solid and region of the scene. */
 static PetscErrorCode AddForBodies(Scene scene, OptionNames *names, const char name[], size_t length,
                                    const char choice[])
 {
@@ -76,12 +76,12 @@ PetscErrorCode OptionNamesFromHelp(Scene scene, char help[], OptionNames *names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the texts "-name" of a file, each with a zero byte behind it. */
+/* Adds the strings "-name" of a file, each of which ends with a zero byte. */
 static PetscErrorCode ReadFile(const char path[], OptionNames *names)
 {
   FILE  *file = fopen(path, "rb");
   char   text[OPTION_NAME_LENGTH];
-  size_t length = 0; /* of the text so far; 0: not in one */
+  size_t length = 0; /* of the name so far; 0: outside a name */
   int    c, before = 0;
 
   PetscFunctionBegin;

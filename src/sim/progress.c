@@ -11,7 +11,7 @@ PetscErrorCode ProgressStart(Sim sim, Progress *progress)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The share of the run that is done. */
+/* The share of the run that is done, 1. */
 static PetscReal Done(Sim sim, const Progress *progress)
 {
   const PetscInt steps = sim->state.step - progress->start_step;
@@ -21,15 +21,15 @@ static PetscReal Done(Sim sim, const Progress *progress)
   return sim->steps_max ? (PetscReal)steps / sim->steps_max : 0;
 }
 
-/* Says once that thick liquid tears, which it would do much later or never. */
-static PetscErrorCode SayFrayed(Sim sim, Progress *progress)
+/* Says once that a sheet or thread of viscous liquid is underresolved: it tears too early. */
+static PetscErrorCode SayUnderresolved(Sim sim, Progress *progress)
 {
   PetscFunctionBegin;
-  if (progress->frayed || StepperFrayed(sim->stepper) == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  progress->frayed = PETSC_TRUE;
+  if (progress->underresolved || StepperUnderresolved(sim->stepper) == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  progress->underresolved = PETSC_TRUE;
   PetscCall(PetscPrintf(sim->comm,
-                        "%st = %8.3f ms: a sheet or thread of viscous liquid is one particle thick; it tears there as "
-                        "its particles do, not as the liquid would: try a smaller -spacing\n",
+                        "%st = %8.3f ms: a sheet or thread of viscous liquid is only one particle thick and tears too "
+                        "early there; reduce -spacing\n",
                         isatty(STDOUT_FILENO) ? "\n" : "", (double)sim->state.time * 1e3));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -44,7 +44,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 
   PetscFunctionBegin;
   progress->iterations += state->iterations;
-  PetscCall(SayFrayed(sim, progress));
+  PetscCall(SayUnderresolved(sim, progress));
   PetscCall(ProgressDue(sim->comm, last, &due));
   if (due)
     PetscCall(ProgressPrint(sim->comm, Done(sim, progress),

@@ -1,6 +1,6 @@
-/* What cannot be used together: the one table of it, from which the sentences, the end of -help and the list of
-   options/README.md come. A feature is named as the user writes it. An option is on where it is given, with that value
-   if the name has one; what is no option stands in Features. */
+/* The table of features that cannot be used together, for the refusals, the end of -help and the list in
+   options/README.md. A feature has the name that the user writes. A feature that is an option is on if the option is
+   given, with the value if the name has one. Features has all others. */
 #include "sim_impl.h"
 #include <string.h>
 #include <strings.h>
@@ -99,31 +99,25 @@ static const struct {
 typedef enum { NOT_WITH, NEEDS } Relation;
 static const char *const Relations[] = {"cannot be used with", "needs"};
 
-/* 'one' and 'other', which is a default where 'one' needs it; 'rest' ends the sentence. */
+/* 'one' cannot be used with 'other', or needs it, where 'other' is a default; 'rest' ends the sentence. */
 static const struct {
   const char *one;
   Relation    relation;
   const char *other, *rest;
 } Refusals[] = {
-  {PRINTED, NOT_WITH, RINGS,
-   ": its pressure gradient, Eq. (9), throws rings next to the axis out; " SCHEME_CONSISTENT " can"},
-  /* tried with the gradient of a plane, with that of rings that takes the energy which the divergence gives, and with
-     one between: a drop of 16 spacings swings at 0.98 to 1.16 of its frequency and loses up to nine times what it
-     should, or clumps */
-  {SOUND, NOT_WITH, RINGS, ": sound runs together at the axis and stays there; " SCHEME_CONSISTENT " can"},
+  {PRINTED, NOT_WITH, RINGS, ": its pressure gradient, Eq. (9), drives rings off the axis; " SCHEME_CONSISTENT " can"},
+  /* tried with the gradient of a plane, with the gradient of rings that conserves energy with the divergence, and with
+     one between: a drop of 16 spacings oscillates at 0.98 to 1.16 of its frequency and loses up to nine times the
+     energy that it should, or clumps */
+  {SOUND, NOT_WITH, RINGS, ": sound waves focus at the axis and stay there; " SCHEME_CONSISTENT " can"},
   {DENSITY, NOT_WITH, RINGS,
-   ": the density jumps where rings join or split, and it would take that back within one step; " SOURCE_DIVERGENCE
-   " can"},
-  {CONSERVED, NOT_WITH, RINGS,
-   ": it keeps the sums of momentum of a plane, which rings do not have; " GRADIENT_CORRECTED " can"},
-  {"-shifting_conserved", NOT_WITH, RINGS,
-   ": it keeps the sums of momentum and of angular momentum of a plane, which rings do not have"},
-  {FRAME, NOT_WITH, RINGS,
-   ": rings have no velocity around the axis, which the turning gives them as soon as they move"},
-  {PHASES, NOT_WITH, RINGS,
-   ": its sums over a plane do not know how the surface curves around the axis; " TENSION_CURVATURE " can"},
-  {POISSON, NOT_WITH, RINGS,
-   ": it counts the particles of a body by one volume that all have, and rings do not; use -packing_type lattice"},
+   ": the density jumps where rings join or split, and this source would remove the jump within one "
+   "step; " SOURCE_DIVERGENCE " can"},
+  {CONSERVED, NOT_WITH, RINGS, ": it conserves momentum in a plane, not with rings; " GRADIENT_CORRECTED " can"},
+  {"-shifting_conserved", NOT_WITH, RINGS, ": it conserves momentum and angular momentum in a plane, not with rings"},
+  {FRAME, NOT_WITH, RINGS, ": the Coriolis force needs a velocity around the axis, which rings do not have"},
+  {PHASES, NOT_WITH, RINGS, ": its sums in a plane miss the curvature around the axis; " TENSION_CURVATURE " can"},
+  {POISSON, NOT_WITH, RINGS, ": its particles have one volume, rings do not; use -packing_type lattice"},
   {PRINTED, NOT_WITH, GRADED, " yet; " SCHEME_CONSISTENT " can"},
   {SOUND, NOT_WITH, GRADED, " yet; " SCHEME_CONSISTENT " can"},
   {DENSITY, NOT_WITH, GRADED, " yet; " SOURCE_DIVERGENCE " can"},
@@ -131,12 +125,12 @@ static const struct {
   {"-shifting_conserved", NOT_WITH, GRADED, " yet"},
   {"-bodies_overlap", NOT_WITH, GRADED, " yet"},
   {INTERFACE, NOT_WITH, GRADED, " yet"},
-  {MOVING, NOT_WITH, GRADED, " yet: it would leave what is fine"},
+  {MOVING, NOT_WITH, GRADED, " yet: it would leave the fine spacing"},
   {THINNING, NOT_WITH, GRADED, " yet"},
-  {PHASES, NOT_WITH, GRADED, ": its sums know particles of one size only; " TENSION_CURVATURE " can"},
+  {PHASES, NOT_WITH, GRADED, ": its sums are for particles of one size; " TENSION_CURVATURE " can"},
   {POISSON, NOT_WITH, GRADED,
    ": its particles have one size; use -packing_type lattice, which fills the grading between two lattices"},
-  {"-spectrum", NOT_WITH, GRADED, " yet: its limits are those of one spacing"},
+  {"-spectrum", NOT_WITH, GRADED, " yet: its limits are for one spacing"},
   {POISSON, NOT_WITH, "-solids", "; use -packing_type lattice"},
   {POISSON, NOT_WITH, EMITTERS, "; use -packing_type lattice"},
   {POISSON, NOT_WITH, "-bodies_overlap", "; use -packing_type lattice"},
@@ -146,8 +140,8 @@ static const struct {
    ": its part of the pressure equation is not in the preconditioner; -ksp_type cg can"},
   {"-ksp_type none", NOT_WITH, FREE,
    ": its part of the pressure equation is not in the preconditioner; -ksp_type cg can"},
-  {"-packing_relaxation_time", NOT_WITH, DRIVEN, ": it would move during the relaxation, too"},
-  {INTERFACE, NOT_WITH, ANGLES, " yet: the interface would have another one than the free surface"},
+  {"-packing_relaxation_time", NOT_WITH, DRIVEN, ": the solid would move during the relaxation"},
+  {INTERFACE, NOT_WITH, ANGLES, " yet: the interface would have another angle than the free surface"},
   {MOVING, NEEDS, CONSISTENT, ", the default"},
   {MOVING, NEEDS, CENTERED, ", the default"},
   {FREE, NEEDS, DIVERGENCE, ", the default"},
@@ -158,10 +152,10 @@ static const struct {
   {WET, NEEDS, CURVATURE, ", the default"},
 };
 
-/* What is given of a feature: that, its opposite, or nothing of it. */
+/* Whether the user gives a feature, gives its opposite, or says nothing. */
 typedef enum { GIVEN, OPPOSED, UNSAID } Given;
 
-/* Of an option, by its name and, behind a blank, its value. Zeros and what means no do not switch on. */
+/* feature: the name of an option and, behind a blank, its value. Zeros and words for 'no' do not switch it on. */
 static PetscErrorCode FindOption(const char feature[], Given *given)
 {
   char        name[OPTION_NAME_LENGTH], value[OPTION_NAME_LENGTH] = "";
@@ -192,8 +186,8 @@ static PetscErrorCode Find(Sim sim, const char feature[], Given *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether row k refuses this run. A side that is an option is asked for only where the other one is there: PETSc takes
-   an option that is asked for as one that has been read. */
+/* Whether row k refuses this run. If one feature is an option, it is queried only if the other is on: to PETSc a
+   queried option counts as read. */
 static PetscErrorCode Refuses(Sim sim, size_t k, PetscBool *refuses)
 {
   const Given       bad[2]   = {GIVEN, Refusals[k].relation == NEEDS ? OPPOSED : GIVEN};

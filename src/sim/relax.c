@@ -1,11 +1,10 @@
-/* Relaxation of the packing to rest, as in Kuri et al.: no body force, velocities damped if asked; the result is
- * cached. */
+/* Relaxation of the packing to rest, as in Kuri et al.: no body force, damping as an option; the result is cached. */
 #include "sim_impl.h"
 
 #define WHY_LENGTH 512
 
-/* What the relaxed positions cannot depend on, by its whole name: when the run writes, what it measures, how
-   long it goes on after the relaxation. All else counts, initial velocities too: speeds of the scene set limits. */
+/* Options that cannot change the relaxed positions: output, gauges, the end of the run. All others count, initial
+   velocities too, because the scene's speeds set limits. */
 static const char *const irrelevant[] = {"series_interval",
                                          "snapshot_interval",
                                          "snapshot_fields",
@@ -40,8 +39,8 @@ static const char *const irrelevant[] = {"series_interval",
                                          "gauge_axis",
                                          "gauge_pool"};
 
-/* Whether an option, "-name" or "-name value", is one of these and none of a body of that name, as -snapshot_lower is
-   of a body 'snapshot'. */
+/* Whether an option, "-name" or "-name value", is one of these, and not that of a body: -snapshot_lower may be of a
+   body 'snapshot'. */
 static PetscBool Irrelevant(Scene scene, const char option[])
 {
   const char  *name   = option + 1;
@@ -58,7 +57,7 @@ static PetscBool Irrelevant(Scene scene, const char option[])
   return PETSC_FALSE;
 }
 
-/* All other options in use, one a line. */
+/* Lists all other options in use, one a line. */
 static PetscErrorCode DescribeRelaxation(Scene scene, char **how)
 {
   char *end;
@@ -79,7 +78,7 @@ static PetscErrorCode DescribeRelaxation(Scene scene, char **how)
 /* Root mean square of the speeds of the fluid (m/s), all ranks. */
 static PetscErrorCode RmsSpeed(Sim sim, PetscReal *speed)
 {
-  PetscReal      sum[2] = {0, 0}; /* of squares, of particles */
+  PetscReal      sum[2] = {0, 0}; /* of squared speeds, and of particles */
   ParticleArrays arrays;
 
   PetscFunctionBegin;

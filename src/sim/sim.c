@@ -1,7 +1,7 @@
 #include "sim_impl.h"
 #include <stdlib.h>
 
-#define UNEVEN 0.01 /* standard deviation of a packing's density over the rest density: an optimised one has 1e-4 */
+#define UNEVEN 0.01 /* standard deviation of the density over the rest density; an optimised packing has 1e-4 */
 
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
@@ -32,10 +32,9 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                        "checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids "
                        "and bodies must be the same, but for their viscosity",
                        "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
-  PetscCall(PetscOptionsBool("-dry_run",
-                             "set up, print particles, memory, time-step bounds, estimated time and output, draw the "
-                             "scene, stop",
-                             "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
+  PetscCall(PetscOptionsBool(
+    "-dry_run", "print particles, memory, bounds of the time step, estimated time and output, draw the scene, and stop",
+    "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
   PetscCall(OptionReal("-progress_interval",
                        "wall-clock time between progress lines (s); 0: none but the summary at the end", "[0, inf)",
                        &sim->progress_interval));
@@ -44,15 +43,14 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                        "checkpoint and ends (s); 0: none",
                        "[0, inf)", &sim->wall_clock_limit));
   PetscCall(OptionReal("-packing_relaxation_time",
-                       "time for which the packing comes to rest before the run, without body force (s)", "[0, inf)",
+                       "time of a relaxation of the packing to rest before the run, without body force (s)", "[0, inf)",
                        &sim->relaxation_time));
   PetscCall(OptionReal("-packing_relaxation_damping", "factor on the velocities before each step of the relaxation (1)",
                        "[0, 1]", &sim->relaxation_damping));
   PetscCall(OptionReal("-packing_relaxation_step", "time step of the relaxation (s); 0: as in the run", "[0, inf)",
                        &sim->relaxation_step));
-  PetscCall(OptionReal("-packing_relaxation_speed",
-                       "rms speed (m/s) below which the relaxation ends before its time; 0: never", "[0, inf)",
-                       &sim->relaxation_speed));
+  PetscCall(OptionReal("-packing_relaxation_speed", "rms speed (m/s) below which the relaxation ends early; 0: never",
+                       "[0, inf)", &sim->relaxation_speed));
   PetscOptionsEnd();
   ProgressInterval((double)sim->progress_interval);
   InterruptLimit((double)sim->wall_clock_limit);
@@ -60,9 +58,8 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses to start without a scene. For -help the least of a scene is made up, so that all classes come to their
- * options.
- */
+/* Refuses to start without a scene. -help without a scene gets a minimal scene, so that all classes print their
+   options. */
 static PetscErrorCode CheckScene(Sim sim)
 {
   static const char *const least[][2] = {{"-spacing", "1"},
@@ -85,7 +82,7 @@ static PetscErrorCode CheckScene(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The names of all options of this scene: they are read once more, for help, by a second one. */
+/* The names of all options of this scene: a second program reads its options once more, for -help. */
 static PetscErrorCode OwnNames(MPI_Comm comm, OptionNames *names)
 {
   Sim       sim;
@@ -218,23 +215,24 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
   if (sim->restart[0])
     PetscCall(PetscViewerASCIIPrintf(viewer, "Restart: %s at %g s, step %" PetscInt_FMT "\n", sim->restart,
                                      (double)sim->state.time, sim->state.step));
-  else if (sim->report.smallest_distance < PETSC_INFINITY) /* else there are no two particles near each other */
-    PetscCall(PetscViewerASCIIPrintf(
-      viewer, "Packing: density deviates by %.3g kg/m3 (standard deviation), closest particles %.3g spacings apart%s\n",
-      (double)sim->report.density_std, (double)sim->report.smallest_distance,
-      sim->report.cached ? ", from the cache" : ""));
+  else if (sim->report.smallest_distance < PETSC_INFINITY) /* else no two particles are neighbours */
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "Packing: rms of summed minus rest density %.3g kg/m3, free surfaces included; "
+                                     "closest particles %.3g spacings apart%s\n",
+                                     (double)sim->report.density_std, (double)sim->report.smallest_distance,
+                                     sim->report.cached ? ", from the cache" : ""));
   if (!sim->restart[0] && sim->relaxation_time == 0 && StepperRepairsAtOnce(sim->stepper) &&
       sim->report.density_std > UNEVEN * BodyMaterial(SceneBody(sim->scene, 0))->density)
-    PetscCall(PetscViewerASCIIPrintf(
-      viewer, "warning: this scheme repairs that in the first step, which sets the liquid in motion; start from "
-              "-packing_type poisson or with -packing_relaxation_time\n"));
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "warning: this scheme corrects that density in the first step, which sets the "
+                                     "liquid in motion; use -packing_type poisson or -packing_relaxation_time\n"));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Brings swarm and cloud into the state a restart will start from, then writes it: from here on both runs do the same.
- */
+/* Brings swarm and cloud into the state from which a restart will start, and writes it: this run and a restart then go
+   on alike. */
 static PetscErrorCode Checkpoint(Sim sim)
 {
   PetscFunctionBegin;
@@ -246,7 +244,7 @@ static PetscErrorCode Checkpoint(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What keeps it going inside them is counted, too. */
+/* Counts the work that keeps liquid inside emitters moving, too. */
 PetscErrorCode SimEmit(Sim sim)
 {
   GaugeTotals before, after;
@@ -272,8 +270,8 @@ static PetscErrorCode WriteOutput(Sim sim, PetscBool last)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the next step may end in a line of the series: only then its divergence is worth a pass over the pairs. Steps
-   grow by less than LOOK_AHEAD. */
+/* Whether the next step may end in a line of the series, which needs the divergence: a pass over the pairs. Steps grow
+   by less than the factor LOOK_AHEAD. */
 static PetscBool DivergenceWanted(Sim sim, PetscInt steps)
 {
   const PetscReal soon = sim->state.time + LOOK_AHEAD * sim->state.previous_time_step;
@@ -282,7 +280,8 @@ static PetscBool DivergenceWanted(Sim sim, PetscInt steps)
                      OutputSeriesDue(sim->output, soon));
 }
 
-/* interrupted: what ended the run, or NULL; said on standard error where nobody reads standard output any more. */
+/* interrupted: what ended the run, or NULL. The message goes to standard error if nobody reads standard output any
+   more. */
 static PetscErrorCode SayHowToContinue(Sim sim, const char *interrupted)
 {
   const char *folder = OutputFolder(sim->output);

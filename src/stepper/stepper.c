@@ -227,9 +227,9 @@ const Viscosity *StepperViscosity(Stepper stepper)
   return &stepper->viscosity;
 }
 
-PetscInt StepperFrayed(Stepper stepper)
+PetscInt StepperUnderresolved(Stepper stepper)
 {
-  return stepper->frayed;
+  return stepper->underresolved;
 }
 
 /* The viscosity of the particles where it varies, after a search, into the swarm as if it were of the step before: the
@@ -356,7 +356,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   trial.lost        = state->lost - lost;
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
-  stepper->frayed = (PetscInt)trial.sum[SUM_FRAYED];
+  stepper->underresolved = (PetscInt)trial.sum[SUM_UNDERRESOLVED];
   StepHook(stepper, commit, &trial, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -97,9 +97,9 @@ typedef struct {
 
 /* StepperBounds - of the last step that was chosen. Not collective. */
 StepBounds StepperBounds(Stepper stepper);
-/* StepperFrayed - the particles of thick liquid that had neighbours along a line at most in the last step: a sheet or
-   thread is one particle thick there and tears. Not collective. */
-PetscInt StepperFrayed(Stepper stepper);
+/* StepperUnderresolved - the particles of thick liquid that had neighbours along a line at most in the last step: a
+   sheet or thread is one particle thick there and tears. Not collective. */
+PetscInt StepperUnderresolved(Stepper stepper);
 /* StepperSteadyStep - the step (s) that those bounds and the options allow, were it not growing from that before; with
    implicit viscosity if that is quicker. scale: for a spacing so many times as large (1), the flow being the same. Not
    collective. */

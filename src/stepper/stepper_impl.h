@@ -25,9 +25,9 @@ typedef enum {
   SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
   SUM_LIQUIDS, /* the last three of both liquids that do not mix: of their whole surfaces, without the gas's part */
   SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
-  SUM_KINETIC, /* kinetic energy, J */
-  SUM_FRAYED,  /* particles of thick liquid with neighbours along a line at most */
-  SUM_MASS,    /* kg */
+  SUM_KINETIC,       /* kinetic energy, J */
+  SUM_UNDERRESOLVED, /* particles of thick liquid with neighbours along a line at most */
+  SUM_MASS,          /* kg */
   SUM_COUNT
 } TrialSum;
 typedef enum {
@@ -151,7 +151,7 @@ struct _p_Stepper {
   PetscReal               relaxation_step;    /* s; 0: as in the run */
   PetscReal               time;               /* s, at the start of the step */
   PetscBool               first;              /* the step is the first of a run */
-  PetscInt                frayed;             /* StepperFrayed */
+  PetscInt                underresolved;      /* StepperUnderresolved */
   PetscReal               free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* of each solid that is free, N, N m */
   PetscReal               free_follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* of free_viscous.c */
   /* chosen by the scheme at its creation */

@@ -1,7 +1,7 @@
 /* What is measured in a trial of a step, and whether it is accepted. */
 #include "stepper_impl.h"
 
-#define FRAYED_REACH 4 /* spacings from an open face within which a cut sheet may look frayed */
+#define OPEN_FACE_REACH 4 /* spacings from an open face within which a cut sheet may look underresolved */
 
 /* The integral of |sum V grad W| over the liquid below a flat surface is half its area, for any kernel: sum V W rises
    from 1/2 at the surface to 1 inside. */
@@ -47,7 +47,7 @@ static PetscReal InterfaceEnergy(Cloud cloud)
 /* Whether particle a has neighbours along a line at most, in liquid so thick that no wave of a spacing's length breaks
    it up (mu^2 > rho sigma d0, implicit steps): a sheet or thread is one particle thick there and tears as its particles
    do. Liquid that emitters hold, or that is about to leave through an open face, is cut off there. */
-static PetscBool IsFrayed(Stepper stepper, PetscInt a)
+static PetscBool IsUnderresolved(Stepper stepper, PetscInt a)
 {
   Cloud            cloud  = stepper->cloud;
   const Domain     domain = cloud->domain;
@@ -58,8 +58,8 @@ static PetscBool IsFrayed(Stepper stepper, PetscInt a)
   if (cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA || !stepper->viscous.implicit) return PETSC_FALSE;
   if (PetscSqr(m->viscosity) <= m->density * m->tension * domain->spacing) return PETSC_FALSE;
   for (PetscInt d = 0; d < domain->dim; d++)
-    if ((domain->face[d][0] == FACE_OPEN && x[d] < domain->lower[d] + FRAYED_REACH * reach) ||
-        (domain->face[d][1] == FACE_OPEN && x[d] > domain->upper[d] - FRAYED_REACH * reach))
+    if ((domain->face[d][0] == FACE_OPEN && x[d] < domain->lower[d] + OPEN_FACE_REACH * reach) ||
+        (domain->face[d][1] == FACE_OPEN && x[d] > domain->upper[d] - OPEN_FACE_REACH * reach))
       return PETSC_FALSE;
   return (PetscBool)!BodyHolds(body, x, reach);
 }
@@ -76,7 +76,7 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
 
     trial->largest[LARGEST_DENSITY] = PetscMax(trial->largest[LARGEST_DENSITY], ratio);
     trial->sum[SUM_SURFACE_ENERGY] += sigma * TrialSurfaceArea(cloud, a);
-    trial->sum[SUM_FRAYED] += IsFrayed(stepper, a);
+    trial->sum[SUM_UNDERRESOLVED] += IsUnderresolved(stepper, a);
     if (cloud->integer[INT_SURFACE][a]) continue;
     trial->sum[SUM_DENSITY] += ratio;
     trial->sum[SUM_DENSITY2] += PetscSqr(ratio - 1);

@@ -59,7 +59,7 @@ version = runs.start("-version").stdout
 runs.check(version.startswith("isph ") and "PETSc" in version, "version", version[:300])
 
 # A scheme that repairs the density at once warns of a packing that it would set in motion, and of no other.
-WARNING = "warning: this scheme repairs that in the first step"
+WARNING = "warning: this scheme corrects that density in the first step"
 for name, options, due in ("uneven", "", True), ("even", "-packing_type poisson ", False):
     has_it = WARNING in log(runs.run(CALM + "-scheme density_invariant " + options, name))
     runs.check(has_it == due, f"warning_of_the_packing_{name}", log(runs.scratch(name))[-800:])

@@ -40,7 +40,7 @@ runs.check_within(-v[near, 1].mean(), 0.1, 0.12, "sheet from an emitter, speed b
 runs.check_within(runs.series(folder)["density_error"][-1], 0, 0.007, "sheet from an emitter, density error")
 
 # Said at once where it is one particle thick (0.32 s, torn at 0.39 s), and not before.
-WATCH = "a sheet or thread of viscous liquid is one particle thick"
+WATCH = "a sheet or thread of viscous liquid is only one particle thick"
 
 
 def said(folder):
