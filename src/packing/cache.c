@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#define STRAY         2 /* spacings: a negative -wall_guard lets liquid one behind a wall */
-#define CACHE_VERSION 5 /* raise it when the same options give another packing, or the files another content */
+#define STRAY         2 /* spacings: a negative -wall_guard lets liquid one spacing behind a wall */
+#define CACHE_VERSION 5 /* raise it when the same options give another packing, or when the files change */
 
-/* The options of TAO, which PETSc reads: names and values as they were given. */
+/* Adds the options of TAO, which PETSc reads: names and values as given. */
 static PetscErrorCode AddTao(unsigned long long *hash)
 {
   const char prefix[] = "-packing_tao_";
@@ -41,7 +41,7 @@ PetscErrorCode PackingHash(Packing packing, const char how[], unsigned long long
   *hash = HashBytes(*hash, text, strlen(text) + 1);
   *hash = HashBytes(*hash, how, strlen(how) + 1);
   free(text);
-  for (PetscInt k = 0; k < packing->graded_count[0]; k++) { /* -fine and the growth of the spacing are in these */
+  for (PetscInt k = 0; k < packing->graded_count[0]; k++) { /* they depend on -fine and the growth of the spacing */
     const Sample *sample = &packing->graded[0][k];
 
     *hash = HashBytes(*hash, sample->x, sizeof(sample->x));
@@ -58,9 +58,9 @@ static PetscErrorCode FileName(const char folder[], unsigned long long hash, cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the contents are those of a packing: each id once, bodies that are liquid from the start and all of them,
-   places in the box, from which particles that came to rest may have strayed by the slack of the ghosts or behind a
-   wall. */
+/* Whether the contents are a packing of the scene: each id once, particles of every body that is liquid from the start
+   and of no other, positions in the box. A relaxation may have moved particles out by the slack of the ghosts, or
+   behind a wall. */
 static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const PetscInt body[], const PetscReal x[],
                        PetscBool seen[])
 {
@@ -74,9 +74,10 @@ static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const Petsc
     seen[id[k]]     = PETSC_TRUE;
     filled[body[k]] = PETSC_TRUE;
     for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal place = x[DIM * k + d];
+      const PetscReal coordinate = x[DIM * k + d];
 
-      if (d < domain->dim ? !(place >= domain->lower[d] - margin && place <= domain->upper[d] + margin) : place != 0)
+      if (d < domain->dim ? !(coordinate >= domain->lower[d] - margin && coordinate <= domain->upper[d] + margin)
+                          : coordinate != 0)
         return PETSC_FALSE;
     }
   }
@@ -85,8 +86,8 @@ static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const Petsc
   return PETSC_TRUE;
 }
 
-/* Reads all n particles of the file, which holds them in no particular order, and puts them in the order of their ids.
- *good: whether that worked on every rank. Collective. */
+/* Reads all n particles of the file, which has them in any order, and sorts them by id. *good: this worked on every
+   rank. Collective. */
 static PetscErrorCode ReadParticles(Cloud cloud, H5File *h5, PetscInt n, PetscReal x[], PetscInt body[],
                                     PetscBool *good)
 {
@@ -141,7 +142,7 @@ PetscErrorCode CacheRead(Cloud cloud, const char folder[], unsigned long long ha
     PetscCall(PetscFree(*x));
     PetscCall(PetscFree(*body));
   }
-  PetscCall(PetscInfo(NULL, "packing: %s is damaged, it will be made again\n", name));
+  PetscCall(PetscInfo(NULL, "packing: %s is damaged; the packing is made again\n", name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,12 +182,12 @@ PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Bcast(&process, 1, MPI_LONG, 0, comm));
   PetscCall(FileName(folder, hash, name));
-  PetscCall(PetscSNPrintf(part, sizeof(part), "%s.%ld.part", name, process)); /* nobody ever reads half a file */
+  PetscCall(PetscSNPrintf(part, sizeof(part), "%s.%ld.part", name, process)); /* so that nobody reads half a file */
   if (!rank) (void)FolderCreate(folder);
   PetscCall(CollectFluid(particles, &n, &x, &body, &id));
   PetscCall(RowsSet(comm, n, 1, &rows));
   PetscCall(H5FileCreate(comm, part, &h5));
-  h5.failed = (PetscBool)(h5.failed || rows.total != count); /* an emitter's liquid is there too: not to be kept */
+  h5.failed = (PetscBool)(h5.failed || rows.total != count); /* with the liquid of an emitter: not a packing */
   H5FilePutInt(&h5, "particles", count);
   PetscCall(H5FileWrite(&h5, "id", H5FILE_INT, &rows, id, "1", "identity, 0, 1, ..."));
   PetscCall(H5FileWrite(&h5, "body", H5FILE_INT, &rows, body, "1", "index of the body in -bodies"));

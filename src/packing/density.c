@@ -1,4 +1,4 @@
-/* The density of particles as they stand. */
+/* The summed density of the particles. */
 #include "packing_impl.h"
 
 PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)

@@ -1,10 +1,10 @@
 /* Emitters: liquid that comes into the box during the run. */
 #include "packing_impl.h"
 
-/* Points of an emitter as they are found. */
+/* A visitor's context: collects the points of an emitter. */
 typedef struct {
   PetscSegBuffer x;
-  PetscReal      area; /* of each, as in Sample */
+  PetscReal      area; /* of each point, as in Sample */
 } Points;
 
 static PetscErrorCode KeepPoint(void *context, const Sample *sample)
@@ -19,7 +19,7 @@ static PetscErrorCode KeepPoint(void *context, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of an emitter, once. */
+/* Finds the points of an emitter, at the first call. */
 static PetscErrorCode FindPoints(Packing packing, PetscInt b)
 {
   Emission *emission = &packing->emission[b];
@@ -41,7 +41,7 @@ static PetscErrorCode FindPoints(Packing packing, PetscInt b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One emission: what body number b brings the k-th time, at the time (s). */
+/* The k-th emission of body b, at the time (s). */
 typedef struct {
   const Emission *emission;
   Body            body;
@@ -69,8 +69,8 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Liquid that an emitter holds moves with its velocity, a row of particles until the next filling comes: the end of the
-   liquid that has left would retract, for its tension pulls it forward as much as the rest pulls it back. */
+/* Gives the liquid inside an emitter its velocity, and a row of particles outside until the next emission comes:
+   surface tension would retract the end of the liquid that has left. */
 static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
 {
   const Scene    scene = packing->cloud->scene;
@@ -92,7 +92,7 @@ static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
 PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted)
 {
   const Scene scene = packing->cloud->scene;
-  PetscInt    most = 1, emitters = 0, number = 0; /* points of an emitter at most; emitters; those before this one */
+  PetscInt    most = 1, emitters = 0, number = 0; /* points of an emitter at most; emitters; emitters before this one */
 
   PetscFunctionBegin;
   *emitted = 0;

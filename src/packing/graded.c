@@ -1,4 +1,4 @@
-/* The particles of a scene with graded spacing: its bodies, and the dummy particles of the walls, whose sizes are those
+/* The particles of a scene with graded spacing: its bodies, and the dummy particles of the walls, which have the sizes
    of the liquid beside them. */
 #include "packing_impl.h"
 
@@ -18,9 +18,9 @@ static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define FINE_MARGIN 3. /* fine spacings, by which a fine region must go on beyond solids and emitters */
+#define FINE_MARGIN 3. /* fine spacings by which a fine region must extend beyond solids and emitters */
 
-/* Whether all within that margin of x (m) along the axes is fine. */
+/* Whether the spacing is fine within FINE_MARGIN of x (m) along the axes. */
 static PetscBool IsFine(Domain domain, Scene scene, const PetscReal x[DIM])
 {
   const PetscReal fine = (1 + POINT_TOLERANCE) * domain->spacing;
@@ -35,7 +35,7 @@ static PetscBool IsFine(Domain domain, Scene scene, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
-/* Refuses solids whose surface is not well within what is fine, for their particles are fine. */
+/* Refuses solids whose surface is not well inside a fine region, since their particles are fine. */
 static PetscErrorCode CheckSolids(Domain domain, Scene scene)
 {
   Lattice  box;
@@ -49,16 +49,15 @@ static PetscErrorCode CheckSolids(Domain domain, Scene scene)
 
     LatticePoint(&box, point, x);
     s = SceneSolidDistance(scene, x, &solid);
-    PetscCheckUser(
-      PetscAbsReal(s) > domain->spacing || IsFine(domain, scene, x), domain->comm,
-      "the solid %s must lie in a region of -fine that goes on for %g fine spacings beyond its surface, but "
-      "at (%g, %g, %g) m the spacing grows: with -spacing_coarse its particles are fine",
-      BodyName(SceneSolid(scene, solid)), (double)FINE_MARGIN, (double)x[0], (double)x[1], (double)x[2]);
+    PetscCheckUser(PetscAbsReal(s) > domain->spacing || IsFine(domain, scene, x), domain->comm,
+                   "the solid %s must lie in a region of -fine that extends %g fine spacings beyond its surface, but "
+                   "at (%g, %g, %g) m the spacing grows: with -spacing_coarse its particles are fine",
+                   BodyName(SceneSolid(scene, solid)), (double)FINE_MARGIN, (double)x[0], (double)x[1], (double)x[2]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses an emitter whose bounds are not well within what is fine, for its particles are fine. */
+/* Refuses an emitter whose bounds are not well inside a fine region, since its particles are fine. */
 static PetscErrorCode CheckEmitter(Domain domain, Scene scene, Body body)
 {
   PetscReal lower[DIM], upper[DIM];
@@ -70,14 +69,14 @@ static PetscErrorCode CheckEmitter(Domain domain, Scene scene, Body body)
 
     for (PetscInt d = 0; d < DIM; d++) x[d] = corner >> d & 1 ? upper[d] : lower[d];
     PetscCheckUser(IsFine(domain, scene, x), domain->comm,
-                   "the emitter %s must lie in a region of -fine that goes on for %g fine spacings beyond it: with "
-                   "-spacing_coarse what it brings is fine",
+                   "the emitter %s must lie in a region of -fine that extends %g fine spacings beyond it: with "
+                   "-spacing_coarse its particles are fine",
                    BodyName(body), (double)FINE_MARGIN);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether lattices between two closed faces fit the coarse spacing. */
+/* Refuses a coarse spacing that no lattice between two closed faces can have. */
 static PetscErrorCode CheckPitch(Packing packing, const Region *region)
 {
   const Domain domain = packing->cloud->domain;
@@ -93,7 +92,7 @@ static PetscErrorCode CheckPitch(Packing packing, const Region *region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the measures of a body's points are multiplied by, so that they have its volume (m3) as rings; else 1. */
+/* The factor on the measures of a body's points with which rings have the body's volume (m3); 1 without rings. */
 static PetscReal Stretch(const Region *region, PetscReal volume)
 {
   const Domain domain = region->packing->cloud->domain;
@@ -108,8 +107,8 @@ static PetscReal Stretch(const Region *region, PetscReal volume)
   return sum > 0 ? volume / sum : 1;
 }
 
-/* The particles of body b; of rings its volume is this length (m) times the area of a cell of the fine lattice. *id is
-   the number of the next. */
+/* Adds the particles of body b. Rings: its volume is ring_length (m) times the area of a cell of the fine lattice. *id:
+   the number of the next particle. */
 static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal ring_length,
                               PetscSegBuffer samples, PetscInt *id)
 {
@@ -139,7 +138,7 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
     length                    = DomainRingLength(domain, point->x, sample.size);
     PetscCall(PetscArraycpy(sample.x, point->x, DIM));
     BodyDisplace(body, sample.x);
-    sample.area *= length / DomainRingLength(domain, sample.x, sample.size); /* what is displaced keeps its volume */
+    sample.area *= length / DomainRingLength(domain, sample.x, sample.size); /* a displaced ring keeps its volume */
     for (PetscInt d = 0; d < DIM; d++) {
       if (point->fixed && region.along[d])
         sample.x[d] +=
@@ -152,13 +151,13 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The column behind a point of a corner, of which all have 'layers' a direction: a block of layers^outward. */
+/* Adds the column behind a point of a corner: a block of layers^outward particles. */
 static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const RegionPoint *point, PetscReal s,
                                 PetscInt layers, PetscSegBuffer samples, PetscInt *number)
 {
   const Domain   domain = packing->cloud->domain;
   PetscInt       first[DIM], last[DIM], step[DIM];
-  const PetscInt parent = *number; /* the first of the block */
+  const PetscInt parent = *number; /* the first particle of the block */
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) {
@@ -181,7 +180,7 @@ static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const Reg
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The dummy particles behind the part of the box that a corner names: a face (outward 1), edge or corner. */
+/* Adds the dummy particles behind a part of the box: a face (outward 1), an edge (2) or a corner (3). */
 static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegBuffer samples, PetscInt *number)
 {
   const Cloud  cloud  = packing->cloud;
@@ -214,7 +213,7 @@ static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The dummy particles of all walls, numbered from 0 on. */
+/* Adds the dummy particles of all walls, numbered from 0 on. */
 static PetscErrorCode AddWalls(Packing packing, PetscSegBuffer samples)
 {
   const Domain domain     = packing->cloud->domain;
@@ -236,7 +235,7 @@ static PetscErrorCode AddWalls(Packing packing, PetscSegBuffer samples)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves the samples of a buffer into the packing: those of liquid (0) or walls (1). */
+/* Moves the samples of a buffer into the packing. kind: 0: liquid, 1: walls. */
 static PetscErrorCode KeepSamples(Packing packing, PetscInt kind, PetscSegBuffer samples)
 {
   size_t n;

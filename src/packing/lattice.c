@@ -1,17 +1,17 @@
 /* Bodies filled from a lattice of the particle spacing, with a jitter. */
 #include "packing_impl.h"
 
-#define LEVEL_MAX 0.5 /* pitches that the level may be from a body's surface: a point more or less a direction */
+#define LEVEL_MAX 0.5 /* pitches from the body's surface at most: a point more or less in each direction */
 #define SHELL_SPLIT                                                                                                    \
   0.5                  /* a shell of equal distance with more than this share of the points near the surface is flat   \
                         */
-#define SUBPOINTS   6  /* a direction: the share of a lattice cell inside a body is exact to about a percent */
-#define RING_POINTS 40 /* the same of rings, whose cells are few */
+#define SUBPOINTS   6  /* in each direction: the share of a lattice cell inside a body is exact to about 1 % */
+#define RING_POINTS 40 /* the same for rings, which have few cells */
 
-#define TIE 0.1 /* of POINT_TOLERANCE: random part of a distance that puts points of equal distance in an order */
+#define TIE 0.1 /* of POINT_TOLERANCE: random part of a distance, which orders points of equal distance */
 
 typedef struct {
-  PetscReal jitter; /* largest displacement a component, in spacings */
+  PetscReal jitter; /* largest displacement of a component, spacings */
 } LatticeData;
 
 void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice)
@@ -20,7 +20,8 @@ void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice)
     const PetscReal length = domain->upper[d] - domain->lower[d];
     const PetscBool below  = (PetscBool)(domain->face[d][0] != FACE_OPEN);
     const PetscBool above  = (PetscBool)(domain->face[d][1] != FACE_OPEN);
-    const PetscBool fitted = (PetscBool)(below && above); /* the nearest number of points; else those inside the box */
+    const PetscBool fitted =
+      (PetscBool)(below && above); /* fitted: the nearest number of points; else the points inside the box */
 
     if (d >= domain->dim) { /* the plane z = 0 */
       lattice->n[d]      = 1;
@@ -36,11 +37,11 @@ void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice)
   }
 }
 
-/* The part of the lattice that may be inside a body, and one layer more. From one closed face to the other the pitch is
-   the box's, which the walls and images continue. In the other directions it makes up for that, so that a cell has the
-   volume spacing^dim of a particle: else the liquid of a box that is no multiple of the spacing starts too dense or too
-   thin, and the projection moves it as a whole. It counts from the closed face that the body touches, or is symmetric
-   about the middle of the body. */
+/* The part of the lattice that may be inside a body, and one layer more. Between two closed faces the pitch is the
+   box's, which walls and images continue. The pitch of the other directions compensates, so that a cell has the volume
+   spacing^dim of a particle: else the liquid of a box that is no multiple of the spacing would start too dense or too
+   thin, and the projection would move it as a whole. The lattice starts at the closed face that the body touches, or is
+   symmetric about the body's middle. */
 void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice)
 {
   const PetscReal tiny = POINT_TOLERANCE * domain->spacing;
@@ -76,7 +77,7 @@ void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice
 }
 
 /* Signed distance of lattice point number 'point' at x (m) to the surface of body b, with a random part far below
-   rounding that puts points of equal distance in an order. */
+   POINT_TOLERANCE that orders points of equal distance. */
 static PetscReal PointDistance(Packing packing, PetscInt b, PetscInt point, const PetscReal x[DIM])
 {
   const PetscReal tie = RandomUnit((unsigned long long)packing->seed + 1, (unsigned long long)point);
@@ -93,8 +94,8 @@ static PetscBool InsideBox(Domain domain, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
-/* Whether body b, of whose surface x (m) is at a distance (m), has the point of its lattice nearest to x: of points as
-   far as its level some belong to it and others, where bodies overlap, to the next body. */
+/* Whether body b takes the point of its lattice nearest to x (m), at 'distance' (m) from its surface. Of the points at
+   the distance of its level the body takes some; where bodies overlap, the next body takes the others. */
 static PetscBool Takes(Packing packing, PetscInt b, PetscReal level, PetscReal distance, const PetscReal x[DIM])
 {
   const Domain domain = packing->cloud->domain;
@@ -111,8 +112,6 @@ static PetscBool Takes(Packing packing, PetscInt b, PetscReal level, PetscReal d
   return (PetscBool)(PointDistance(packing, b, CellIndex(lattice.n, at[0], at[1], at[2]), x) <= level);
 }
 
-/* Whether point x (m) is inside the box and closer to the inside of body number b than its level, and of no earlier
-   body. */
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM])
 {
   const Scene scene = packing->cloud->scene;
@@ -124,8 +123,8 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
   return PETSC_TRUE;
 }
 
-/* The share of the lattice cell around x that is inside body b and box, displaced as the body displaces it; *length:
-   the mean length (m) of the rings in the cell before they are displaced, zero outside, in solids and in earlier
+/* The share of the lattice cell around x, displaced as the body displaces it, that is inside body b and box. *length:
+   the mean length (m) of the rings in the cell before the displacement, counting zero outside, in solids and in earlier
    bodies. */
 static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, PetscInt b, const PetscReal x[DIM],
                            PetscReal *length)
@@ -152,14 +151,14 @@ static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, P
   return (PetscReal)inside / points;
 }
 
-/* What the lattice points around a body say of it. */
+/* The lattice points around a body. */
 typedef struct {
-  PetscReal  target;   /* its volume over that of a lattice cell */
-  PetscReal  length;   /* of rings: its volume over the area of a lattice cell, m */
+  PetscReal  target;   /* the body's volume over that of a lattice cell */
+  PetscReal  length;   /* rings: the body's volume over the area of a lattice cell, m */
   PetscReal  bound;    /* of the level, m */
   PetscInt   sure;     /* points deeper inside than the bound */
   PetscInt   n;        /* points next to the surface */
-  PetscReal *distance; /* [n] theirs from it, m, in ascending order */
+  PetscReal *distance; /* [n] of these points from the surface, m, ascending */
 } Shells;
 
 static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *lattice, Shells *shells)
@@ -175,7 +174,8 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   PetscFunctionBegin;
   *shells = (Shells){.bound = PETSC_MAX_REAL};
   for (PetscInt d = 0; d < domain->dim; d++) shells->bound = PetscMin(shells->bound, LEVEL_MAX * lattice->pitch[d]);
-  shells->bound *= 1 - POINT_TOLERANCE; /* less than the outermost points of a body that the lattice fits are deep */
+  shells->bound *=
+    1 - POINT_TOLERANCE; /* less than the depth of the outermost points of a body that fits the lattice */
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &near));
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
     PetscReal x[DIM], placed[DIM], s, solid, *kept, length, share;
@@ -209,18 +209,18 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The level that takes so many of the points next to the surface that the number of all is nearest to the target. A
-   shell of equal distance (to within 'tolerance', m) may be taken in part unless it is a flat layer. */
+/* The level with which the number of points is nearest to the target. A shell of points at equal distance (within
+   'tolerance', m) may be taken in part unless it is a flat layer. */
 static PetscReal ChooseLevel(const Shells *shells, PetscReal tolerance)
 {
   const PetscInt   n        = shells->n;
   const PetscReal *distance = shells->distance;
   PetscReal        best = PETSC_MAX_REAL, level = 0;
 
-  for (PetscInt k = 0, first = 0; k <= n; k++) { /* the first k of them; first: of the shell of the k-th */
+  for (PetscInt k = 0, first = 0; k <= n; k++) { /* take the first k points; first: of the k-th point's shell */
     const PetscReal low = k > 0 ? distance[k - 1] : -shells->bound, high = k < n ? distance[k] : shells->bound;
     const PetscReal miss   = PetscAbsReal((PetscReal)(shells->sure + k) - shells->target);
-    const PetscBool within = (PetscBool)(k > 0 && k < n && high - low < tolerance); /* in the middle of a shell */
+    const PetscBool within = (PetscBool)(k > 0 && k < n && high - low < tolerance); /* the level would divide a shell */
     PetscInt        last   = k;
 
     if (!within) first = k;
@@ -232,8 +232,8 @@ static PetscReal ChooseLevel(const Shells *shells, PetscReal tolerance)
   return level;
 }
 
-/* The level of the signed distance (m) below which lattice points fill a body, so that their number is its volume over
-   that of a lattice cell: with the level 0 a small sphere would be up to a fifth too light or heavy. At most LEVEL_MAX
+/* *level: lattice points at a smaller signed distance (m) fill the body, so that their number is the body's volume over
+   that of a lattice cell. With the level 0 a small sphere would be up to a fifth too light or heavy. At most LEVEL_MAX
    pitches from 0. *length: the volume of the body as rings over the area of a lattice cell, m. */
 static PetscErrorCode FitLevel(Packing packing, PetscInt b, PetscReal *level, PetscReal *length)
 {
@@ -256,14 +256,14 @@ PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], Pe
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    level[b] = -PETSC_MAX_REAL; /* of an emitter, which has no place of its own */
+    level[b] = -PETSC_MAX_REAL; /* an emitter has no lattice points */
     if (!BodyEmits(SceneBody(scene, b))) PetscCall(FitLevel(packing, b, &level[b], &length[b]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shows the points of body b's lattice to the visitor, each with this ring area over V_0; *id is the number of the
-   next. */
+/* Passes the points of body b's lattice to the visitor, each with this ring area over V_0. *id: the number of the next
+   particle. */
 static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *lattice, const PetscReal level[],
                                   PetscReal area, SampleVisitor visitor, void *context, PetscInt *id)
 {
@@ -279,7 +279,7 @@ static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *la
     LatticePoint(lattice, point, sample.x);
     length = DomainRingLength(domain, sample.x, 1);
     BodyDisplace(SceneBody(packing->cloud->scene, b), sample.x);
-    sample.area = area * (length / DomainRingLength(domain, sample.x, 1)); /* what is displaced keeps its volume */
+    sample.area = area * (length / DomainRingLength(domain, sample.x, 1)); /* a displaced ring keeps its volume */
     if (!LatticeBelongs(packing, level, b, point, sample.x)) continue;
     sample.id = sample.parent = (*id)++;
     for (PetscInt d = 0; d < domain->dim; d++)
@@ -292,7 +292,7 @@ static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *la
 
 typedef struct {
   Domain    domain;
-  PetscReal length; /* of the rings seen so far, m */
+  PetscReal length; /* sum over the rings so far, m */
 } RingSum;
 
 static PetscErrorCode AddLength(void *context, const Sample *sample)
@@ -303,8 +303,8 @@ static PetscErrorCode AddLength(void *context, const Sample *sample)
   return PETSC_SUCCESS;
 }
 
-/* Shows the points of body b to the visitor. Rings all have the area with which they have the body's volume; length:
-   that of LatticeFit. */
+/* Passes the points of body b to the visitor. All rings have one area, with which they have the body's volume. length:
+   see LatticeFit. */
 static PetscErrorCode VisitBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal length,
                                 SampleVisitor visitor, void *context, PetscInt *id)
 {

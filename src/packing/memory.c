@@ -1,11 +1,11 @@
-/* Whether the particles of a scene fit the memory, before any is made. */
+/* Checks that the particles of a scene fit the memory, before any is made. */
 #include "packing_impl.h"
 #include <unistd.h>
 
 #define PARTICLE_LEAST 500 /* bytes of a particle, at least: 1.2 kB in two dimensions, 2.2 kB in three by default */
-#define SAMPLES        16  /* points a direction at which a body is probed */
+#define SAMPLES        16  /* probes of a body in each direction */
 
-/* How many particles the bodies (to a few percent) and the box's walls will have. */
+/* The number of particles of the bodies, to a few percent, and of the box's walls. */
 static PetscReal EstimateParticles(Packing packing)
 {
   const Domain    domain = packing->cloud->domain;
@@ -30,15 +30,15 @@ static PetscReal EstimateParticles(Packing packing)
     count += volume * inside / points;
   }
   for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal places = (domain->upper[d] - domain->lower[d]) / domain->spacing;
+    const PetscReal points = (domain->upper[d] - domain->lower[d]) / domain->spacing;
 
-    box *= places;
-    walled *= places + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
+    box *= points;
+    walled *= points + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
   }
-  return domain->graded ? count : count + walled - box; /* few dummy particles are fine */
+  return domain->graded ? count : count + walled - box; /* few dummy particles have the fine size */
 }
 
-/* Linux gives more memory away than there is and ends the run later. */
+/* Linux grants more memory than there is and kills the run later. */
 PetscErrorCode PackingCheckMemory(Packing packing)
 {
   const MPI_Comm comm  = packing->cloud->comm;

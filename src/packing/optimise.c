@@ -3,23 +3,23 @@
 
    Minimised over y, the displacement in spacings:
      f = 1/2 sum_a e_a^2 + 1/2 sum_pairs max(0, 1 - r_ab/c)^2,     e_a = V_0 (W(0) + sum_b W_ab) - 1.
-   The second sum runs over pairs with a fluid particle; without it particles pair up, for the density alone does not
-   notice. It vanishes once all are c apart, so it does not keep the density from its goal. Walls and images behind
-   periodic and symmetry faces count in both. */
+   The second sum runs over pairs with a fluid particle; without it particles pair up, which the density alone does not
+   prevent. The sum vanishes once all particles are c apart, so it does not keep the density from its goal. Walls and
+   images behind periodic and symmetry faces count in both sums. */
 #include "packing_impl.h"
 #include <petsctao.h>
 
-#define SMALLEST_DISTANCE 1e-6 /* over c: two particles in one place have no direction to move apart in */
-#define REPULSION_MARGIN  1.02 /* c over the distance wanted */
-#define SLACK             3.0  /* of the halo while packing, spacings: particles move further than in a step */
+#define SMALLEST_DISTANCE 1e-6 /* over c: two particles at one point have no direction in which to move apart */
+#define REPULSION_MARGIN  1.02 /* c over the smallest distance allowed */
+#define SLACK             3.0 /* spacings, of the halo during the optimisation: particles move farther than in a step */
 #define SEARCH_AFTER      0.02 /* spacings that a particle may move before neighbours are searched again */
 #define TRIAL_LIMIT       10   /* spacings that a particle may move in a trial of the line search */
-#define TRAVEL_LIMIT      1.5  /* spacings that a particle may move before all are sent home */
+#define TRAVEL_LIMIT      1.5  /* spacings that a particle may move before all migrate to their ranks */
 
 typedef struct {
   Cloud      cloud;
   PairRow   *row;
-  PetscReal  tolerance, distance; /* wanted: relative; m */
+  PetscReal  tolerance, distance; /* the goal: relative; m */
   PetscReal  deviation, closest;  /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
   PetscReal  travelled;           /* largest displacement of a round, m */
   PetscReal  particles;           /* fluid particles of all ranks */
@@ -45,8 +45,8 @@ static PetscErrorCode LargestDisplacement(Cloud cloud, const PetscReal before[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves the fluid to start + d0 y, or says that this is too far. The lists of neighbours are kept while nobody has
-   moved far: they miss pairs at the rim of the support only, where W < 1e-5 W(0). */
+/* Moves the fluid to start + d0 y, or sets *too_far if that is farther than TRIAL_LIMIT. The lists of neighbours stay
+   while no particle has moved by SEARCH_AFTER: they miss pairs at the rim of the support only, where W < 1e-5 W(0). */
 static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
 {
   const Cloud      cloud = o->cloud;
@@ -74,7 +74,7 @@ static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* error[a] = e_a for the owned particles, zero for walls, which do not move and are not asked for their density; f. */
+/* error: [n_owned] e_a; zero for walls, which do not move and whose density does not count. f: see above. */
 static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
 {
   const Cloud     cloud   = o->cloud;
@@ -93,7 +93,7 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
 
       if (row->r2[k] >= reach * reach) continue;
       if (fluid) closest2 = PetscMin(closest2, row->r2[k]);
-      /* of a pair of fluid particles the other one adds its half */
+      /* of a pair of fluid particles the other particle adds its half */
       sums[1] += (fluid ? 0.5 : 1) * PetscSqr(1 - PetscSqrtReal(row->r2[k]) / reach);
     }
   }
@@ -105,8 +105,8 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - 1/c sum_b (1 - r_ab/c) r_ab/|r_ab|, of a pair of images too: they move
-   alike. */
+/* df/dx_a = V_0 sum_b (e_a + e_b) grad_a W_ab - 1/c sum_b (1 - r_ab/c) r_ab/|r_ab|, also of a pair of a particle and
+   its image: they move alike. */
 static PetscErrorCode Gradient(Optimiser *o, const PetscReal error[], Vec gradient)
 {
   const Cloud     cloud = o->cloud;
@@ -148,7 +148,8 @@ static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void 
 
   PetscFunctionBegin;
   PetscCall(MoveFluid(o, y, &too_far));
-  if (too_far) { /* Next to the goal rounding rules the gradient, and a trial may throw particles far out of the box. */
+  if (too_far) { /* Close to the goal rounding dominates the gradient, and a trial may move particles far out of the
+                    box. */
     *f = PETSC_INFINITY; /* so that the line search takes a shorter step */
     PetscCall(VecSet(gradient, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -161,15 +162,17 @@ static PetscErrorCode Evaluate(Tao tao, Vec y, PetscReal *f, Vec gradient, void 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stops when the goal is met, and when particles have moved so far that they must be sent home first. */
+/* Stops at the goal, and when particles have moved so far that they must migrate first. */
 static PetscErrorCode Converged(Tao tao, void *context)
 {
   Optimiser *o = (Optimiser *)context;
 
   PetscFunctionBegin;
-  PetscCall(ProgressWork(
-    o->cloud->comm, -1, "iteration %4" PetscInt_FMT "  density deviates by %.2e, %.1e is wanted  closest %.2f spacings",
-    o->iterations++, (double)o->deviation, (double)o->tolerance, (double)(o->closest / o->cloud->domain->spacing)));
+  PetscCall(ProgressWork(o->cloud->comm, -1,
+                         "iteration %4" PetscInt_FMT
+                         "  relative density deviation %.2e, goal %.1e  closest %.2f spacings",
+                         o->iterations++, (double)o->deviation, (double)o->tolerance,
+                         (double)(o->closest / o->cloud->domain->spacing)));
   PetscCall(TaoDefaultConvergenceTest(tao, NULL));
   if (o->travelled > TRAVEL_LIMIT * o->cloud->domain->spacing)
     PetscCall(TaoSetConvergedReason(tao, TAO_DIVERGED_USER));
@@ -178,8 +181,8 @@ static PetscErrorCode Converged(Tao tao, void *context)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One round: TAO from where the particles are, until it stops; the result goes to the swarm. The remaining iterations
-   are counted down. */
+/* One round: TAO from the present positions until it stops. The swarm gets the result. Counts the remaining iterations
+   down. */
 static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, TaoConvergedReason *reason)
 {
   const Cloud    cloud = o->cloud;
@@ -209,7 +212,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
   PetscCall(TaoGetConvergedReason(tao, reason));
   PetscCall(TaoGetIterationNumber(tao, done));
   *remaining -= *done;
-  PetscCall(Evaluate(tao, y, &f, gradient, o)); /* the last point tried need not be the best */
+  PetscCall(Evaluate(tao, y, &f, gradient, o)); /* the last trial need not be the best */
   PetscCall(
     PetscInfo(tao, "packing: %" PetscInt_FMT " iterations, %s, density deviation %g, smallest distance %g spacings\n",
               *done, TaoConvergedReasons[*reason], (double)o->deviation,
@@ -241,7 +244,7 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
   PetscCall(CloudCheckUnknowns(cloud->comm, cloud->n_fluid, cloud->domain->dim, "the packing (-packing_type)"));
   cloud->slack = PetscMax(slack, SLACK * cloud->domain->spacing);
   PetscCall(CloudResync(cloud));
-  do { /* a line search that failed gets another chance without the memory of LMVM */
+  do { /* after a failed line search, try again without the memory of LMVM */
     PetscCall(Round(&o, &remaining, &done, &reason));
     target->iterations += done;
   } while (done > 0 && remaining > 0 && (reason == TAO_DIVERGED_USER || reason == TAO_DIVERGED_LS_FAILURE));

@@ -1,4 +1,4 @@
-/* The class: types, options, and the packing of a scene step by step. */
+/* The class Packing: types, options, and the packing of a scene. */
 #include "packing_impl.h"
 
 static PetscFunctionList PackingList = NULL;
@@ -28,7 +28,7 @@ static PetscErrorCode PackingSetType(Packing packing, const char name[])
   PetscFunctionBegin;
   PetscCall(ListNames(PackingList, names));
   PetscCall(PetscFunctionListFind(PackingList, name, &create));
-  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s is not a packing; there are %s", name, names);
+  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s does not exist; choose from %s", name, names);
   if (packing->ops.destroy) PetscCall(packing->ops.destroy(packing));
   PetscCall(PetscMemzero(&packing->ops, sizeof(packing->ops)));
   PetscCall(PetscStrncpy(packing->type, name, sizeof(packing->type)));
@@ -74,7 +74,8 @@ PetscErrorCode PackingSetFromOptions(Packing packing)
   PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList,
                               type, type, sizeof(type), NULL));
   PetscCall(OptionInt("-packing_seed", "seed of the random numbers (1)", "[0, inf)", &packing->seed));
-  PetscCall(PetscOptionsString("-packing_cache", "folder that keeps finished packings for the next run; empty: none",
+  PetscCall(PetscOptionsString("-packing_cache",
+                               "folder in which finished packings are kept for later runs; empty: none",
                                "PackingSetFromOptions", packing->cache, packing->cache, sizeof(packing->cache), NULL));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(PackingList, type, ReadPackingType, packing));
@@ -92,7 +93,7 @@ PetscErrorCode PackingDestroy(Packing *packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a body or a solid without a particle, by name; emitters are looked at when they first flow. */
+/* Refuses a body or a solid without a particle, by name. Emitters are checked at their first emission. */
 static PetscErrorCode CheckEachBody(Cloud cloud)
 {
   const Scene    scene  = cloud->scene;
@@ -120,7 +121,7 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells are dealt out first, with the weights that CloudResync will use, so that nothing has to migrate. */
+/* Partitions the cells first, with the weights that CloudResync will use, so that no particle has to migrate. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud        cloud   = packing->cloud;
@@ -174,7 +175,7 @@ static PetscErrorCode SetVelocities(Packing packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the n particles of a file are the liquid of the swarm, by ids and bodies. Collective. */
+/* Whether the n particles of a file have the ids and bodies of the swarm's liquid. Collective. */
 static PetscErrorCode SameLiquid(Packing packing, const ParticleArrays *arrays, PetscInt n, const PetscInt body[],
                                  PetscBool *same)
 {

@@ -5,9 +5,9 @@
 #include "../neighbors/pairs.h"
 #include "packing.h"
 
-/* A particle to be made: its place x (m), velocity v (m/s) and integers as in the field table; density (kg/m3): 0 where
-   it is summed later; area: that of a ring there, or the volume of a graded particle, over V_0; size: of a graded ring,
-   0: that of the finest. */
+/* A particle to be made: position x (m), velocity v (m/s) and integers as in the field table. density (kg/m3): 0 if it
+   is summed later. area: the area of a ring, or the volume of a graded particle, over V_0. size: of a graded ring; 0:
+   the finest size. */
 typedef struct {
   PetscReal x[DIM], v[DIM], density, area, size;
   PetscInt  id, parent, body, layer;
@@ -18,23 +18,23 @@ static inline PetscReal SampleSize(const Sample *sample)
   return sample->size > 0 ? sample->size : 1;
 }
 
-/* A source shows all its samples, one after the other and the same on every rank, to a visitor. */
+/* A source passes all its samples, one after the other and the same on every rank, to a visitor. */
 typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
 typedef PetscErrorCode (*SampleSource)(void *source, SampleVisitor visitor, void *context);
 
-/* SamplesWeigh - adds the samples of a source to the number of particles of each cell, weight [cells]; *count is their
-   number. Not collective. */
+/* SamplesWeigh - adds the samples of a source to the numbers of particles in the cells, weight [cells]; *count: number
+   of samples. Not collective. */
 PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count);
-/* SamplesAppend - appends those samples of a source that lie in this rank's cells to the swarm, with ids and parents
-   counted from first_id on; *count is the number of all. Collective. */
+/* SamplesAppend - appends the samples in this rank's cells to the swarm, with ids and parents counted from first_id on;
+ *count: number of samples on all ranks. Collective. */
 PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
                              PetscInt *count);
 
-/* What an emitter brings each time. */
+/* The points of an emitter, which it brings at each emission. */
 typedef struct {
   PetscInt   n, done; /* points; emissions so far */
   PetscReal *x;       /* [n][3] m; NULL: not yet known */
-  PetscReal  area;    /* of each, as in Sample */
+  PetscReal  area;    /* of each point, as in Sample */
 } Emission;
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
@@ -75,7 +75,7 @@ static inline PetscInt LatticeCount(const Lattice *lattice)
   return lattice->n[0] * lattice->n[1] * lattice->n[2];
 }
 
-/* LatticePoint - the place x (m) of a point. Not collective. */
+/* LatticePoint - the position x (m) of a point. Not collective. */
 static inline void LatticePoint(const Lattice *lattice, PetscInt point, PetscReal x[DIM])
 {
   PetscInt at[DIM];
@@ -84,26 +84,27 @@ static inline void LatticePoint(const Lattice *lattice, PetscInt point, PetscRea
   for (PetscInt d = 0; d < DIM; d++) x[d] = lattice->origin[d] + at[d] * lattice->pitch[d];
 }
 
-/* LatticeOfBox - the lattice of this spacing (m) inside the box. Between two closed faces the pitch is fitted to the
-   box, else it is the spacing, counted from the closed face if there is one. LatticeOfBody - see there. Not collective.
- */
+/* LatticeOfBox - the lattice of the spacing (m) inside the box. Between two closed faces the pitch is fitted to the
+   box; else it is the spacing, and the lattice starts at the closed face, if there is one. LatticeOfBody - see
+   lattice.c. Not collective. */
 void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice);
 void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice);
-/* LatticeJitter - of -packing_jitter, spacings, where the packing is a lattice. LatticeFit - the levels of all bodies'
-   lattices of the spacing, for LatticeBelongs: whether point number 'point' of the lattice of body b, at x (m), is a
-   particle of it. LatticeFit also finds the length (m) of all rings of a body: its volume over the area of a lattice
-   cell; it is collective. */
+/* LatticeJitter - -packing_jitter of a lattice packing (spacings), 0 for other packings. LatticeFit - finds the level
+   of each body (FitLevel), and length: the length (m) of all rings of each body, its volume over the area of a lattice
+   cell. Collective. LatticeBelongs - whether point number 'point' of body b's lattice, at x (m), is a particle of the
+   body. Not collective. */
 PetscReal      LatticeJitter(Packing packing);
 PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal length[SCENE_MAX_BODIES]);
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);
-/* LatticeVisitBody - shows the lattice points of one body. Collective. */
+/* LatticeVisitBody - passes the lattice points of one body to the visitor. Collective. */
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
 
 /* PackingWallLayers - layers of dummy particles that fill the support of the kernel. Not collective. */
 PetscInt PackingWallLayers(Cloud cloud);
-/* Dummy particles, 'layers' deep: the source of the next two. WallVisit - of all wall faces: the lattice of the box
-   beyond it, edges and corners included; the parent of a deeper particle is the nearest one of the top layer, 1.
-   SolidVisit - of the solids: points of that lattice inside them, each with a pressure of its own. Not collective. */
+/* Dummy particles, 'layers' deep: the source of WallVisit and SolidVisit. WallVisit - of all wall faces: the box's
+   lattice, continued beyond the box, edges and corners included; the parent of a deeper particle is the nearest
+   particle of the top layer, 1. SolidVisit - of the solids: points of the box's lattice inside them, each with a
+   pressure of its own. Not collective. */
 typedef struct {
   Cloud    cloud;
   PetscInt layers;
@@ -111,31 +112,31 @@ typedef struct {
 PetscErrorCode WallVisit(void *source, SampleVisitor visitor, void *context);
 PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context);
 /* A part of space to be filled with particles of the spacing SceneSpacing: a body, or a face, edge or corner of the
-   box, which its walls continue. */
+   box, behind which the walls continue it. */
 typedef struct {
   PetscReal x[DIM], measure; /* m; m^dim of the region */
   PetscBool fixed;           /* on a lattice */
 } RegionPoint;
 typedef struct {
   Packing          packing;
-  PetscInt         dim;                    /* directions that it spreads in */
-  PetscBool        along[DIM];             /* which they are */
+  PetscInt         dim;                    /* number of directions in which the region extends */
+  PetscBool        along[DIM];             /* these directions */
   PetscReal        lower[DIM], upper[DIM]; /* m */
-  PetscInt         body;                   /* -1: all between lower and upper */
+  PetscInt         body;                   /* -1: the block from lower to upper */
   const PetscReal *level;                  /* of LatticeFit */
-  Lattice          fine, coarse;           /* of one point in other directions */
+  Lattice          fine, coarse;           /* with one point in other directions */
   PetscInt         n;
   RegionPoint     *point; /* [n] */
 } Region;
-/* RegionFill - makes its points: on the fine lattice where the spacing is fine, on the coarse one where that is
-   reached, between at the spacing wanted there. Frees nothing; the caller frees 'point' by PetscFree. The same on every
-   rank. Collective. */
+/* RegionFill - makes the points of the region: on the fine lattice where SceneSpacing is fine, on the coarse lattice
+   where it is coarse, between them at that spacing. The caller frees 'point' with PetscFree. The same on every rank.
+   Collective. */
 PetscErrorCode RegionFill(Region *region);
-/* RegionSpread - spreads the points that are not fixed evenly. Not collective. */
+/* RegionSpread - moves the points that are not fixed until they are spread evenly. Not collective. */
 PetscErrorCode RegionSpread(Region *region);
 
 /* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit,
-   GradedVisitWalls - SampleSources of the liquid and of the walls, as WallVisit. GradedDestroy - frees them. */
+   GradedVisitWalls - SampleSources of the liquid and of the walls. GradedDestroy - frees the particles. */
 PetscErrorCode GradedSetUp(Packing packing);
 PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context);
 PetscErrorCode GradedVisitWalls(void *source, SampleVisitor visitor, void *context);
@@ -143,41 +144,40 @@ PetscErrorCode GradedDestroy(Packing packing);
 /* EmissionsDestroy - frees what emitters bring. */
 PetscErrorCode EmissionsDestroy(Packing packing);
 
-/* PackingCheckMemory - refuses (UserError) more particles than the machines of the ranks have memory for. Collective.
- */
+/* PackingCheckMemory - refuses (UserError) a scene with more particles than the ranks' machines have memory for.
+   Collective. */
 PetscErrorCode PackingCheckMemory(Packing packing);
 /* PackingFraction - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume
    fraction V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */
 PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row);
-/* PackingMeasure - the densities of all particles of the cloud, Eq. (4) of Kuri et al. with the rest density of the
-   particle itself, so that two liquids in touch are at rest; and the report on them. Collective. */
+/* PackingMeasure - sums the densities of all particles of the cloud, Eq. (4) of Kuri et al. with the particle's own
+   rest density, so that two liquids in contact are at rest; fills the report. Collective. */
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report);
 
-/* Shown to the optimiser and given back by it. */
+/* The goal of the optimiser, and what it reached. */
 typedef struct {
   PetscReal distance;   /* smallest allowed, in spacings */
-  PetscReal tolerance;  /* standard deviation to reach, over rho_0 */
+  PetscReal tolerance;  /* standard deviation of the density to reach, over rho_0 */
   PetscReal deviation;  /* reached, over rho_0 */
   PetscInt  iterations; /* of TAO */
 } PackingTarget;
 
 /* PackingOptimise - moves the fluid particles of the cloud until the standard deviation of their density is small and
-   none is closer to another than the smallest distance; leaves the result in the swarm. Collective. */
+   no two are closer than the smallest distance. The swarm gets the result. Collective. */
 PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target);
 
-/* PoissonSample - random samples of all bodies, V / d0^dim each, as far apart as darts get them; those next to a free
-   surface half a spacing deep. The caller frees x ([n][3], m) and body ([n]) by PetscFree. Not collective; the same
-   everywhere. */
+/* PoissonSample - random samples of all bodies, V / d0^dim in each body, as far apart as darts get them; the samples
+   nearest to a free surface are half a spacing deep. The same on every rank. The caller frees x ([n][3], m) and body
+   ([n]) with PetscFree. Not collective. */
 PetscErrorCode PoissonSample(Packing packing, PetscInt *n, PetscReal **x, PetscInt **body);
 
-/* PackingHash - 64 bits of everything that determines a packing: the identity of its cloud and a text, how it is made.
-   Not collective. */
+/* PackingHash - a hash of all that determines a packing: CloudIdentity, and a text 'how' it is made. Not collective. */
 PetscErrorCode PackingHash(Packing packing, const char how[], unsigned long long *hash);
-/* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing of this hash for the scene of the cloud; n = 0 if
-   there is no file whose contents are those of a packing. The caller frees by PetscFree. Collective. */
+/* CacheRead - positions ([n][3], m) and bodies ([n]) of the packing with this hash; n = 0 without a file that holds a
+   packing of the scene. The caller frees both with PetscFree. Collective. */
 PetscErrorCode CacheRead(Cloud cloud, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
                          PetscInt **body);
-/* CacheWrite - writes the fluid particles of the swarm, 'count' over all ranks; a folder that cannot be written is no
+/* CacheWrite - writes the fluid particles of the swarm, 'count' over all ranks. A folder that cannot be written is no
    error. Collective. */
 PetscErrorCode CacheWrite(Particles particles, MPI_Comm comm, const char folder[], unsigned long long hash,
                           PetscInt count);

@@ -1,5 +1,5 @@
-/* The type poisson: bodies filled with random samples (poisson_samples.c), whose density is then brought to rho_0 by
-   TAO (optimise.c), as in Kuri et al.; a finished packing is kept in a file (cache.c). */
+/* The type poisson: random samples fill the bodies (poisson_samples.c), TAO brings their density to rho_0 (optimise.c),
+   as in Kuri et al.; a file keeps a finished packing (cache.c). */
 #include "packing_impl.h"
 
 #define DISTANCE  0.6  /* reaches the tolerance of the paper; 0.7 stays at 1.5 times, 0.8 stalls */
@@ -77,13 +77,13 @@ static PetscErrorCode Improve_Poisson(Packing packing, PackingReport *report)
   PackingTarget target = {.distance = p->distance, .tolerance = p->tolerance};
 
   PetscFunctionBegin;
-  PetscCall(PetscFree(p->x)); /* the particles have them now */
+  PetscCall(PetscFree(p->x)); /* the swarm has the positions now */
   PetscCall(PetscFree(p->body));
   p->n = 0;
   if (p->cached) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PackingOptimise(cloud, &target));
   report->iterations = target.iterations;
-  /* One that missed its goal is not kept: more iterations may be allowed next time. */
+  /* A packing that missed its goal is not kept: the next run may allow more iterations. */
   if (packing->cache[0] && target.deviation <= p->tolerance)
     PetscCall(CacheWrite(cloud->particles, cloud->comm, packing->cache, p->hash, packing->count));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,42 +1,44 @@
 /* The samples that -packing_type poisson starts from: random points at a distance from each other (Schechter & Bridson
    2012, Ghost SPH for animating water, Sec. 4), first on the free surface, then in the volume. Three things differ from
-   that paper. The surface samples stand half a spacing inside the surface, where the centres of particles belong. The
-   volume is filled by plain darts whose distance shrinks until there are V / d0^dim of them, the number that can reach
-   rho_0. TAO takes the place of their relaxation. */
+   that paper. The surface samples are half a spacing inside the surface, as centres of particles must be. The volume is
+   filled by plain darts whose distance shrinks until there are V / d0^dim of them, the number that can reach rho_0. TAO
+   takes the place of their relaxation. */
 #include "packing_impl.h"
 
-/* Lengths in spacings. All numbers were found by trial on drops and films; TAO forgives each of them. */
+/* Lengths in spacings. All numbers were found by trial on drops and films; TAO tolerates changes of each. */
 #define FIRST_RADIUS                                                                                                   \
-  0.95 /* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most                     \
-        */
-#define RADIUS_SHRINK   0.98 /* factor on the distance in the volume ... */
-#define PLACED_LEAST    0.03 /* ... when less than this part of the darts in the core finds a place */
-#define RADIUS_SMALLEST 0.6  /* a body that does not hold its samples at this distance is too thin for the skin ... */
-#define SKIN_SHRINK     0.5  /* ... which takes this factor ... */
-#define SKIN_SMALLEST   0.05 /* ... down to this depth */
-#define SURFACE_DARTS   15   /* thrown into a grid cell that the surface crosses */
-#define VOLUME_DARTS    2    /* thrown in a batch for each missing sample, and ... */
-#define VOLUME_DARTS_0  1000 /* ... so many more */
-#define SKIN            0.5  /* spacings below the surface, where the first layer of a lattice lies */
-#define PROJECTIONS     4    /* of a dart onto the surface, by Newton's method */
-#define ON_SURFACE      1e-3 /* a dart so close to the surface is on it */
-#define FOOT_OFF        0.1  /* the foot of a normal may be so far from the surface */
-#define SUBCELLS        6    /* a direction: the share of a cell inside the body is exact to about a percent */
-#define NOBODY          (-1)
-#define WATCH_AFTER     4096 /* darts: between two looks at the clock */
+  0.95                     /* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most \
+                            */
+#define RADIUS_SHRINK 0.98 /* factor on the distance in the volume ... */
+#define PLACED_LEAST  0.03 /* ... when less than this part of the darts in the core is accepted */
+#define RADIUS_SMALLEST                                                                                                \
+  0.6                       /* a body that has no room for its samples at this distance is too thin for the skin ...   \
+                             */
+#define SKIN_SHRINK    0.5  /* ... which takes this factor ... */
+#define SKIN_SMALLEST  0.05 /* ... down to this depth */
+#define SURFACE_DARTS  15   /* thrown into a grid cell that the surface crosses */
+#define VOLUME_DARTS   2    /* thrown in a batch for each missing sample, and ... */
+#define VOLUME_DARTS_0 1000 /* ... so many more */
+#define SKIN           0.5  /* spacings below the surface, where the first layer of a lattice lies */
+#define PROJECTIONS    4    /* of a dart onto the surface, by Newton's method */
+#define ON_SURFACE     1e-3 /* a dart this close to the surface is on it */
+#define FOOT_OFF       0.1  /* largest distance of the foot of a normal from the surface */
+#define SUBCELLS       6    /* in each direction: the share of a cell inside the body is exact to about 1 % */
+#define NOBODY         (-1)
+#define WATCH_AFTER    4096 /* darts: between two looks at the clock */
 
 typedef struct {
   Domain             domain;
   PetscReal          spacing; /* m */
   unsigned long long seed, draws;
-  Body               body;                   /* that is being filled */
-  PetscReal          lower[DIM], upper[DIM]; /* of it, m */
-  PetscReal          skin, skin_first;       /* depth of the surface samples, now and as asked for, m */
+  Body               body;                   /* being filled */
+  PetscReal          lower[DIM], upper[DIM]; /* of the body, m */
+  PetscReal          skin, skin_first;       /* depth of the surface samples, now and at first, m */
   PetscReal          radius;                 /* m */
   /* A grid of cells at least one spacing wide over all bodies; lists of samples through head and next. */
   PetscReal  grid_lower[DIM], cell[DIM];
   PetscInt   cells[DIM], *head, *next;
-  PetscInt   n, total; /* samples, and those wanted of all bodies */
+  PetscInt   n, total; /* samples, and samples wanted for all bodies */
   PetscReal *x;        /* [n][3] m */
 } Darts;
 
@@ -46,7 +48,7 @@ static PetscReal Draw(Darts *darts)
   return RandomUnit(darts->seed, darts->draws++);
 }
 
-/* The cell of the grid that holds x, the nearest one outside. */
+/* The cell of the grid that contains x; outside the grid the nearest cell. */
 static void FindCell(const Darts *darts, const PetscReal x[DIM], PetscInt cell[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
@@ -85,7 +87,7 @@ static PetscBool ClearOfFaces(const Darts *darts, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
-/* The cell that many cells from another, across periodic faces; whether there is one. */
+/* The cell at an offset from another, across periodic faces; returns whether it exists. */
 static PetscBool ShiftCell(const Darts *darts, const PetscInt from[DIM], const PetscInt offset[DIM], PetscInt cell[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
@@ -98,7 +100,7 @@ static PetscBool ShiftCell(const Darts *darts, const PetscInt from[DIM], const P
   return PETSC_TRUE;
 }
 
-/* Whether a sample may stand at x: far enough from walls and mirrors and from the other samples. */
+/* Whether a sample may be at x: far enough from walls, mirrors and other samples. */
 static PetscBool IsFree(const Darts *darts, const PetscReal x[DIM])
 {
   const PetscInt last[DIM] = {1, 1, darts->domain->dim == DIM ? 1 : 0}, first[DIM] = {-1, -1, -last[2]};
@@ -143,9 +145,9 @@ static void Normal(const Darts *darts, const PetscReal x[DIM], PetscReal normal[
   for (PetscInt d = 0; d < DIM && size > 0; d++) normal[d] /= size;
 }
 
-/* Whether the surface next to x, at distance s (negative inside), is a free one: its nearest point is in the box and
-   not on a closed face, where the liquid goes on as an image or meets a wall. Not so where no normal leads to the
-   surface, as between two faces of a box. */
+/* Whether the surface next to x, at distance s (negative inside), is free: its nearest point is in the box and not on a
+   closed face, where an image continues the liquid or a wall bounds it. False where no normal leads to the surface, as
+   between two faces of a box. */
 static PetscBool IsFreeSurface(const Darts *darts, const PetscReal x[DIM], PetscReal s, const PetscReal normal[DIM])
 {
   const PetscReal tiny = ON_SURFACE * darts->spacing;
@@ -171,7 +173,7 @@ static PetscBool InCore(const Darts *darts, const PetscReal x[DIM])
   return (PetscBool)!IsFreeSurface(darts, x, s, normal);
 }
 
-/* Takes x to the surface of the core along the normal; false if that fails or the surface is not free. */
+/* Moves x along the normal to the surface of the core; false if this fails or the surface is not free. */
 static PetscBool ProjectToSkin(const Darts *darts, PetscReal x[DIM])
 {
   PetscReal normal[DIM] = {0, 0, 0}, s = BodyDistance(darts->body, x);
@@ -185,7 +187,7 @@ static PetscBool ProjectToSkin(const Darts *darts, PetscReal x[DIM])
                      IsFreeSurface(darts, x, s, normal));
 }
 
-/* The line of progress; this is work of one rank. */
+/* Prints the line of progress; one rank does this work. */
 static PetscErrorCode Watch(const Darts *darts)
 {
   PetscFunctionBegin;
@@ -219,7 +221,7 @@ static PetscErrorCode SampleSurface(Darts *darts, PetscInt most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Throws darts into the core until there are 'most' samples or no hope. */
+/* Throws darts into the core until there are 'most' samples, or until too few darts are accepted. */
 static PetscErrorCode SampleVolume(Darts *darts, PetscInt most)
 {
   PetscFunctionBegin;
@@ -248,7 +250,7 @@ static PetscErrorCode SampleVolume(Darts *darts, PetscInt most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The share of cell 'at' of those of these edges (m) from the body's lower corner on that is inside the body. */
+/* The share inside the body of cell 'at', of a grid with these edges (m) from the body's lower corner on. */
 static PetscReal CellShare(const Darts *darts, const PetscInt at[DIM], const PetscReal edge[DIM])
 {
   const PetscInt n[DIM] = {SUBCELLS, SUBCELLS, darts->domain->dim == DIM ? SUBCELLS : 1}, points = n[0] * n[1] * n[2];
@@ -266,7 +268,8 @@ static PetscReal CellShare(const Darts *darts, const PetscInt at[DIM], const Pet
   return (PetscReal)inside / points;
 }
 
-/* Volume (area in two dimensions) of the body in the box over that of one particle, by cells of about one spacing. */
+/* The volume (in two dimensions the area) of the body in the box over that of a particle, from cells of about one
+   spacing. */
 static PetscReal CountParticles(const Darts *darts)
 {
   PetscReal edge[DIM] = {0, 0, 0}, half, volume = 1, sum = 0;

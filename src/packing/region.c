@@ -1,12 +1,13 @@
-/* Filling a part of space with particles of different sizes: lattices where the spacing is the finest or the coarsest,
-   and between them some of the points of the fine lattice, as many as the spacing wants, spread evenly. */
+/* Fills a part of space with particles of different sizes: with lattices where the spacing is the finest or the
+   coarsest, between them with points of the fine lattice, thinned out to the wanted spacing and spread evenly. */
 #include "packing_impl.h"
 #include <stdlib.h>
 
-#define CORNER_SHRINK 1e-3 /* of a coarse cell that must be inside the body */
+#define CORNER_SHRINK 1e-3 /* of a coarse cell: so much less must be inside the body */
 #define GAP_POINTS    200  /* of the integral of 1/s over a gap */
-#define LEAST_GAP     0.25 /* particles that a gap must hold */
-#define JITTER        0.1  /* spacings, of the points between the lattices at the start: they must not be in line */
+#define LEAST_GAP     0.25 /* particles for which a gap must have room */
+#define JITTER                                                                                                         \
+  0.1 /* spacings, of the points between the lattices at the start, so that no row of them stays straight */
 
 static PetscReal LatticeMeasure(const Region *region, const Lattice *lattice)
 {
@@ -17,7 +18,8 @@ static PetscReal LatticeMeasure(const Region *region, const Lattice *lattice)
   return measure;
 }
 
-/* Whether the cell of a point x of the coarse lattice is wholly in the region, and the coarse spacing wanted there. */
+/* Whether the spacing wanted at a point x of the coarse lattice is the coarse one, and its cell is wholly in the
+   region. */
 static PetscBool CoarseEnough(const Region *region, const PetscReal x[DIM])
 {
   const Domain    domain = region->packing->cloud->domain;
@@ -39,7 +41,7 @@ static PetscBool CoarseEnough(const Region *region, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
-/* Whether x lies in the cell of a point of the coarse lattice that is taken ([count of the coarse lattice]). */
+/* Whether x lies in the cell of a taken point of the coarse lattice. taken: [points of the coarse lattice]. */
 static PetscBool Covered(const Region *region, const PetscBool taken[], const PetscReal x[DIM])
 {
   const Lattice *coarse = &region->coarse;
@@ -52,27 +54,27 @@ static PetscBool Covered(const Region *region, const PetscBool taken[], const Pe
   return taken[CellIndex(coarse->n, at[0], at[1], at[2])];
 }
 
-/* A point of the fine lattice where the spacing is larger; place: in the order of Morton (1966), in which those that
-   follow each other are near each other. */
+/* A point of the fine lattice where the wanted spacing is larger. order: its number in the order of Morton (1966), in
+   which successive points are close together. */
 typedef struct {
-  uint64_t  place;
+  uint64_t  order;
   PetscReal x[DIM];
 } Candidate;
 
-static uint64_t MortonPlace(const PetscInt at[DIM])
+static uint64_t MortonOrder(const PetscInt at[DIM])
 {
-  uint64_t place = 0;
+  uint64_t order = 0;
 
   for (PetscInt bit = 0; bit < 20; bit++)
-    for (PetscInt d = 0; d < DIM; d++) place |= (uint64_t)(at[d] >> bit & 1) << (DIM * bit + d);
-  return place;
+    for (PetscInt d = 0; d < DIM; d++) order |= (uint64_t)(at[d] >> bit & 1) << (DIM * bit + d);
+  return order;
 }
 
 static int CompareCandidates(const void *left, const void *right)
 {
   const Candidate *a = (const Candidate *)left, *b = (const Candidate *)right;
 
-  return (a->place > b->place) - (a->place < b->place);
+  return (a->order > b->order) - (a->order < b->order);
 }
 
 static PetscErrorCode AddPoint(PetscSegBuffer points, const PetscReal x[DIM], PetscReal measure, PetscBool fixed)
@@ -87,7 +89,7 @@ static PetscErrorCode AddPoint(PetscSegBuffer points, const PetscReal x[DIM], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of the coarse lattice; taken: which. */
+/* Adds the points of the coarse lattice where CoarseEnough. taken: which they are; *measure: their measure is added. */
 static PetscErrorCode AddCoarse(const Region *region, PetscSegBuffer points, PetscBool taken[], PetscReal *measure)
 {
   const PetscReal cell = LatticeMeasure(region, &region->coarse);
@@ -105,8 +107,8 @@ static PetscErrorCode AddCoarse(const Region *region, PetscSegBuffer points, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of the fine lattice where that is the spacing; the others, but for those that coarse ones cover, become
-   candidates. *left: the measure of the region less that of all points on lattices. */
+/* Adds the points of the fine lattice where the wanted spacing is fine. The others become candidates, unless a coarse
+   cell covers them. *left: the region's measure less the measure of all points on lattices. */
 static PetscErrorCode AddFine(const Region *region, PetscSegBuffer points, const PetscBool taken[],
                               PetscSegBuffer candidates, PetscReal *left)
 {
@@ -123,10 +125,10 @@ static PetscErrorCode AddFine(const Region *region, PetscSegBuffer points, const
 
     LatticePoint(&region->fine, point, x);
     if (region->body >= 0) {
-      PetscReal placed[DIM] = {x[0], x[1], x[2]};
+      PetscReal displaced[DIM] = {x[0], x[1], x[2]};
 
-      BodyDisplace(SceneBody(packing->cloud->scene, region->body), placed);
-      if (!LatticeBelongs(packing, region->level, region->body, point, placed)) continue;
+      BodyDisplace(SceneBody(packing->cloud->scene, region->body), displaced);
+      if (!LatticeBelongs(packing, region->level, region->body, point, displaced)) continue;
     }
     *left += cell;
     if (Covered(region, taken, x)) continue;
@@ -137,14 +139,14 @@ static PetscErrorCode AddFine(const Region *region, PetscSegBuffer points, const
     }
     CellCoordinates(region->fine.n, point, at);
     PetscCall(PetscSegBufferGet(candidates, 1, &candidate));
-    candidate->place = MortonPlace(at);
+    candidate->order = MortonOrder(at);
     PetscCall(PetscArraycpy(candidate->x, x, DIM));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Takes as many of the n candidates as the spacing wants: one whenever the sum of their shares of a particle passes a
-   whole number. The particles taken share what is left of the region by their spacings. */
+/* Takes as many of the n candidates as the wanted spacing allows. A candidate counts as a fraction of a particle; when
+   the sum of the fractions passes an integer, the candidate is taken. */
 static PetscErrorCode Thin(const Region *region, PetscInt n, Candidate candidate[], PetscReal left,
                            PetscSegBuffer points)
 {
@@ -170,7 +172,7 @@ static PetscErrorCode Thin(const Region *region, PetscInt n, Candidate candidate
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shares the measure left (m^dim) among the points that are not fixed, by their spacings. */
+/* Divides the measure left (m^dim) among the points that are not fixed, by their spacings. */
 static void ShareMeasure(Region *region, PetscReal left)
 {
   const Scene scene = region->packing->cloud->scene;
@@ -187,12 +189,12 @@ static void ShareMeasure(Region *region, PetscReal left)
 static int ComparePoints(const void *left, const void *right)
 {
   const RegionPoint *a = (const RegionPoint *)left, *b = (const RegionPoint *)right;
-  const PetscReal    x = a->x[0] + a->x[1] + a->x[2], y = b->x[0] + b->x[1] + b->x[2]; /* they differ in one number */
+  const PetscReal x = a->x[0] + a->x[1] + a->x[2], y = b->x[0] + b->x[1] + b->x[2]; /* they differ in one coordinate */
 
   return (x > y) - (x < y);
 }
 
-/* Fills a gap of an edge, from low to high (m) along direction d: places at equal steps of the integral of 1/s. */
+/* Fills a gap of an edge, from low to high (m) along direction d, with points at equal steps of the integral of 1/s. */
 static PetscErrorCode FillGap(const Region *region, PetscInt d, PetscReal low, PetscReal high, PetscSegBuffer points)
 {
   const Scene     scene = region->packing->cloud->scene;
@@ -227,7 +229,7 @@ static PetscErrorCode FillGap(const Region *region, PetscInt d, PetscReal low, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fills what the points of an edge leave free. */
+/* Fills the gaps between the points of an edge. */
 static PetscErrorCode FillGaps(const Region *region, PetscSegBuffer points)
 {
   RegionPoint *point;

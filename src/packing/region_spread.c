@@ -1,23 +1,23 @@
-/* Spreads particles of different sizes evenly, as the shifting does while a run goes on: each moves against sum V_b (1
-   + 0.2 (W/W(s))^4) grad W. Beyond the faces of the region stand its mirror images, so that the first layer comes to
-   rest half a spacing from them. The kernel is one that makes no pairs. */
+/* Spreads particles of different sizes evenly, as the shifting does during a run: each moves against sum V_b (1 + 0.2
+   (W/W(s))^4) grad W. Faces of the region mirror it, so that the first layer comes to rest half a spacing from them.
+   With the kernel used here particles do not pair. */
 #include "packing_impl.h"
 
 #define ROUNDS       150 /* of displacements */
-#define LIST_ROUNDS  5   /* that a list of neighbours is kept */
-#define LIST_MARGIN  1.1 /* of the support, for what moves meanwhile and for larger neighbours */
+#define LIST_ROUNDS  5   /* between two searches of neighbours */
+#define LIST_MARGIN  1.1 /* on the support, for motion between searches and for larger neighbours */
 #define LIST_SLACK   0.5 /* spacings, the same */
 #define KERNEL_WIDTH 1.3 /* smoothing length, spacings */
 #define SUPPORT      (2 * KERNEL_WIDTH)
-#define STRENGTH     0.3  /* of a displacement, over s^2 times the sum */
-#define FARTHEST     0.1  /* a displacement at most, spacings */
-#define CLUMP_WEIGHT 0.2  /* Monaghan (2000) */
-#define DEEP_ENOUGH  0.2  /* spacings that centres keep from the region's surface */
-#define PROBE        0.05 /* fine spacings, for normals, and inside a face to see whether the region reaches it */
-#define PARALLEL     0.9  /* cosine of an angle between a curved surface's normal and a face's: they are one */
+#define STRENGTH     0.3 /* factor of a displacement: times s^2 times the sum */
+#define FARTHEST     0.1 /* largest displacement, spacings */
+#define CLUMP_WEIGHT 0.2 /* Monaghan (2000) */
+#define DEEP_ENOUGH  0.2 /* least distance of centres from the region's surface, spacings */
+#define PROBE                                                                                                          \
+  0.05 /* fine spacings: difference for normals, and depth at which to test whether the region reaches a face */
+#define PARALLEL 0.9 /* least cosine between the normals of a curved surface and of a face that count as one mirror */
 
-/* The kernel C2 of Wendland (1995) at q = r/h, -F of it, both without their norm, and that of F for h = KERNEL_WIDTH.
- */
+/* The kernel C2 of Wendland (1995) at q = r/h and its -F, both without norm, and the norm of F for h = KERNEL_WIDTH. */
 #define WENDLAND(q)       (PetscSqr(PetscSqr(1 - 0.5 * (q))) * (2 * (q) + 1))
 #define WENDLAND_SLOPE(q) (5 * PetscSqr(1 - 0.5 * (q)) * (1 - 0.5 * (q)))
 #define NORM_2            (7 / (4 * PETSC_PI * PetscSqr(PetscSqr(KERNEL_WIDTH))))
@@ -40,7 +40,7 @@ typedef struct {
   PetscInt  *first, *list, capacity; /* neighbours of the points that move */
 } Spread;
 
-/* The points within reach of each that moves. */
+/* Finds the neighbours of each point that moves. */
 static PetscErrorCode FindNear(Spread *p)
 {
   const Region  *region = p->region;
@@ -72,7 +72,7 @@ static PetscErrorCode FindNear(Spread *p)
           p->capacity = 2 * p->capacity + 1024;
           PetscCall(PetscRealloc(p->capacity * sizeof(PetscInt), &p->list));
         }
-        p->list[used++] = b; /* the point itself too: it has images */
+        p->list[used++] = b; /* the point itself too, for its images */
       }
     } while (CellNext(low, high, cell));
   }
@@ -80,7 +80,7 @@ static PetscErrorCode FindNear(Spread *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Signed distance (m) of a point of the region to the surface of a body that displaces it. */
+/* Signed distance (m) of a point, after the body's displacement, to the body's surface. */
 static PetscReal Distance(Body body, const PetscReal x[DIM])
 {
   PetscReal y[DIM] = {x[0], x[1], x[2]};
@@ -89,7 +89,7 @@ static PetscReal Distance(Body body, const PetscReal x[DIM])
   return BodyDistance(body, y);
 }
 
-/* The normal of the body's surface at x, out of it. */
+/* The outward normal of the body's surface at x. */
 static void SurfaceNormal(const Spread *p, Body body, const PetscReal x[DIM], PetscReal normal[DIM])
 {
   const PetscReal step = PROBE * p->domain->spacing;
@@ -142,9 +142,10 @@ static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal re
   return n + 1;
 }
 
-/* Adds the displacement of a (x, s) by a neighbour of spacing s_b at y, its size as a volume in the sum. */
-static void AddPush(const Spread *p, const PetscReal x[DIM], PetscReal s, const PetscReal y[DIM], PetscReal s_b,
-                    PetscReal force[DIM])
+/* Adds the displacement of a point at x with spacing s by a neighbour at y with spacing s_b, whose volume is
+   s_b^dim. */
+static void AddDisplacement(const Spread *p, const PetscReal x[DIM], PetscReal s, const PetscReal y[DIM], PetscReal s_b,
+                            PetscReal force[DIM])
 {
   const PetscInt  dim  = p->region->dim;
   const PetscReal mean = 0.5 * (s + s_b), r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]},
@@ -182,13 +183,13 @@ static void FindForce(const Spread *p, PetscInt a, PetscReal force[DIM])
         if (image >> m & 1)
           for (PetscInt e = 0; e < DIM; e++) y[e] -= 2 * height * plane[m].normal[e];
       }
-      AddPush(p, x, p->s[a], y, p->s[b], force);
+      AddDisplacement(p, x, p->s[a], y, p->s[b], force);
     }
   }
 }
 
-/* Whether a centre that is at a distance 'from' inside a surface may move to the distance 'to': far enough from it, or
-   at least not nearer. The fine lattice, from which the points come, is nearer than coarse particles should be. */
+/* Whether a centre may move from the depth 'from' below a surface to the depth 'to': deep enough, or at least not less
+   deep. Points of the fine lattice start less deep than coarse particles should be. */
 static inline PetscBool MayMove(PetscReal from, PetscReal to, PetscReal s)
 {
   return (PetscBool)(to >= PetscMin(DEEP_ENOUGH * s, from));

@@ -1,4 +1,4 @@
-/* From samples to particles: every rank sees all samples of a source and keeps those of its cells. */
+/* Makes particles from samples: every rank visits all samples of a source and keeps those of its cells. */
 #include "packing_impl.h"
 
 typedef struct {
@@ -6,7 +6,7 @@ typedef struct {
   PetscMPIInt    rank;
   PetscInt      *weight; /* [cells] */
   PetscInt       count;  /* samples seen */
-  PetscSegBuffer own;    /* those of this rank */
+  PetscSegBuffer own;    /* of this rank */
 } Selection;
 
 static PetscErrorCode WeighSample(void *context, const Sample *sample)

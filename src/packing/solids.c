@@ -1,13 +1,14 @@
-/* Dummy particles of the solids: points of the box's lattice inside them. Liquid on the same lattice, as all that
-   reaches a closed face is, then has its full spacing from them whatever the shape. */
+/* Dummy particles of the solids: points of the box's lattice inside them. Liquid that reaches a closed face is on the
+   same lattice, so it is a full spacing away from a solid of any shape. */
 #include "packing_impl.h"
 
 PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context)
 {
   const Cloud     cloud  = ((const Dummies *)source)->cloud;
   const Domain    domain = cloud->domain;
-  const PetscReal fine   = domain->graded ? 0.5 * (1 + DomainSizeMax(domain)) : 1; /* a fine one meets the coarsest */
-  const PetscReal depth  = ((const Dummies *)source)->layers * domain->spacing * fine;
+  const PetscReal fine =
+    domain->graded ? 0.5 * (1 + DomainSizeMax(domain)) : 1; /* a fine particle beside the coarsest */
+  const PetscReal depth = ((const Dummies *)source)->layers * domain->spacing * fine;
   Lattice         box;
   PetscInt        number = 0, solid = 0;
 

@@ -6,8 +6,7 @@ PetscInt PackingWallLayers(Cloud cloud)
   return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
 }
 
-/* The lattice of box and walls, and where in it the box is: point i of direction d is inside the box if
-   low[d] <= i < high[d]. */
+/* The lattice of box and walls. Point i of direction d is inside the box if low[d] <= i < high[d]. */
 typedef struct {
   Lattice  lattice;
   PetscInt low[DIM], high[DIM];
@@ -35,10 +34,11 @@ static inline PetscInt StepsOutside(const Walls *walls, PetscInt d, PetscInt at)
   return PetscMax(0, PetscMax(walls->low[d] - at, at - walls->high[d] + 1));
 }
 
-/* Points of the walls before this one in the order of the lattice: all before it less those inside the box. */
+/* The number of wall points before this point in the order of the lattice: all points before it less those inside the
+   box. */
 static PetscInt WallOrdinal(const Walls *walls, const PetscInt at[DIM])
 {
-  PetscInt n[DIM], before[DIM], inside; /* of the box: its points, those before this point */
+  PetscInt n[DIM], before[DIM], inside; /* of the box: its points, and its points before this point */
 
   for (PetscInt d = 0; d < DIM; d++) {
     n[d]      = walls->high[d] - walls->low[d];
