@@ -30,10 +30,10 @@ static PetscReal EstimateParticles(Packing packing)
     count += volume * inside / points;
   }
   for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal points = (domain->upper[d] - domain->lower[d]) / domain->spacing;
+    const PetscReal spacings = (domain->upper[d] - domain->lower[d]) / domain->spacing;
 
-    box *= points;
-    walled *= points + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
+    box *= spacings;
+    walled *= spacings + layers * ((domain->face[d][0] == FACE_WALL) + (domain->face[d][1] == FACE_WALL));
   }
   return domain->graded ? count : count + walled - box; /* few dummy particles have the fine size */
 }

@@ -1,16 +1,16 @@
-/* How the free surface closes the equation: what is added to the diagonal of the row of a particle whose neighbours are
-   incomplete, as if the missing ones had a pressure that is known.
+/* How the free surface closes the equation: an addition to the diagonal of the row of a particle whose neighbourhood is
+   incomplete, as if the missing neighbours had a known pressure.
 
      doubled         A_aa + sum_b K_ab: Eq. (11) of Kuri et al., after Bockmann et al. 2012
      full_diagonal   A_aa + c max(0, Lambda_0 m/rho - A_aa), Lambda_0 the diagonal of a full lattice: Nair & Tomar 2014
  */
 #include "pressure_impl.h"
 
-/* Of ClosureFull, which says where they come from. */
+/* ClosureFull gives their sources. */
 #define FACTOR 2 /* times the filling of Nair and Tomar: p = 0 lies on the surface */
 #define FILLED_LAMBDA                                                                                                  \
-  0.9             /* rows of a smaller one are filled up: those of a surface and of the layer below; no reference */
-#define LEAST 2.5 /* over n.B n V/rho; a row that is closed by less than 1 diverges */
+  0.9 /* rows with a smaller lambda are filled up: rows of the surface and of the layer below; no reference */
+#define LEAST 2.5 /* times n.B n V/rho: least closure; below 1 a row diverges */
 
 /* Eq. (11): (2 p_a - p_b) in place of (p_a - p_b). */
 PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
@@ -18,9 +18,9 @@ PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)
   return pressure->cloud->integer[INT_SURFACE][a] == 1 ? diagonal : 0;
 }
 
-/* The square of the size that graded particles have around a (1): the mean over its pairs, as they weigh in its row.
-   The diagonal of a full row follows from it and not from the particle's own size: that of a fine particle which mixing
-   has brought among coarse ones is small. */
+/* The squared size (1) of graded particles around a: the mean over its pairs with their weights in its row. The
+   diagonal of a full row follows from this size and not from the particle's own size: a fine particle that mixing has
+   brought among coarse particles has a small diagonal. */
 static PetscReal SizeAround2(Cloud cloud, PetscInt a)
 {
   PetscReal sum = 0, weighted = 0;
@@ -34,15 +34,15 @@ static PetscReal SizeAround2(Cloud cloud, PetscInt a)
 }
 
 /* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < FILLED_LAMBDA) up to that of a full
-   neighbourhood, as if the missing neighbours had p = 0. That puts the zero where they would be, 0.8 spacings outside
-   the surface: the first pressure of a rotating square is then 8 % too large at 40 spacings a side. With twice the
-   filling (FACTOR) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
+   neighbourhood, as if the missing neighbours had p = 0. That puts the zero at their positions, 0.8 spacings outside
+   the surface: the first pressure of a rotating square is then 8 % too large with 40 spacings along a side. With twice
+   the filling (FACTOR) the missing neighbours have -p_a, mirrored in the surface as in Eq. (11): 2.2 %.
 
-   Where two fronts meet, rows look full but have a free side: crowded particles lack nothing that could be filled, yet
-   by Eq. (9) a pressure p drives them outwards by 2 p n/rho, n = sum V grad W, and the corrected divergence of that is
-   2 n.B n p/rho. If such a row is closed by less than half of it, each projection over-corrects and the velocity grows
-   from step to step, 5 to 15 times where the row is not closed at all, whatever the size of the step. At rest density
-   the filling is 2.5 to 6 n.B n/rho, for all kernels and h; crowded rows get no less than LEAST. */
+   Where two fronts meet, crowded particles have full rows in spite of a free side. Yet by Eq. (9) a pressure p drives
+   them outwards by 2 p n/rho, n = sum V grad W, with the corrected divergence 2 n.B n p/rho. If such a row is closed by
+   less than half of this, each projection over-corrects and the velocity grows from step to step, 5 to 15 times in a
+   row without a closure, for any size of the step. At rest density the filling is 2.5 to 6 n.B n/rho, for all kernels
+   and h; crowded rows get at least LEAST. */
 PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
   Cloud            cloud   = pressure->cloud;

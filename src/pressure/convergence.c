@@ -1,15 +1,15 @@
-/* What a residual of the pressure equation means, when the solver may stop, and whether it did what it says. The
-   residual of a row over its mass is a source that the projection leaves, in 1/s2; times dt^2 it is the relative
-   density error that the step leaves there, which -pressure_density_tolerance bounds. */
+/* Residuals of the pressure equation as density errors, the solver's test, and the check of its claim. The residual of
+   a row over its mass is a source that the projection leaves, in 1/s2. Times dt^2 this is the relative density error
+   that the step leaves, which -pressure_density_tolerance bounds. */
 #include "pressure_impl.h"
 
-/* A residual r of the right-hand side b: |r|, |b|, and |diagonal x|, of whose rounding r cannot be free; as density
-   errors (1) the largest, their root mean square, and the largest that rounding makes. */
+/* Measures of a residual r with the right-hand side b: |r|, |b|, and |diagonal x|, whose rounding is in r; as density
+   errors (1): the largest, the root mean square, and the largest due to rounding. */
 typedef struct {
   PetscReal norm, rhs, rounding, largest, rms, largest_rounding;
 } ResidualSize;
 
-/* Of r, the residual of x. */
+/* Measures r, the residual of x. */
 static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *size)
 {
   const Cloud        cloud = pressure->cloud;
@@ -38,11 +38,11 @@ static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *siz
   PetscCall(VecRestoreArrayRead(r, &residual));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPIU_REAL, MPIU_SUM, cloud->comm));
-  *size = (ResidualSize){.norm     = PetscSqrtReal(sum[1]),
-                         .rhs      = PetscSqrtReal(sum[2]),
-                         .rounding = PetscSqrtReal(sum[3]),
-                         .largest  = sum[1] == sum[1] ? most[0] : NAN, /* the largest of numbers passes nan over */
-                         .rms      = PetscSqrtReal(sum[0] / PetscMax(1, pressure->rows_global)),
+  *size = (ResidualSize){.norm             = PetscSqrtReal(sum[1]),
+                         .rhs              = PetscSqrtReal(sum[2]),
+                         .rounding         = PetscSqrtReal(sum[3]),
+                         .largest          = sum[1] == sum[1] ? most[0] : NAN, /* a maximum would drop nan */
+                         .rms              = PetscSqrtReal(sum[0] / PetscMax(1, pressure->rows_global)),
                          .largest_rounding = most[1]};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,9 +80,9 @@ PetscErrorCode ResidualMeasure(void *context, Vec r, SolverReport *report, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --- within the solver --- */
+/* --- the solver's test --- */
 
-/* The solver's own test, which ours asks first. */
+/* PETSc's own test, which ours calls first. */
 typedef struct {
   Pressure pressure;
   PetscErrorCode (*test)(KSP, PetscInt, PetscReal, KSPConvergedReason *, void *);
@@ -90,11 +90,11 @@ typedef struct {
   PetscErrorCode (*destroy)(void *);
 } OwnTest;
 
-/* Whether the density error can be small enough, from the 2-norm alone: the largest error is not below the mean. */
+/* Whether the 2-norm permits a density error that is small enough: the largest error is at least the mean. */
 static PetscBool DensityNear(Pressure pressure, PetscReal norm)
 {
   const Cloud cloud    = pressure->cloud;
-  PetscReal   heaviest = 0; /* largest mass of a row, over that of the first body's */
+  PetscReal   heaviest = 0; /* largest mass of a row, over that of a particle of the first body */
 
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
     heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);
@@ -103,9 +103,8 @@ static PetscBool DensityNear(Pressure pressure, PetscReal norm)
                        pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)pressure->rows_global));
 }
 
-/* The solver's own test decides about failure. Success is a small density error, if one was asked for, else a small
-   residual in the 2-norm, whatever norm the solver goes by: where its own is another, the residual is computed once
-   that is small enough. */
+/* PETSc's own test decides about failure. Success is a small density error if density_tolerance is set, else a small
+   residual in the 2-norm. If the solver uses another norm, the residual is computed when that norm is small enough. */
 static PetscErrorCode Converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason *reason, void *context)
 {
   OwnTest     *own      = (OwnTest *)context;

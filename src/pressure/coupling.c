@@ -1,20 +1,20 @@
 /* Free bodies in the pressure equation. Their velocity at the end of a step depends on the pressure, and the divergence
-   on their velocity. With c the divergence per velocity of the body, of the rows times their masses, M its inertia and
-   U its velocity without the pressure, the force of the pressure is F = V c p, and
+   on their velocity. With c the divergence of the rows, times their masses, for a unit velocity of the body, M its
+   inertia and U its velocity without the pressure, the force of the pressure is F = V c p, and
 
      A p = b(U) - c dU/dt,  M dU = dt F:   (A + c M^-1 c^T/m) p = b(U),
 
-   symmetric and positive for any mass, however light: added mass needs no iteration. (Between liquids of different
-   densities it would not be: the rows have masses as weights, the force volumes.) The preconditioner is that of A; each
-   velocity of a body costs the solver about one iteration more. */
+   symmetric and positive for any mass, however small: added mass needs no iteration. (With liquids of different
+   densities it would not be symmetric: rows have masses as weights, the force has volumes.) The preconditioner is that
+   of A; each velocity of a body costs the solver about one iteration more. */
 #include "pressure_impl.h"
 
-/* The rows that the motion of one body reaches. */
+/* The rows with a divergence from the motion of one body. */
 struct _p_Coupling {
   Body       solid;
-  PetscInt   body; /* of its dummy particles */
+  PetscInt   body; /* INT_BODY of its dummy particles */
   PetscInt   count, capacity, *row;
-  PetscReal *slope; /* [count][FREE_MOTIONS] of the mass of a row times its divergence */
+  PetscReal *slope; /* [count][FREE_MOTIONS] mass of a row times its divergence for a unit motion */
 };
 
 PetscErrorCode CouplingReset(Pressure pressure)
@@ -43,7 +43,7 @@ static PetscErrorCode Create(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds a row, of which deeper dummy particles have a share. */
+/* Adds a particle's part of a row; deeper dummy particles share the row of their parent. */
 static PetscErrorCode AddRow(struct _p_Coupling *c, PetscInt row, PetscReal mass, const PetscReal slope[FREE_MOTIONS])
 {
   PetscFunctionBegin;

@@ -1,13 +1,13 @@
-/* The acceleration -grad p/rho of the fluid by the pressure.
+/* The acceleration -grad p/rho of the fluid.
 
      symmetric   -sum_b m_b (p_a/rho_a^2 + p_b/rho_b^2) grad W: Eq. (9) of Kuri et al., conserves momentum
      corrected   -B_a sum_b V (p_b - p_a) grad W/rho_a and a background pressure inside, symmetric near the surface
-     conserved   corrected; the neighbours take up what its difference to symmetric adds to the momentum */
+     conserved corrected; neighbours compensate the momentum that differs from symmetric */
 #include "pressure_impl.h"
 
-/* The term against pairing over the background pressure; GradientCorrected says where they come from. */
+/* The term against pairing over the background pressure; GradientCorrected gives the sources. */
 #define PAIRING_MOVING 0.1
-#define PAIRING_LOADED 0.5 /* where a body force makes the pressure */
+#define PAIRING_LOADED 0.5 /* if a body force makes the pressure */
 
 /* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of SIMD_WIDTH, as the row's factors are. */
 static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
@@ -25,9 +25,9 @@ static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscRea
   Vec4Store(Simd3Sum(sum, zero), out);
 }
 
-/* What the neighbours of the other liquid, which does not mix with a's, have beside Eq. (9): the jump of the pressure,
-   and the density of a in place of their own, so that a pressure that balances the surfaces pushes nothing whatever the
-   densities are. */
+/* Adds the difference to Eq. (9) of pairs across the interface of immiscible liquids: the pressure jump, and the
+   density of a for both particles. Then a pressure that balances the surfaces accelerates nothing, for any
+   densities. */
 static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscReal scale, PetscReal out[DIM])
 {
   const Cloud      cloud   = pressure->cloud;
@@ -74,7 +74,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
   }
 }
 
-/* What sums over the factors of a row are multiplied by: V times the scale of the kernel's F. */
+/* The factor on sums over the factors of a row: V times the scale of the kernel's F. */
 static PetscReal RowScale(Cloud cloud)
 {
   PetscReal scale_w, scale_f, inverse_h2;
@@ -123,20 +123,20 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
 }
 
-/* Inside the liquid -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), since pressure differences say
-   nothing of the outside. Eq. (9) everywhere would conserve momentum, but on disordered particles its error,
-   2 p_a sum V grad W, grows with the pressure itself: a smooth error of the velocity makes a pressure that grows with
-   the depth, that makes a rough velocity, and so on from step to step. A film of 40 spacings (jitter 0.1) is torn apart
+/* Inside the liquid -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), since pressure differences do not
+   contain the outside. Eq. (9) everywhere would conserve momentum, but its error on disordered particles, 2 p_a sum V
+   grad W, is proportional to the pressure: a smooth error of the velocity makes a pressure that grows with the depth,
+   this pressure makes a rough velocity, and so on from step to step. A film of 40 spacings (jitter 0.1) is torn apart
    within five steps of any size.
 
-   The same error is what keeps particles evenly spread, so a little of it is put back: 2 q sum V grad W of a background
-   pressure q = c h |grad p| (c: regularization), which does not grow with the depth.
+   But this error keeps particles evenly spread. So a part of it remains: 2 q sum V grad W of a background pressure q =
+   c h |grad p| (c: regularization), which does not grow with the depth.
 
-   That sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012), so a part of the
-   shifting's term against pairing (Monaghan 2000) goes with it. In motion the shifting helps, and a tenth is enough
-   (PAIRING_MOVING). More acts as a viscosity: half of it costs Taylor-Green vortices of 50 spacings 3 % of their
-   energy. At rest, shifting and background hold each other, and a velocity of 0.01 sqrt(gH) remains in a tank in which
-   nothing moves. So where a body force makes the pressure, it is half (PAIRING_LOADED). */
+   This sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012). So a part of the
+   shifting's term against pairing (Monaghan 2000) is added. In a flow the shifting helps, and 0.1 is enough
+   (PAIRING_MOVING). More acts as a viscosity: 0.5 costs Taylor-Green vortices of 50 spacings 3 % of their energy. At
+   rest, shifting and background balance each other, and with 0.1 a velocity of 0.01 sqrt(gH) remains in a tank at rest.
+   So if a body force makes the pressure, the part is 0.5 (PAIRING_LOADED). */
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
   Cloud            cloud   = pressure->cloud;
@@ -168,9 +168,8 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* As GradientCorrected, but the neighbours compensate for its difference to Eq. (9), which alone has a sum and a
- * torque.
- */
+/* As GradientCorrected, but neighbours compensate the difference to Eq. (9), which alone changes total momentum and
+   angular momentum. */
 PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
 {
   Cloud           cloud = pressure->cloud;

@@ -1,9 +1,9 @@
-/* Between two liquids that do not mix the pressure jumps: of two neighbours a and b on both sides (CloudMeets), b's
-   pressure counts as p_b + [p], with the jump [p] of surface tension at b's place in the gradient at a, and at the
-   middle between both in Eq. (8), where both rows must see the same one. */
+/* The pressure jumps between two immiscible liquids. For neighbours a and b on both sides (CloudMeets) b's pressure
+   counts as p_b + [p], with the jump [p] of surface tension: in the gradient at a the jump at b; in Eq. (8), where both
+   rows need one value, the jump in the middle. */
 #include "pressure_impl.h"
 
-/* The liquid that fills most of a wall particle's row, and the mean of its jump next to the interface. */
+/* Sets the liquid that fills most of a wall particle's row, and its mean jump next to the interface. */
 static void WallLiquid(Cloud cloud, PetscInt a)
 {
   PetscReal filled[2] = {0, 0}, weight = 0, jump = 0, slope[DIM] = {0, 0, 0};

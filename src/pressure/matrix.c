@@ -1,17 +1,17 @@
-/* Eq. (8) as a matrix with entries, for the preconditioners that need them, written straight into compressed rows.
+/* Eq. (8) as a matrix with entries, for preconditioners that need them, written directly into compressed rows.
 
    PETSc's COO interface (3.18) could take the pairs as they are, but their pattern changes with every step. For 135 000
    rows with 10.2 million entries it takes 0.47 s of CPU time where this file takes 0.145 s, and the process 1540 MB in
    place of 640 MB (on each of two ranks 0.27 s against 0.075 s, 840 MB against 350 MB). */
 #include "pressure_impl.h"
 
-#define SPARE_ENTRIES 16 /* arrays of entries are longer than needed by one part in so many, for the steps to come */
+#define SPARE_ENTRIES 16 /* arrays are longer than needed by a part in 16, for later steps */
 
 /* The entries of one row beside its diagonal. */
 typedef struct {
-  PetscInt   count, *column; /* columns as in Columns, in the order met */
+  PetscInt   count, *column; /* columns as in Columns, in the order of discovery */
   PetscReal *weight;         /* the sums of their pairs' weights */
-  PetscInt  *slot;           /* of each column: its place in the two arrays, or -1 */
+  PetscInt  *slot;           /* [columns] index in the two arrays, or -1 */
 } RowEntries;
 
 PetscErrorCode MatrixStoreReset(MatrixStore *s)
@@ -59,7 +59,7 @@ static PetscErrorCode ListChildren(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers the columns anew if the order of the particles or the choice of ghosts has changed. */
+/* Numbers the columns if the order of the particles or the ghosts have changed. */
 static PetscErrorCode NumberColumns(Pressure pressure)
 {
   const Cloud    cloud = pressure->cloud;
@@ -148,7 +148,7 @@ static inline void GatherRow(Pressure pressure, PetscInt r, RowEntries *e)
   for (PetscInt k = 0; k < e->count; k++) e->slot[e->column[k]] = -1;
 }
 
-/* Room for 'count' entries; what the arrays hold is lost. */
+/* Makes room for 'count' entries; former contents are lost. */
 static PetscErrorCode ReserveEntries(PetscInt count, PetscInt *capacity, PetscInt **j, PetscScalar **a)
 {
   PetscFunctionBegin;
@@ -172,7 +172,7 @@ void MatrixStarts(PetscInt n, PetscInt start[], PetscBool *have_room)
   *have_room = (PetscBool)(sum <= (PetscInt64)PETSC_MAX_INT - PETSC_MAX_INT / SPARE_ENTRIES);
 }
 
-/* First pass: where each row begins. The pattern is symmetric, so entry (r, c) may count for row c, which is where the
+/* First pass: finds the beginning of each row. The pattern is symmetric, so entry (r, c) counts for row c, in which the
    second pass writes it. */
 static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s, RowEntries *e)
 {
@@ -204,8 +204,8 @@ static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s, RowEntries
   room = own && other ? 1 : 0;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_INT, MPI_MIN, pressure->cloud->comm));
   PetscCheckUser(room, pressure->cloud->comm,
-                 "the pressure matrix of a rank has more entries than this build of PETSc can number, which is "
-                 "%" PetscInt_FMT ": take more ranks, a -pc_type that needs no entries (" PCTWOLEVEL ", " PCJACOBI
+                 "the pressure matrix of a rank has more entries than this build of PETSc can count, %" PetscInt_FMT
+                 ": use more ranks, a -pc_type that needs no entries (" PCTWOLEVEL ", " PCJACOBI
                  "), or a PETSc configured with 64-bit indices",
                  PETSC_MAX_INT);
   PetscCall(ReserveEntries(s->i[n], &s->capacity, &s->j, &s->a));
@@ -213,12 +213,12 @@ static PetscErrorCode CountEntries(Pressure pressure, MatrixStore *s, RowEntries
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Second pass: rows are visited in order and each writes its entries at the ends of the rows of their columns, so that
-   the columns of a row come out sorted without a sort. Only columns of other ranks are sorted. */
+/* Second pass: visits the rows in order. Entry (r, c) is appended to row c, so that the columns of each row are sorted
+   without a sort. Only columns of other ranks are sorted. */
 static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, RowEntries *e)
 {
   const PetscInt n = pressure->cloud->n_rows, *off_row = pressure->columns.off_row;
-  PetscInt      *end; /* of what is written of each row */
+  PetscInt      *end; /* end of each row so far */
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &end));
@@ -246,7 +246,7 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, RowEntries 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hands the arrays to a Mat of the chosen type. */
+/* Wraps the arrays in a Mat of the chosen type. */
 static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
 {
   const Cloud    cloud = pressure->cloud;
@@ -264,10 +264,10 @@ static PetscErrorCode WrapMatrix(Pressure pressure, MatrixStore *s)
   PetscCall(PetscStrcmp(pressure->mat_type, MATAIJ, &plain));
   PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
   plain = (PetscBool)(plain || shell || !pressure->mat_type[0]);
-  PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions ask for it */
+  PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE)); /* some conversions need it */
   if (!plain)
     SolverTry(cloud->comm, PRESSURE_EQUATION, MatConvert(s->A, pressure->mat_type, MAT_INPLACE_MATRIX, &s->A));
-  PetscCall(PetscObjectTypeCompare((PetscObject)s->A, MATMPIBAIJ, &blocks)); /* PETSc 3.18 does not take it there */
+  PetscCall(PetscObjectTypeCompare((PetscObject)s->A, MATMPIBAIJ, &blocks)); /* PETSc 3.18 refuses the option there */
   if (!blocks) PetscCall(MatSetOption(s->A, MAT_SPD, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

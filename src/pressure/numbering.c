@@ -1,9 +1,9 @@
-/* Which row of the matrix a particle has. Fluid particles and those of the top layer of walls have one each, in the
-   order of the cloud. A particle of a deeper wall layer shares the row of its parent in the top layer, so that a wall
-   has the pressure of its face throughout. */
+/* The rows of the particles. Each fluid particle and each wall particle of the top layer has a row, in the order of the
+   cloud. A particle of a deeper wall layer shares the row of its parent in the top layer, so that a wall has the
+   pressure of its face throughout. */
 #include "pressure_impl.h"
 
-/* The rows of deeper wall particles. A parent lives on the same rank. */
+/* The rows of deeper wall particles. A parent is on the same rank. */
 static PetscErrorCode FindParentRows(Pressure pressure)
 {
   const Cloud     cloud = pressure->cloud;

@@ -1,31 +1,31 @@
 /* Eq. (8) without a matrix, as a MATSHELL: y_a = sum_b K_ab (p_a - p_b) + C_a p_a, summed over the pairs of the cloud's
-   list; C_a is what the closure adds. Deeper wall particles are folded into their parent (P^T A P), and pairs of wall
-   particles count for nothing.
+   list; C_a is the closure's addition. Deeper wall particles are folded into their parent (P^T A P), and pairs of wall
+   particles are left out.
 
-   A product reads six bytes a pair, the neighbour's index and a weight of sixteen bits. An assembled row would take
-   twelve, and the assembly costs as much as six to eight products. Both particles of a pair have the same weight: the
-   operator is symmetric, and a constant pressure gives zero to round-off. Rounding the weights, by 8e-6 of the largest,
-   changes a row by 3e-6, a thousandth of the error of a sum over 80 neighbours against the Laplacian. */
+   A product reads six bytes a pair, the neighbour's index and a weight of sixteen bits. An assembled row would need
+   twelve, and its assembly costs six to eight products. Both particles of a pair have the same weight: the operator is
+   symmetric, and a constant pressure gives zero to round-off. Rounding the weights, by 8e-6 of the largest, changes a
+   row by 3e-6, a thousandth of the error of a sum over 80 neighbours against the Laplacian. */
 #include "pressure_impl.h"
 
-#define PAIR_FLOPS 3 /* of a product: a difference, times the weight, added */
+#define PAIR_FLOPS 3 /* of a product: subtract, multiply with the weight, add */
 
 const PetscReal *PressureDensity(Pressure pressure)
 {
   return pressure->summed ? pressure->cloud->field[FIELD_DENSITY] : pressure->cloud->rest_density;
 }
 
-/* Whether the operators divide by one density everywhere: then the cloud's factors are the weights. */
+/* Whether the operators divide by one density everywhere. The cloud's factors are then the weights. */
 static PetscBool OneDensity(Pressure pressure)
 {
   return (PetscBool)(!pressure->summed && SceneOneDensity(pressure->cloud->scene));
 }
 
-/* Eq. (8) times m_a/m_ref: K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2). The factor makes it
-   the same for both particles of a pair, also between different liquids. m_ref is the mass of a particle of the first
-   body; if there is one density, all but the cloud's factors is in weight_scale. Rings: times the shares of both and
-   the length of the ring half-way between. With the exact length |r| instead, the Laplacian of r^2 would be wrong by 8
-   % in the first ring of a lattice, not by 5 %, and that of z^2 by 26 %, not by 2 %. */
+/* Eq. (8) times m_a/m_ref: K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2). The factor makes K_ab
+   symmetric, also between different liquids. m_ref is the mass of a particle of the first body. With one density
+   weight_scale has all but the cloud's factors. Rings: times the shares of both and the length of the ring half-way
+   between. With the exact length |r| instead, the Laplacian of r^2 would be wrong by 8 % in the first ring of a
+   lattice, not by 5 %, and that of z^2 by 26 %, not by 2 %. */
 static PetscErrorCode SetWeights(Pressure pressure)
 {
   Cloud            cloud   = pressure->cloud;
@@ -60,8 +60,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether particle a may be a neighbour of its own image behind a symmetry or periodic face. Such a pair has no
-   pressure difference and counts for nothing. */
+/* Whether particle a may be a neighbour of its own image behind a symmetry or periodic face. This pair has no pressure
+   difference and does not count. */
 static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
 {
   const Domain     domain = cloud->domain;
@@ -93,8 +93,8 @@ static PetscReal WeightSum(Pressure pressure, PetscInt a, PetscBool itself)
   return sum;
 }
 
-/* Whether any particle of any rank is on a free surface. If none is, no row is closed, however disordered the particles
-   are. */
+/* Finds whether some particle of some rank is on a free surface. If none is, no row is closed, however disordered the
+   particles are. */
 static PetscErrorCode FindFreeSurface(Pressure pressure)
 {
   Cloud    cloud = pressure->cloud;
@@ -107,12 +107,12 @@ static PetscErrorCode FindFreeSurface(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The diagonal: the sum of the pairs and what the closure adds; whether the null space holds the constant, and how many
-   rows have nothing. */
+/* Sets the diagonal: sums of pairs and closures. Finds whether the null space contains the constant, and how many rows
+   are empty. */
 static PetscErrorCode SetDiagonal(Pressure pressure)
 {
   Cloud    cloud    = pressure->cloud;
-  PetscInt count[2] = {0, 0}; /* rows that are closed, rows that have no pairs */
+  PetscInt count[2] = {0, 0}; /* closed rows, rows without pairs */
 
   PetscFunctionBegin;
   if (cloud->n_rows > pressure->rows_capacity) {
@@ -127,7 +127,7 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++)
     pressure->pair_diagonal[ParentRow(pressure, a)] += pressure->weight_scale * WeightSum(pressure, a, PETSC_FALSE);
   for (PetscInt r = 0; r < cloud->n_rows; r++) {
-    /* an image of the particle itself fills its neighbourhood as any other does */
+    /* the particle's own image fills its neighbourhood like any other particle */
     const PetscReal filled = r < cloud->n_fluid && MayMeetItself(cloud, r)
                                ? pressure->weight_scale * WeightSum(pressure, r, PETSC_TRUE)
                                : pressure->pair_diagonal[r];
@@ -135,21 +135,21 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
     pressure->closure_diagonal[r] = pressure->closure(pressure, r, filled);
     count[0] += pressure->closure_diagonal[r] > 0;
     count[1] += pressure->pair_diagonal[r] == 0;
-    /* A row that has nothing gets the diagonal of a full one: the preconditioner is kept while pairs come to it. */
+    /* A row without entries gets the diagonal of a full row: it may get pairs while the preconditioner is kept. */
     if (pressure->pair_diagonal[r] + pressure->closure_diagonal[r] == 0)
       pressure->closure_diagonal[r] = pressure->lattice_diagonal * cloud->volume[r] * pressure->row_scale;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, cloud->comm));
-  /* A piece of liquid that touches no free surface fills the whole box: a gap to the rest would be a surface. So the
-     null space is one constant or nothing. */
+  /* Liquid without a free surface fills the whole box, since a gap would be a surface. So the null space is one
+     constant or nothing. */
   pressure->constant_null = (PetscBool)(count[0] == 0);
   pressure->empty_rows    = count[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* sum_b weight (p_a - p_b) over n pairs. Their weights are in 'coded', the cloud's factors, or if that is NULL in
-   'plain'. It may read up to the next multiple of SIMD_WIDTH, which is the next row or the padding behind the last.
-   This loop takes half of the solver's time. */
+/* sum_b weight (p_a - p_b) over n pairs. Their weights are in 'coded', the cloud's factors, or, if this is NULL, in
+   'plain'. The loop reads up to the next multiple of SIMD_WIDTH: into the next row, or the padding behind the last. It
+   takes half of the solver's time. */
 #if defined(__AVX2__)
 static inline Simd Weights(const uint16_t *coded, const float *plain, PetscInt k)
 {
@@ -175,7 +175,7 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
   for (; k < n; k += SIMD_WIDTH) even += SimdFirst(Weights(coded, plain, k), n - k) * (all - SimdGather(p, index + k));
   return SimdSums(even + odd, zero, zero, zero)[0];
 }
-#else /* in smaller registers the compiler's own loop is faster */
+#else /* with shorter registers the compiler's own loop is faster */
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
@@ -228,8 +228,8 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Both operators, without and with free bodies. If all pressures may be raised alike, that pushes no body: the part of
-   the constant that rounding and disorder leave of their forces is taken out. */
+/* The product of both operators, without and with free bodies. If the pressure is known up to a constant, a constant
+   moves no body: the component along the constant, from rounding and disorder in the bodies' forces, is removed. */
 static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
 {
   Pressure           pressure;

@@ -1,12 +1,12 @@
-/* The pressure projection as an object: its types, options, view. */
+/* The class Pressure: types, options, view. */
 #include "pressure_impl.h"
 #include <string.h>
 
 #define MATRIX_TYPES                                                                                                   \
-  "shell aij aijperm aijsell aijcrl baij sbaij sell dense is hypre" /* that the assembled one can become */
+  "shell aij aijperm aijsell aijcrl baij sbaij sell dense is hypre" /* types that the assembled matrix can have */
 
-#define DEFAULT_RELAXATION_TIME 1e-3 /* s, where neither the user nor the stepper chooses */
-#define REGULARIZATION          2    /* gradient.c says where it comes from */
+#define DEFAULT_RELAXATION_TIME 1e-3 /* s, if neither the user nor the stepper chooses */
+#define REGULARIZATION          2    /* see gradient.c */
 
 static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
 
@@ -63,11 +63,11 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
   PetscCall(PetscFunctionListFind(ClosureList, closure, &pressure->closure));
   PetscCall(PetscFunctionListFind(GradientList, gradient, &pressure->gradient));
   PetscCheckUser(pressure->source, pressure->cloud->comm,
-                 "-pressure_source %s is not a source; there are " SOURCE_DENSITY " and " SOURCE_DIVERGENCE, source);
+                 "-pressure_source %s does not exist; choose from " SOURCE_DENSITY " and " SOURCE_DIVERGENCE, source);
   PetscCheckUser(pressure->closure, pressure->cloud->comm,
-                 "-pressure_closure %s is not a closure; there are " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
+                 "-pressure_closure %s does not exist; choose from " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
   PetscCheckUser(pressure->gradient, pressure->cloud->comm,
-                 "-pressure_gradient %s is not a gradient; there are " GRADIENT_SYMMETRIC ", " GRADIENT_CORRECTED
+                 "-pressure_gradient %s does not exist; choose from " GRADIENT_SYMMETRIC ", " GRADIENT_CORRECTED
                  " and " GRADIENT_CONSERVED,
                  gradient);
   pressure->summed = summed;
@@ -91,7 +91,7 @@ PetscReal PressureRelaxationTime(Pressure pressure)
   return pressure->relaxation_time;
 }
 
-/* The types, and which density the operators divide by. To be called between PetscOptionsBegin and PetscOptionsEnd. */
+/* Reads the types, and by which density the operators divide. Call it between PetscOptionsBegin and PetscOptionsEnd. */
 static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObject)
 {
   const char *const choices[] = {"rest", "summed"};
@@ -108,13 +108,13 @@ static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObjec
                               ClosureList, closure, closure, sizeof(closure), NULL));
   PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
                               gradient, gradient, sizeof(gradient), NULL));
-  PetscCall(PetscOptionsEList("-pressure_density", "density that the operators divide by", "PressureSetTypes", choices,
+  PetscCall(PetscOptionsEList("-pressure_density", "density by which the operators divide", "PressureSetTypes", choices,
                               2, choices[choice], &choice, NULL));
   PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* To be called between PetscOptionsBegin and PetscOptionsEnd, as ReadTypes. */
+/* Call it between PetscOptionsBegin and PetscOptionsEnd, like ReadTypes. */
 static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
@@ -123,14 +123,14 @@ static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
                        "[0, inf)", &p->regularization));
   PetscCall(
     OptionReal("-pressure_relaxation_time",
-               "time in which the divergence source repairs density errors (s); 0: from the scene's velocity and h",
+               "time in which the divergence source corrects density errors (s); 0: from the scene's velocity and h",
                "[0, inf)", &p->relaxation_option));
   PetscCall(PetscOptionsBool("-pressure_wall_suction",
-                             "the density source of walls may be negative, as printed: a wall may pull",
+                             "the density source of walls may be negative, as printed: walls may pull",
                              "PressureSetFromOptions", p->wall_suction, &p->wall_suction, NULL));
   PetscCall(OptionInt(
     "-pressure_rebuild_interval",
-    "steps after which the preconditioner is made anew (1); 0: 10 for twolevel, jacobi and none, 50 for all others",
+    "steps after which the preconditioner is rebuilt (1); 0: 10 for twolevel, jacobi and none, 50 for all others",
     "[0, inf)", &p->rebuild_interval));
   PetscCall(OptionReal("-pressure_density_tolerance",
                        "largest relative density error that the solver may leave in a step (1); 0: PETSc's own test, "
@@ -139,8 +139,8 @@ static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses types that the assembled matrix cannot be made into. Those of one or of many ranks become the type that both
-   have: seqaij, mpiaij are aij. */
+/* Refuses types that the assembled matrix cannot have. A type for one or for many ranks, seqaij or mpiaij, becomes the
+   type for both, aij. */
 static PetscErrorCode CheckMatrixType(Pressure pressure)
 {
   char      *type = pressure->mat_type;
@@ -158,7 +158,7 @@ static PetscErrorCode CheckMatrixType(Pressure pressure)
   }
   PetscCall(PetscTokenDestroy(&token));
   PetscCheckUser(good, pressure->cloud->comm,
-                 "-mat_type %s: the pressure matrix cannot be of this type; it can be of " MATRIX_TYPES, type);
+                 "-mat_type %s: the pressure matrix cannot have this type; choose from " MATRIX_TYPES, type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,8 +4,8 @@
 
    Three types that can be chosen independently make a projection: the source (source.c), the closure at the free
    surface (closure.c) and the gradient (gradient.c). The operator is symmetric and positive: rows are multiplied with
-   the mass, deeper wall particles are folded into their parent (P^T A P), and pairs of wall particles are left out, so
-   that a wall conducts no pressure along itself and a dry wall has identity rows. */
+   the mass, and deeper wall particles are folded into their parent (P^T A P). Pairs of wall particles are left out, so
+   that a wall conducts no pressure along itself. Rows of a dry wall are identity rows. */
 #ifndef ISPH_PRESSURE_H
 #define ISPH_PRESSURE_H
 
@@ -24,12 +24,12 @@ typedef struct _p_Pressure *Pressure;
 #define GRADIENT_SYMMETRIC "symmetric"     /* Eq. (9): p_a/rho_a^2 + p_b/rho_b^2, conserves momentum */
 #define GRADIENT_CORRECTED                                                                                             \
   "corrected" /* B_a (p_b - p_a)/rho_a and a background pressure inside, symmetric at the surface */
-#define GRADIENT_CONSERVED "conserved" /* corrected, the neighbours paying for what that does to momentum */
+#define GRADIENT_CONSERVED "conserved" /* corrected; neighbours compensate the error of momentum */
 
 typedef struct {
   SolverReport solver;  /* residuals: 2-norms over the rows, or with -pressure_density_tolerance density errors (1) */
   PetscReal    density; /* rms relative density error that the true residual leaves after the step, 1 */
-  PetscBool    rebuilt; /* the preconditioner was made anew */
+  PetscBool    rebuilt; /* the preconditioner was rebuilt */
 } PressureResult;
 
 /* PressureCreate - for a cloud (borrowed). Collective. */
@@ -38,8 +38,9 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure);
  * density. Not collective. */
 PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[],
                                 PetscBool summed);
-/* PressureSetRelaxationTime - T (s) of the density term. PressureSetRepair - the share of it (1) that acts: 1, or less
-   in the first steps of a run, so that errors of the packing do not kick what is at rest. Not collective. */
+/* PressureSetRelaxationTime - sets T (s) of the density term. PressureSetRepair - sets the share (1) of the density
+   term that acts: 1, or less in the first steps of a run, so that errors of the packing do not kick liquid at rest. Not
+   collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
 void           PressureSetRepair(Pressure pressure, PetscReal share);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient, -pressure_density,
@@ -51,53 +52,54 @@ PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);
 PetscErrorCode PressureDestroy(Pressure *pressure);
 
 /* PressureSolve - assembles at the positions of the cloud and solves for FIELD_PRESSURE (Pa) of owned particles and
-   ghosts; the former pressure is the start value. Reads FIELD_DENSITY (owned and ghosts), FIELD_DIVERGENCE (if
-   PressureTakesDivergence), FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside of the
-   free surface), INT_SURFACE of owned particles. A solver that does not converge, or claims to and has not, is tried
-   again from zero with a new preconditioner; that it fails again is no error: see SolverFailed; the pressure is then
-   unchanged. dt in s. Collective. */
+   ghosts; the former pressure is the initial guess. Reads FIELD_DENSITY (owned and ghosts), FIELD_DIVERGENCE (if
+   PressureTakesDivergence), FIELD_CORRECTION, FIELD_LAMBDA, FIELD_NORMAL, FIELD_CAPILLARY (the pressure outside the
+   free surface), INT_SURFACE of owned particles. A solver that does not converge, or whose claim to have converged is
+   false, is tried again from zero with a new preconditioner. A second failure is no error (see SolverFailed); the
+   pressure is then unchanged. dt in s. Collective. */
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result);
-/* PressureKeep - from now on the equation is for the pressure less this share (1) of the one that the cloud has before
-   the solve: a velocity in which the share has acted is given, and only the rest is looked for. The solution is the
-   whole pressure. 0: all of it is looked for. PressureKept - that share. Not collective. */
-PetscErrorCode PressureKeep(Pressure pressure, PetscReal share);
-PetscReal      PressureKept(Pressure pressure);
-/* PressureAssemble - only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until the next
- * call. Collective. */
+/* PressureSetKeptShare - for the next solves: the given velocity has the effect of this share (1) of the cloud's former
+   pressure already, so the equation is for the remaining pressure. FIELD_PRESSURE becomes the whole pressure. 0:
+   nothing is kept. PressureKeptShare - returns the share. Not collective. */
+PetscErrorCode PressureSetKeptShare(Pressure pressure, PetscReal share);
+PetscReal      PressureKeptShare(Pressure pressure);
+/* PressureAssemble - makes only the matrix and right-hand side of PressureSolve, for tests and views; borrowed until
+   the next call. Collective. */
 PetscErrorCode PressureAssemble(Pressure pressure, PetscReal dt, Mat *A, Vec *b);
-/* PressureSetUp - PressureAssemble and the set-up of solver and preconditioner, which reads all their options.
- * Collective. */
+/* PressureSetUp - PressureAssemble, then sets up solver and preconditioner, which read all their options.
+   Collective. */
 PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt);
 /* PressureSolver - the KSP and the right-hand side of the last PressureSetUp or PressureSolve, borrowed until the next
    call. Not collective. */
 PetscErrorCode PressureSolver(Pressure pressure, KSP *ksp, Vec *b);
-/* PressureCapillary - what FIELD_CAPILLARY contributes to the right-hand side, at the closures of the last
+/* PressureCapillary - the contribution of FIELD_CAPILLARY to the right-hand side with the closures of the last
    PressureSetUp; values [n_rows]. Not collective. */
 PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[]);
-/* PressureToCloud - FIELD_PRESSURE (Pa) of owned particles and ghosts from the rows x of a solution. Collective. */
+/* PressureToCloud - sets FIELD_PRESSURE (Pa) of owned particles and ghosts from the rows x of a solution.
+   Collective. */
 PetscErrorCode PressureToCloud(Pressure pressure, Vec x);
 /* PressureGradientCorrected - whether -pressure_gradient is corrected. Not collective. */
 PetscBool PressureGradientCorrected(Pressure pressure);
-/* PressureMultiply - y = A p by the pair sum, without the matrix; p and y [n_rows], ghosts by the halo. For tests.
- * Collective. */
+/* PressureMultiply - y = A p as a sum over pairs, without a matrix; p and y [n_rows]. For tests. Collective. */
 PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscReal y[]);
-/* PressureSource - minus the source of div(grad p/rho), rhs[n_rows] (1/s2), that PressureSolve would solve for; reads
-   what that reads. Collective. */
+/* PressureSource - rhs[n_rows]: minus the source of div(grad p/rho) in PressureSolve, 1/s2; reads the same fields.
+   Collective. */
 PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
-/* PressureTakesDivergence - whether the source is a rate of compression over dt, from FIELD_DIVERGENCE, else the
-   compression itself over dt^2. Not collective. */
+/* PressureTakesDivergence - whether the source is FIELD_DIVERGENCE over dt; else it is the compression over dt^2. Not
+   collective. */
 PetscBool PressureTakesDivergence(Pressure pressure);
 /* PressureAcceleration - acceleration ([n_fluid][3], m/s2) -grad p/rho of the fluid. Collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
-/* PressureRelaxationTime - the time (s) in which density errors are repaired. Not collective. */
+/* PressureRelaxationTime - the time (s) in which density errors are corrected. Not collective. */
 PetscReal PressureRelaxationTime(Pressure pressure);
-/* PressureFreeForces - force and torque [free bodies][FREE_MOTIONS] (N, N m) that the pressure of the cloud has on each
-   free body, in the order of -solids, in the equation. Collective. */
+/* PressureFreeForces - force and torque [free bodies][FREE_MOTIONS] (N, N m) of the cloud's pressure on each free body,
+   as in the equation; in the order of -solids. Collective. */
 PetscErrorCode PressureFreeForces(Pressure pressure, PetscReal force[]);
-/* PressureDensity - the density the operators divide by, [n_total] kg/m3: summed or rest. Not collective. */
+/* PressureDensity - the density by which the operators divide, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
-/* PressureLattice - of a full lattice: diagonal, Lambda_0 of Nair & Tomar, that of Eq. (8) for V = d0^dim and density 1
-   (1/m2); sum, sum V W with the particle itself, what the density term takes for rest density (1). Not collective. */
+/* PressureLattice - properties of a full lattice. diagonal: Lambda_0 of Nair & Tomar, the diagonal of Eq. (8) for V =
+   d0^dim and density 1 (1/m2). sum: sum V W with the particle itself, which counts as rest density in the density term
+   (1). Not collective. */
 void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum);
 
 /* PressureReset - drops the preconditioner and the solver, as after a restart. Collective. */

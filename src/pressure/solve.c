@@ -1,13 +1,13 @@
-/* One projection: sets up the equation at the positions of the cloud, solves it, decides when the preconditioner is
-   made anew. */
+/* One projection: sets up the equation at the positions of the cloud, solves it, and decides when to rebuild the
+   preconditioner. */
 #include "pressure_impl.h"
 
 #define DEFAULT_RTOL      1e-3
 #define DEFAULT_GAMG_DROP 0.01 /* threshold that keeps the coarse grids of these 80-point rows small */
-#define REBUILD_GROWTH    1.5  /* of the iterations: the preconditioner is made anew */
-#define REBUILD_SLACK     3    /* iterations that a kept preconditioner may cost beyond that growth */
-#define REBUILD_CHEAP     10   /* steps that a preconditioner is kept whose set-up costs a few iterations */
-#define REBUILD_DEAR      50   /* steps that any other is kept */
+#define REBUILD_GROWTH    1.5  /* growth of the iterations at which the preconditioner is rebuilt */
+#define REBUILD_SLACK     3    /* iterations that a kept preconditioner may cost beyond this growth */
+#define REBUILD_CHEAP     10   /* steps to keep a preconditioner whose set-up costs a few iterations */
+#define REBUILD_DEAR      50   /* steps to keep any other preconditioner */
 
 static PetscErrorCode DefaultOption(const char name[], const char value[])
 {
@@ -30,8 +30,8 @@ PetscErrorCode PressureReset(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses to show the entries of a matrix that has none. Before the KSP reads its options: PETSc empties the file then.
- */
+/* Refuses to show the entries of a matrix without entries, before the KSP reads its options, when PETSc empties the
+   file. */
 static PetscErrorCode CheckViews(Pressure pressure)
 {
   const struct {
@@ -44,15 +44,15 @@ static PetscErrorCode CheckViews(Pressure pressure)
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(views); k++) {
     PetscCall(PetscOptionsHasName(NULL, NULL, views[k].option, &set));
-    PetscCheckUser(!set || views[k].entries, pressure->cloud->comm,
-                   "%s has nothing to show: the matrix is a sum of pairs without entries; %s has them with -mat_type "
-                   "aij",
-                   views[k].option, SceneHasFree(pressure->cloud->scene) ? "-ksp_view_pmat" : "it");
+    PetscCheckUser(
+      !set || views[k].entries, pressure->cloud->comm,
+      "%s has nothing to show: the matrix is a sum of pairs without entries; with -mat_type aij %s shows them",
+      views[k].option, SceneHasFree(pressure->cloud->scene) ? "-ksp_view_pmat" : "it");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells the two-level preconditioner where the particles of the rows are. Others would take coordinates for the rigid
+/* Gives the two-level preconditioner the positions of the rows. Other preconditioners would use coordinates for rigid
    modes of elasticity. */
 static PetscErrorCode LocateRows(Pressure pressure)
 {
@@ -79,8 +79,8 @@ static PetscErrorCode LocateRows(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives the solver the operator of this step, and if 'renew' is true the preconditioner too. A preconditioner may go on
-   reading the entries that it was made of, so these stay in their store until it is renewed. */
+/* Gives the solver the operator of this step, with 'renew' the preconditioner's matrix, too. A preconditioner may still
+   read the entries from which it was built, so they stay in their store until the next rebuild. */
 static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
 {
   PetscFunctionBegin;
@@ -89,7 +89,7 @@ static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
     pressure->age     = 0;
     pressure->rebuild = PETSC_FALSE;
     PetscCall(LocateRows(pressure));
-    if (!pressure->assembled) { /* the operator is one object in all steps: this says that it has changed */
+    if (!pressure->assembled) { /* one object in all steps: marks it as changed */
       PetscCall(MatAssemblyBegin(pressure->A, MAT_FINAL_ASSEMBLY));
       PetscCall(MatAssemblyEnd(pressure->A, MAT_FINAL_ASSEMBLY));
     }
@@ -100,7 +100,7 @@ static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Before an attempt: the kept or a new preconditioner, the pressure of the cloud as the start value. */
+/* Before an attempt: sets the kept or a new preconditioner, and the cloud's pressure as the initial guess. */
 static PetscErrorCode Start(void *context, PetscBool again)
 {
   Pressure     pressure = (Pressure)context;
@@ -123,7 +123,7 @@ static PetscErrorCode Start(void *context, PetscBool again)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the matrix has entries; *cheap: whether the preconditioner does without. */
+/* Decides whether the matrix has entries. *cheap: the preconditioner needs none. */
 static PetscErrorCode ChooseMatrix(Pressure pressure, PetscBool *cheap)
 {
   const char *const cheap_types[]     = {PCTWOLEVEL, PCJACOBI, PCNONE};
@@ -139,13 +139,14 @@ static PetscErrorCode ChooseMatrix(Pressure pressure, PetscBool *cheap)
   }
   PetscCall(PetscStrcmp(pressure->mat_type, MATSHELL, &shell));
   PetscCheckUser(*cheap || !shell, pressure->cloud->comm,
-                 "-mat_type shell has no entries for this -pc_type; " PCTWOLEVEL ", jacobi and none do without");
+                 "-mat_type shell has no entries, which this -pc_type needs; " PCTWOLEVEL
+                 ", jacobi and none need none");
   pressure->assembled = (PetscBool) !(shell || (*cheap && !pressure->mat_type[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the solver for the present rows: CG with the two-level preconditioner, which stops at a tolerance of the true
-   residual, then as the user's options say. */
+/* Makes the solver for the present rows: CG with the two-level preconditioner, stopped by the true residual; then the
+   user's options act. */
 static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
@@ -172,7 +173,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   pressure->kept_steps = cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->solver.ksp, &direct, KSPPREONLY, KSPNONE, ""));
-  if (direct) pressure->kept_steps = 1; /* the preconditioner is all there is: it must be that of this step */
+  if (direct) pressure->kept_steps = 1; /* the preconditioner is the solver: it must be of this step */
   if (gamg) {
     PetscReal threshold = DEFAULT_GAMG_DROP;
 
@@ -183,7 +184,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The constant on the rows that have pairs, of length 1. */
+/* The constant on the rows with pairs, of norm 1. */
 static PetscErrorCode CreateConstant(Pressure pressure, Vec *constant)
 {
   PetscScalar *value;
@@ -216,20 +217,20 @@ static PetscErrorCode SetNullSpace(Pressure pressure, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureKeep(Pressure pressure, PetscReal share)
+PetscErrorCode PressureSetKeptShare(Pressure pressure, PetscReal share)
 {
   PetscFunctionBegin;
   pressure->kept_share = share;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal PressureKept(Pressure pressure)
+PetscReal PressureKeptShare(Pressure pressure)
 {
   return pressure->kept_share;
 }
 
-/* Adds to the right-hand side what the kept share of the pressure of the cloud makes of the left one. That pressure
-   has its share of what surfaces contribute. */
+/* Adds the kept share of the cloud's pressure, moved from the left-hand side to the right. This share includes the same
+   share of the surfaces' contribution. */
 static PetscErrorCode AddKept(Pressure pressure, PetscScalar rhs[])
 {
   Cloud           cloud = pressure->cloud;
@@ -248,8 +249,8 @@ static PetscErrorCode AddKept(Pressure pressure, PetscScalar rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The right-hand side b, after OperatorSetUp: the source times the mass of the row, and what the free surface
-   contributes, whose missing neighbours have the pressure of surface tension. */
+/* The right-hand side b, after OperatorSetUp: the source times the mass of the row, plus the contribution of the free
+   surface, where missing neighbours have the pressure of surface tension. */
 static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
 {
   Cloud        cloud = pressure->cloud;
@@ -272,8 +273,8 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The equation at the positions of the cloud. The operator is assembled if the solver or the caller needs its entries,
-   into the store that the preconditioner does not read. The solver is made anew if the rows have changed. */
+/* Sets up the equation at the positions of the cloud. Assembles the operator if the solver or the caller needs its
+   entries, into the store that the preconditioner does not read. Makes a new solver if the rows have changed. */
 static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries)
 {
   PetscFunctionBegin;

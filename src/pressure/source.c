@@ -1,15 +1,15 @@
-/* What the pressure must remove: rhs = minus the source of div(grad p/rho), in 1/s2.
+/* The source that the pressure must remove: rhs = minus the source of div(grad p/rho), in 1/s2.
 
      density      (rho - rho_0)/(rho_0 dt^2), Eq. (8) of Kuri et al.: density invariance
      divergence   -div(v*)/dt - e/(dt T), e the density defect that the free surface does not explain, T the time in
-                  which it is repaired */
+                  which it is corrected */
 #include "pressure_impl.h"
 
-#define LEAST_STEPS 5 /* in which the divergence source repairs density errors; SourceDivergence says why */
+#define LEAST_STEPS 5 /* in which the divergence source corrects density errors; SourceDivergence says why */
 
-/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but do not pull unless -pressure_wall_suction: a wall particle
-   without liquid all around lacks density though no liquid is rarefied, and its row, which has few pairs, would turn
-   that into a suction that tears particles off, whatever the size of the step. */
+/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but pull only with -pressure_wall_suction: the density of a wall
+   particle without liquid all around is too low although no liquid is rarefied. Its row has few pairs and would turn
+   this into a suction that tears particles off, for any size of the step. */
 PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   Cloud            cloud = pressure->cloud;
@@ -25,9 +25,9 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 #define LAMBDA_FULL 0.95           /* above: a full neighbourhood, F = 1 */
 #define LAMBDA_THIN MOMENT_MINIMUM /* below: too few neighbours for F; only compression counts */
 
-/* e_a = F_a - rho_a/(rho_0 S), the density defect that is due neither to the free surface nor to the kernel: F is the
-   part of the sum V W that a plane free surface leaves where |sum V grad W| is that of particle a, and S is the sum on
-   a full lattice. */
+/* e_a = F_a - rho_a/(rho_0 S), the density defect that is due neither to the free surface nor to the kernel. F is the
+   fraction of sum V W below a plane free surface, where |sum V grad W| is that of particle a; S is the sum on a full
+   lattice. */
 static PetscReal DensityDefect(Pressure pressure, PetscInt a)
 {
   Cloud            cloud    = pressure->cloud;
@@ -46,21 +46,21 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
 }
 
-/* Whether an emitter holds particle a, so that no pressure moves it: a repair of its density would only press on what
-   has left. */
+/* Whether an emitter holds particle a, so that no pressure moves it: a correction of its density would only push the
+   liquid that has left. */
 static PetscBool IsHeld(Cloud cloud, PetscInt a)
 {
   return BodyHolds(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), cloud->field[FIELD_POSITION] + DIM * a,
                    0.5 * cloud->size[a] * cloud->domain->spacing);
 }
 
-/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least LEAST_STEPS dt: in fewer steps the repair
-   overshoots, and a Couette flow with implicit viscosity at dt = 3 T blows up. Rows of walls take the divergence alone,
-   that of deeper layers added. The positions are those of the middle of a centered step and the new velocity belongs to
-   its end, so the divergence must be that at the end (time_offset of OperatorsDivergence). Free of divergence in the
-   middle, the velocity would have dt/2 tr (grad v)^2 at the end: the density would drift by that times T, and the
-   pressure's work on it is a loss of dt/2 |grad p|^2/rho a volume and time, 3 % of the energy of Taylor-Green vortices
-   of Re 1000 at 50 spacings. */
+/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least LEAST_STEPS dt: in fewer steps the correction
+   overshoots, and a Couette flow with implicit viscosity at dt = 3 T blows up. Rows of walls have the divergence alone,
+   with the sum of deeper layers. In a centered step the positions are those of the middle, but the new velocity is that
+   at the end, so the divergence must be that at the end (time_offset of OperatorsDivergence). A velocity without
+   divergence in the middle would have the divergence dt/2 tr (grad v)^2 at the end: the density would drift by this
+   times T, and the pressure would lose an energy of dt/2 |grad p|^2/rho for each volume and time, 3 % of the energy of
+   Taylor-Green vortices of Re 1000 at 50 spacings. */
 PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   Cloud            cloud = pressure->cloud;

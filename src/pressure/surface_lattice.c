@@ -1,18 +1,19 @@
-/* What the sums of surface rows miss, of particles of different sizes.
+/* Corrections of the sums of surface rows, for particles of different sizes.
 
    At rest the first layers of a lattice have a pressure that is too high by 0.15 to 0.2 rho g s. Where the spacing s
-   changes along the surface that is a slope of the pressure, which drives particles from coarse to fine. There are two
-   causes, and both follow from the lattice itself. Eq. (9) makes of a pressure of slope 1 below a flat surface 0.956
-   and 1.065 in the first two layers (2-d; 0.949 and 1.038 in 3-d). And the filled fraction of a continuous half-space
-   at the lattice's |sum V grad W| is 0.04 to 0.047 less than the lattice's, so that the first layer counts as
-   compressed. Corrected for both, the errors are .000 rho g s in the first layer and -.006 below on a lattice, .013 and
-   -.004 with a jitter of 0.1.
+   changes along the surface this is a slope of the pressure, which drives particles from coarse to fine. Both causes
+   follow from the lattice itself. Below a flat surface the gradient by Eq. (9) of a pressure of slope 1 is 0.956 and
+   1.065 in the first two layers (2-d; 0.949 and 1.038 in 3-d). And the filled fraction of a continuous half-space at
+   the lattice's |sum V grad W| is 0.04 to 0.047 less than the lattice's, so that the first layer counts as compressed.
+   With both corrections the errors are .000 rho g s in the first layer and -.006 below on a lattice, .013 and -.004
+   with a jitter of 0.1.
 
-   The share that is corrected is the ratio of the largest size to the smallest less 1, at most 1: the error that is
-   left drives little where sizes differ little, and of one size it is the same all along the surface and moves nothing.
-   Corrected there, too, gravity waves lose their error of 1 % in speed (50 spacings a wave: period .793 -> .802 s,
-   exact .802), but grow, by 2.7 % a period (1.1 % with 100 spacings), the waves of cases/piston are 3.3 % too high for
-   1.4 %, and a film at rest stirs with .0032 sqrt(g H) for .0020. One correction alone does neither. */
+   The corrected share of the error is the ratio of the largest size to the smallest less 1, at most 1: the remaining
+   error drives little where sizes differ little. With one size the error is the same all along the surface and moves
+   nothing. A correction there, too, would remove the error of 1 % in the speed of gravity waves (50 spacings a wave:
+   period .793 -> .802 s, exact .802). But the waves would grow by 2.7 % a period (1.1 % with 100 spacings), the waves
+   of cases/piston would be 3.3 % too high instead of 1.4 %, and a film at rest would move with .0032 sqrt(g H) instead
+   of .0020. Neither correction alone is better. */
 #include "pressure_impl.h"
 
 /* Sums at layer k (0: the first) of a lattice of spacing 1 below a flat surface: the filled fraction over that inside,

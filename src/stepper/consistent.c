@@ -1,15 +1,15 @@
-/* The consistent scheme, which is the default: every operator acts at the same positions, those of the middle of the
-   step, found with one neighbour search. It keeps the energy of an impact at three times the spacing that the printed
-   scheme needs. ConsistentStep has its equations: v* is the velocity without pressure, all sums run over the positions
-   of the middle, e is the density defect. What edges add to the sub-steps: hooks.c.
+/* The consistent scheme, which is the default: all operators act at the positions in the middle of the step, with one
+   neighbour search. It keeps the energy of an impact at three times the spacing that the printed scheme needs.
+   ConsistentStep has its equations: v* is the velocity without pressure, all sums are at the positions in the middle, e
+   is the density defect. hooks.c has what edges add to the sub-steps.
 
-   This is a leapfrog, which keeps the phase volume of an oscillation; forces at r^n multiply it by 1 + (w dt)^2/2 in
-   each step. With -time_centered 0 they do act there: the first drift is left out, and the second one is
-   r^{n+1} = r^n + dt/2 (v^n + v^{n+1}). Closure: Nair and Tomar (2014); shifting: Skillen et al. (2013). */
+   The scheme is a leapfrog, which conserves the phase volume of an oscillation. Forces at r^n would multiply this
+   volume by 1 + (w dt)^2/2 in each step. With -time_centered 0 forces do act at r^n: there is no first drift, and the
+   second is r^{n+1} = r^n + dt/2 (v^n + v^{n+1}). Closure: Nair and Tomar (2014); shifting: Skillen et al. (2013). */
 #include "consistent.h"
 
 #define SHIFTING_STRENGTH 2 /* A of Skillen et al. 2013 */
-#define RELAXATION_RATIO  5 /* time of the density's repair, over h/U of the scene */
+#define RELAXATION_RATIO  5 /* time in which density errors are corrected, over h/U of the scene */
 
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
@@ -54,12 +54,12 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
   PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "ConsistentSetFromOptions",
                              shifting->active, &shifting->active, NULL));
   PetscCall(PetscOptionsBool("-shifting_conserved",
-                             "shifting keeps momentum and angular momentum, at more loss of energy",
+                             "shifting conserves momentum and angular momentum, but loses more energy",
                              "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
   PetscCall(OptionReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "[0, inf)", &shifting->strength));
   PetscCall(OptionReal("-shifting_disorder",
-                       "h |grad C| at which the strength has doubled, it triples at most (1); 0: the same everywhere; "
-                       "0.06 keeps more energy in coarse splashes",
+                       "h |grad C| at which the strength has doubled, it triples at most (1); 0: one strength "
+                       "everywhere; 0.06 keeps more energy in coarse splashes",
                        "[0, inf)", &shifting->disorder));
   PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                              "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
@@ -98,7 +98,7 @@ PetscErrorCode ConsistentDefaults(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The new velocity belongs to the end of the step, half a step after the forces have acted. */
+/* The new velocity is that at the end of the step, half a step after the forces acted. */
 static PetscErrorCode CheckConsistent(Stepper stepper)
 {
   Consistent *scheme = (Consistent *)stepper->scheme;

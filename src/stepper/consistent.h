@@ -5,16 +5,17 @@
 #include "shifting.h"
 #include "stepper_impl.h"
 
-/* Data of the consistent scheme; that of the weakly compressible one begins with it. */
+/* Data of the consistent scheme, and the beginning of the weakly compressible scheme's data. */
 typedef struct {
   PetscBool centered;          /* forces act in the middle of the step */
-  PetscReal divergence_offset; /* the new velocity has no divergence so many steps after the forces act */
+  PetscReal divergence_offset; /* steps after the forces act at which the new velocity has no divergence, 1 */
   Shifting  shifting;
-  /* FIELD_PRESSURE of owned particles and ghosts: by the projection or an equation of state. Collective. */
+  /* Sets FIELD_PRESSURE of owned particles and ghosts, by the projection or an equation of state. Collective. */
   PetscErrorCode (*project)(Stepper stepper, PetscReal dt, PressureResult *result);
 } Consistent;
 
-/* ConsistentDefaults - types and options of both schemes; the scheme's data must be there. Not collective. */
+/* ConsistentDefaults - sets the types and defaults of both schemes, after the scheme has made its data. Not
+   collective. */
 PetscErrorCode ConsistentDefaults(Stepper stepper);
 /* Entries of SchemeOps that both schemes use. */
 PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);

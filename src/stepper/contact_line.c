@@ -1,5 +1,5 @@
-/* Contact lines that stick, in a step: they take from the velocity that the pressure has left what their resistance can
-   take. */
+/* Contact-angle hysteresis in a step: the resistance of a contact line slows or stops the velocity after the
+   pressure. */
 #include "stepper_impl.h"
 
 static PetscBool On(Stepper stepper)

@@ -1,5 +1,5 @@
-/* The scheme of Kuri et al. (2014) as printed. Stage one goes to r^F without pressure, stage two restores the rest
-   density there:
+/* The scheme of Kuri et al. (2014) as printed. Stage one moves particles to r^F without pressure; stage two restores
+   the rest density there:
 
      search   rho_a = sum m_b W_ab                                                    Eq. (4) at r^n
      forces   v^F = v^n + dt (viscosity + tension S + g)                              Eqs. (1), (5) to (7)
@@ -10,20 +10,20 @@
      drift    r^{n+1} = r^n + dt/2 (v^n + v^{n+1})                                    Eq. (10)
      guard    no particle inside a wall; the paper has none
 
-   Eq. (3) is the kernel, the cubic spline with h = 1.3 d0 (src/kernel). v^F stands in FIELD_VELOCITY_STAR. */
+   Eq. (3) is the kernel, the cubic spline with h = 1.3 d0 (src/kernel). FIELD_VELOCITY_STAR has v^F. */
 #include "stepper_impl.h"
 
-/* A lattice lacks density at the free surface, which Eq. (8) answers with suction. Eq. (11) closes rows on the surface
-   only, and where two fronts meet others need it too: see closure.c. */
+/* At the free surface the summed density of a lattice is too low, and Eq. (8) makes suction of that. Eq. (11) closes
+   rows on the surface only; where two fronts meet, other rows need a closure, too: see closure.c. */
 #define ADVICE                                                                                                         \
   "the scheme as printed needs -packing_type poisson, and where liquid meets liquid at speed may need "                \
   "-pressure_closure "                                                                                                 \
   "full_diagonal"
-/* Stage one may go so many times as far as a step, since stage two takes some of it back. */
+/* The displacement of stage one over that of a step at most: stage two takes part of it back. */
 #define PREDICTED_RATIO 2
 
-/* r^F = r^n + dt v^F, ghosts included; r^n goes to start ([n_owned][3], m). The trial's displacement is that of a step
-   which goes too far, or 0. */
+/* r^F = r^n + dt v^F, ghosts included; start: r^n ([n_owned][3], m). The trial's displacement becomes 0, or the
+   displacement if it is too large. */
 static PetscErrorCode Predict(Stepper stepper, PetscReal dt, PetscReal start[], StepTrial *trial)
 {
   const Cloud      cloud = stepper->cloud;
@@ -83,7 +83,7 @@ PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper)
   stepper->ops              = (SchemeOps){.step = DensityInvariantStep, .advice = ADVICE, .at_once = PETSC_TRUE};
   stepper->scheme           = NULL;
   stepper->no_slip          = PETSC_FALSE;
-  stepper->relaxation_ratio = 5; /* only with another source than its own */
+  stepper->relaxation_ratio = 5; /* for another source than the scheme's */
   stepper->force_time       = 0;
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);

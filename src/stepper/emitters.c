@@ -1,9 +1,8 @@
-/* Emitters in a step: implicit viscosity holds the liquid inside them to their velocity, as a wall. Were it free in
-   this solve, which a long step ends near rest relative to its neighbours, the liquid that has left would drag it
-   along, and tear. A row is held until the whole of its particles has left, which is when the next filling comes: were
-   it free from when their middles have, a sheet of honey would fall freely for as long, 6 % of the time in fillings of
-   8 rows.
- */
+/* Emitters in a step: implicit viscosity holds the liquid inside them at their velocity, like a wall. In a long step
+   viscosity brings neighbours nearly to one velocity: the liquid that has left would drag free liquid inside the
+   emitter along, and tear. A row is held until its particles have left as a whole, when the next emission comes. If it
+   were free as soon as their centres have left, a sheet of honey would fall freely in between: 6 % of the time with
+   emissions of 8 rows. */
 #include "stepper_impl.h"
 
 static PetscBool On(Stepper stepper)

@@ -1,8 +1,8 @@
-/* Everything that acts on the velocity but the pressure, and the work it does. */
+/* All forces but the pressure, and their work. */
 #include "stepper_impl.h"
 
-/* Sum of m v.u of the fluid for a field u, this rank: the power (W) of an acceleration; of a velocity (J), whose change
-   is the work of an implicit force. */
+/* Sum of m v.u of this rank's fluid for a field u: of an acceleration the power (W); of a velocity an energy (J), whose
+   change is the work of an implicit force. */
 static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *u = cloud->field[field];
@@ -13,9 +13,9 @@ static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
   return sum;
 }
 
-/* The terms of the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA. The net flux of the
-   liquid through its surface should be zero. It is not quite, and the pressure that all of a drop has in common would
-   do work on the remainder; StepperAdvance subtracts that as if the remainder were spread evenly. */
+/* Adds the terms of the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA. The net flux of
+   the liquid through its surface is not exactly zero, and the mean pressure of a drop would do work on it. RecordStep
+   subtracts this work, as if the net flux were spread evenly. */
 static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *n = cloud->field[FIELD_NORMAL],
@@ -27,7 +27,7 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
     PetscReal value;
 
     if (area == 0) continue;
-    value = cloud->liquid ? capillary[a] - cloud->jump[a] : capillary[a]; /* the rest is that of the liquid's surface */
+    value = cloud->liquid ? capillary[a] - cloud->jump[a] : capillary[a]; /* SumInterfaceWork has the rest */
     trial->sum[SUM_TENSION_WORK] += value * inflow;
     trial->sum[SUM_INFLOW] += inflow;
     trial->sum[SUM_AREA] += area;
@@ -35,8 +35,8 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
   }
 }
 
-/* The same of the whole surface of each of two liquids that do not mix, towards gas and the other liquid, under the
-   part of the pressure that goes with it (the cloud's jump). */
+/* The same for the whole surface of each of two immiscible liquids, towards gas and the other liquid, with its part of
+   the pressure, cloud->jump. */
 static void SumInterfaceWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *normal = cloud->field[FIELD_NORMAL];
@@ -84,7 +84,7 @@ static void AddBodyForce(Cloud cloud, PetscReal acceleration[])
   }
 }
 
-/* Adds to FIELD_ACCELERATION, or sets the pressure on the free surface. */
+/* Adds surface tension to FIELD_ACCELERATION, or sets the pressure on the free surface. */
 static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud           cloud  = stepper->cloud;
@@ -101,71 +101,71 @@ static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Implicit viscosity. It must balance the pressure: in steps longer than momentum takes to spread over a few spacings,
-   viscosity without pressure lets the liquid swell or shrink, and what the projection then removes of that is missing
-   in the resistance to a stretch (hanging sheets stretched up to 1.3 times too fast) and leaves a creep at rest. So the
-   pressure of the former step acts during the solve: the incremental splitting of Goda (1979), with which a steady flow
-   is free of an error of the splitting.
+/* Implicit viscosity. It must balance the pressure. In a step in which momentum diffuses over more than a few spacings,
+   viscosity without pressure lets the liquid swell or shrink. The projection removes this motion, and with it part of
+   the resistance to stretching: hanging sheets stretched up to 1.3 times too fast, and liquid at rest crept. So the
+   pressure of the former step acts during the solve, the incremental splitting of Goda (1979): a steady flow has no
+   splitting error.
 
-   Where viscosity alone makes the pressure, dt grad p/rho is many times the velocity that the step is about. The
-   projection is approximate: a pressure that is looked for anew leaves dt (L p - div grad p)/rho of divergence, L the
-   operator of the equation, and the density of a stretching sheet fell by a tenth, until it tore. So most of the former
-   pressure stays in the velocity, and the projection looks for the rest, as large as in a step of the explicit limit:
-   what remains of divergence is as small as there. Were all of it kept, pressures that accelerate nothing would add up.
- */
+   Where viscosity alone makes the pressure, dt grad p/rho is many times the velocity of the flow. The projection is
+   approximate: if it solves for the whole pressure, a divergence dt (L p - div grad p)/rho remains, L the operator of
+   the equation, and the density of a stretching sheet fell by a tenth, until the sheet tore. So most of the former
+   pressure stays in the velocity. The projection solves for the remaining share, which is as large as in a step of the
+   explicit limit, and so is the divergence that it leaves. If all of the former pressure stayed, pressures without
+   acceleration would add up. */
 static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscReal density[], StepTrial *trial)
 {
   Cloud           cloud  = stepper->cloud;
-  PetscReal      *v_star = cloud->field[FIELD_VELOCITY_STAR], *push;
+  PetscReal      *v_star = cloud->field[FIELD_VELOCITY_STAR], *kick;
   const PetscInt  n      = DIM * cloud->n_fluid;
   const PetscBool split  = PressureTakesDivergence(stepper->pressure);
   const PetscReal before = MassWeightedDot(cloud, FIELD_VELOCITY_STAR),
                   share  = stepper->keeps_pressure && split ? PetscMax(0, 1 - stepper->bounds.viscosity_flow / dt) : 0;
 
   PetscFunctionBegin;
-  PetscCall(ViscousGetPush(stepper, &push));
+  PetscCall(ViscousGetKeptKick(stepper, &kick));
   if (split) {
-    PetscCall(PressureAcceleration(stepper->pressure, push));
-    for (PetscInt k = 0; k < n; k++) v_star[k] += dt * push[k];
+    PetscCall(PressureAcceleration(stepper->pressure, kick));
+    for (PetscInt k = 0; k < n; k++) v_star[k] += dt * kick[k];
   }
   PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
   StepHook(stepper, drag, dt, v_star, trial);
   if (split)
-    for (PetscInt k = 0; k < n; k++) v_star[k] -= dt * push[k];
+    for (PetscInt k = 0; k < n; k++) v_star[k] -= dt * kick[k];
   trial->sum[SUM_VISCOUS_WORK] = MassWeightedDot(cloud, FIELD_VELOCITY_STAR) - before;
-  PetscCall(PressureKeep(stepper->pressure, share));
+  PetscCall(PressureSetKeptShare(stepper->pressure, share));
   for (PetscInt k = 0; k < n && share > 0; k++) {
-    push[k] *= share * dt;
-    v_star[k] += push[k];
+    kick[k] *= share * dt;
+    v_star[k] += kick[k];
   }
   if (split) PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the acceleration of Coriolis, -2 W x (v + v')/2, v the velocity before and v' after the step, to
-   FIELD_VELOCITY_STAR, to which all else has been added: with t = W dt, v' + t x v' = v* - t x v. The pressure of the
-   former step acts on the way, as in SolveViscosity: what it balances must not be turned. */
+/* Adds the Coriolis acceleration -2 W x (v + v')/2, v the velocity before and v' after the step, to
+   FIELD_VELOCITY_STAR, which has all other forces: with t = W dt, v' + t x v' = v* - t x v. The pressure of the former
+   step acts during this, as in SolveViscosity: the forces that it balances must not be rotated. */
 static PetscErrorCode AddCoriolis(Stepper stepper, PetscReal dt)
 {
   Cloud            cloud = stepper->cloud;
   const PetscReal *v     = cloud->field[FIELD_VELOCITY];
-  PetscReal       *push, t[DIM];
+  PetscReal       *acceleration, t[DIM];
 
   PetscFunctionBegin;
   SceneFrameRate(cloud->scene, t);
   for (PetscInt d = 0; d < DIM; d++) t[d] *= dt;
-  PetscCall(CloudGetWork(cloud, DIM, &push));
-  PetscCall(PressureAcceleration(stepper->pressure, push));
+  PetscCall(CloudGetWork(cloud, DIM, &acceleration));
+  PetscCall(PressureAcceleration(stepper->pressure, acceleration));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal *v_star = cloud->field[FIELD_VELOCITY_STAR] + DIM * a, b[DIM], turned[DIM];
 
     Cross(t, v + DIM * a, turned);
-    for (PetscInt d = 0; d < DIM; d++) b[d] = v_star[d] + dt * push[DIM * a + d] - turned[d];
+    for (PetscInt d = 0; d < DIM; d++) b[d] = v_star[d] + dt * acceleration[DIM * a + d] - turned[d];
     Cross(t, b, turned);
     for (PetscInt d = 0; d < DIM; d++)
-      v_star[d] = (b[d] - turned[d] + Dot(t, b) * t[d]) / (1 + Dot(t, t)) - dt * push[DIM * a + d];
+      v_star[d] = (b[d] - turned[d] + Dot(t, b) * t[d]) / (1 + Dot(t, t)) - dt * acceleration[DIM * a + d];
   }
-  PetscCall(CloudRestoreWork(cloud, &push));
+  PetscCall(CloudRestoreWork(cloud, &acceleration));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,14 +178,14 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
   PetscCall(OperatorsApparentViscosity(cloud, &stepper->viscosity));
-  PetscCall(PressureKeep(stepper->pressure, 0));
+  PetscCall(PressureSetKeptShare(stepper->pressure, 0));
   if (!fused) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (ViscosityIsExplicit(stepper)) {
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
     StepHook(stepper, drag, dt, v, trial);
   }
-  ShakingWork(cloud, 0.5 * dt, trial); /* the other half with the velocity at the end of the step, in StepGuard */
+  ShakingWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
   if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];

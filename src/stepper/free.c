@@ -1,18 +1,18 @@
-/* Free bodies in a step. Their velocity is one with the pressure, in whose equation they are (pressure/coupling.c):
+/* Free bodies in a step. Pressure and bodies' velocities are solved together (pressure/coupling.c):
 
      U* = U + dt/M (M g + viscous force + excess)      the velocity that their dummy particles have in the projection
      U' = U* + dt/M times the force of the equation
 
-   The force of the equation, a sum over the pairs of liquid and dummy particles, is wrong by some per cent of a
-   pressure that acts on one side only: a box would float 0.3 spacings too deep. What the pressure takes from the liquid
-   near the body (OperatorsWallForce) is right, but rough, and unstable where the body is light. So the excess of that
-   over the equation is given to the body too, spread over the time in which the density is repaired. What is given late
-   is not lost: body and liquid keep the momentum they have together. */
+   The force of the equation, a sum over the pairs of liquid and dummy particles, has an error of some percent of a
+   pressure that acts on one side only: a box would float 0.3 spacings too deep. The momentum that the pressure takes
+   from the liquid near the body (OperatorsWallForce) is exact, but noisy, and unstable for a light body. So the body
+   gets the excess of this force over that of the equation later, spread over the time in which density errors are
+   corrected. The momentum of body and liquid together is conserved. */
 #include "stepper_impl.h"
 
-/* F and the torque about the centre (N, N m) on each body, after StepKick: the sum of what the liquid loses to its
-   dummy particles, so nothing where no liquid is within reach of them. Alone in a box that is periodic all around a
-   body takes up all momentum that the liquid loses, to the last digit. */
+/* F and the torque about the centre (N, N m) on each body, after StepKick: the momentum that the liquid loses to its
+   dummy particles; zero without liquid in their reach. In a periodic box a single body takes up all momentum that the
+   liquid loses, to the last digit. */
 static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
 {
   Cloud            cloud = stepper->cloud;
@@ -35,8 +35,8 @@ static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds to an impulse (N s, N m s) that of the body force in dt (s). */
-static void AddWeightOf(Scene scene, Body solid, PetscReal dt, PetscReal impulse[FREE_MOTIONS])
+/* Adds the impulse of the body force in dt (s) to 'impulse' (N s, N m s). */
+static void AddWeight(Scene scene, Body solid, PetscReal dt, PetscReal impulse[FREE_MOTIONS])
 {
   PetscReal center[DIM], motion[FREE_MOTIONS], g[DIM];
 
@@ -59,7 +59,7 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
     FreeMotion(solid, center, motion);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++)
       impulse[k] = dt * (stepper->free_drag[FREE_MOTIONS * b + k] + excess[k]);
-    AddWeightOf(cloud->scene, solid, dt, impulse);
+    AddWeight(cloud->scene, solid, dt, impulse);
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) motion[k] += change[k];
     FreeSetVelocities(cloud, b, motion, cloud->field[FIELD_VELOCITY_STAR]);
@@ -68,17 +68,17 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The share of what the pressure owes a body that it is given in a step. */
-static PetscReal Soon(Stepper stepper, PetscReal dt)
+/* The share of a body's excess that the body gets in a step. */
+static PetscReal ExcessShare(Stepper stepper, PetscReal dt)
 {
   return 1 - PetscExpReal(-dt / PressureRelaxationTime(stepper->pressure));
 }
 
-/* They will get the impulses of WallGuard, as what the pressure owes them. */
+/* Adds the impulses of WallGuard to the excess of free bodies. */
 static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial)
 {
   const Scene     scene = stepper->cloud->scene;
-  const PetscReal share = Soon(stepper, dt) / dt;
+  const PetscReal share = ExcessShare(stepper, dt) / dt;
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
@@ -91,13 +91,13 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impul
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Their new velocities; adds what they did on the fluid to the trial. */
+/* Sets the new velocities of free bodies; adds their work on the fluid to the trial. */
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud           cloud = stepper->cloud;
-  const PetscReal soon  = Soon(stepper, dt);
-  PetscReal       equation[FREE_MOTIONS * SCENE_MAX_BODIES], *push = equation, balance[FREE_MOTIONS * SCENE_MAX_BODIES];
-  PetscMPIInt     rank;
+  const PetscReal share = ExcessShare(stepper, dt);
+  PetscReal   equation[FREE_MOTIONS * SCENE_MAX_BODIES], *pair_sum = equation, balance[FREE_MOTIONS * SCENE_MAX_BODIES];
+  PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
@@ -111,16 +111,16 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, before);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
-      force[k]   = push[k] + excess[k];
+      force[k]   = pair_sum[k] + excess[k];
       impulse[k] = dt * (stepper->free_drag[FREE_MOTIONS * b + k] + force[k]);
-      excess[k] += soon * (balance[FREE_MOTIONS * b + k] - force[k]);
+      excess[k] += share * (balance[FREE_MOTIONS * b + k] - force[k]);
     }
-    AddWeightOf(cloud->scene, solid, dt, impulse);
+    AddWeight(cloud->scene, solid, dt, impulse);
     FreePush(solid, stepper->time + 0.5 * dt, impulse);
     FreeMotion(solid, center, after);
     for (PetscInt k = 0; k < FREE_MOTIONS && !rank; k++)
       trial->sum[SUM_SOLID_WORK] -= 0.5 * dt * force[k] * (before[k] + after[k]);
-    push += FREE_MOTIONS;
+    pair_sum += FREE_MOTIONS;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

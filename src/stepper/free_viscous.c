@@ -1,10 +1,10 @@
-/* Viscosity on free bodies. In an implicit step the liquid drags a body that follows at once, which an explicit one
-   could not where the liquid is thick: with U its velocity, M its inertia, f the drag on it were it at rest and C what
-   its own velocity adds,
+/* Viscosity on free bodies. In an implicit step a body follows the drag within the solve; an explicit drag would be
+   unstable in very viscous liquid. With the body's velocity U, its inertia M, the drag f on the body at rest and the
+   drag -C U of its own velocity,
 
      U = U_0 + dt/M (f - C U),
 
-   which the operator of the liquid's velocities solves on its way for each f. */
+   which each application of the liquid's operator solves for its f. */
 #include "stepper_impl.h"
 
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[])
@@ -40,8 +40,8 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Viscous force and torque (N, N m) on each free solid, drag[solids][FREE_MOTIONS], at velocities [n_total][3] (m/s), 0
-   for others. */
+/* drag[solids][FREE_MOTIONS]: viscous force and torque (N, N m) on each free solid at these velocities ([n_total][3],
+   m/s); 0 for other solids. */
 static PetscErrorCode Drag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
 {
   Cloud      cloud = stepper->cloud;
@@ -55,7 +55,7 @@ static PetscErrorCode Drag(Stepper stepper, const PetscReal velocity[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The inverse of 1 + dt/M C of each body, by the drag of each of its velocities alone. */
+/* The inverse of 1 + dt/M C of each body; C is the drag at each unit motion of the body. */
 PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
 {
   Cloud          cloud  = stepper->cloud;

@@ -21,7 +21,7 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
   }
 }
 
-/* The same for solids: out along the normal. Free bodies take what they stop. */
+/* The same for solids: moves particles out along the normal. A free body receives the momentum that it stops. */
 static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[])
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {

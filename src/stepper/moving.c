@@ -1,9 +1,9 @@
-/* Solids and walls that move. In a step from t to t + dt their dummy particles are where the liquid is, half way at t +
-   dt/2, with the velocity of the end, t + dt, which is the time that the new velocity of the liquid belongs to; then at
-   the end. Where they are depends on the time alone. */
+/* Solids and walls that move. In a step from t to t + dt their dummy particles are, like the liquid, at their positions
+   at t + dt/2, with their velocities at t + dt, the time of the liquid's new velocity. At the end of the step they move
+   to their positions at t + dt. Positions depend on the time alone. */
 #include "stepper_impl.h"
 
-/* The solid that a dummy particle belongs to, if it moves; else NULL. */
+/* The moving solid of a dummy particle, or NULL. */
 static Body MovingSolid(Scene scene, PetscInt body)
 {
   const Body solid = body <= BODY_SOLID ? SceneSolid(scene, BODY_SOLID - body) : NULL;
@@ -37,8 +37,7 @@ static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of a solid other than this one, of another motion, that x is inside of by more than a spacing; NULL: none.
- */
+/* The name of another solid, with another motion, in which x is deeper than a spacing; NULL: none. */
 static const char *Inside(Scene scene, Body solid, PetscReal spacing, const PetscReal x[DIM])
 {
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
@@ -48,7 +47,7 @@ static const char *Inside(Scene scene, Body solid, PetscReal spacing, const Pets
   return NULL;
 }
 
-/* Whether a solid would leave the box, or go into another one. */
+/* Refuses a step in which a solid would leave the box or enter another solid. */
 static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t length)
 {
   const Cloud     cloud  = stepper->cloud;
@@ -86,7 +85,7 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The work that walls and solids that move do by friction. */
+/* Adds the work of friction done by walls and solids that move. */
 static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
@@ -101,7 +100,7 @@ static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal veloci
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The work that solids that move do by the pressure. */
+/* Adds the work of the pressure of solids that move. */
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   const Cloud cloud = stepper->cloud;

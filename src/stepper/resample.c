@@ -18,7 +18,7 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impul
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Not in a step that has lost particles, after which the cloud knows nothing of the step any more. */
+/* Not in a step that has lost particles: the cloud then has no fields of the step any more. */
 static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
 {
   ResamplingReport report;

@@ -1,14 +1,14 @@
-/* Particle shifting. Plain: every particle for itself, in one pass. Conserved (-shifting_conserved): whatever a
-   particle gains its neighbours lose, so that the centre of mass, momentum and angular momentum stay; in the drop
-   impact at 0.5 mm that costs about 5 % of the kinetic energy at 5 ms. */
+/* Particle shifting. Plain: each particle is shifted by itself, in one pass. Conserved (-shifting_conserved): the
+   neighbours of a particle lose what it gains, so that centre of mass, momentum and angular momentum are conserved; in
+   the drop impact at 0.5 mm this costs about 5 % of the kinetic energy at 5 ms. */
 #include "../neighbors/pairs.h"
 #include "shifting.h"
 
 #define CAP             0.1 /* spacings, of a shift in a step; no reference */
 #define DISORDERED_MOST 3   /* times the strength, of the most disordered particles */
 
-/* By what a shift is longer where the particles are disordered: h |grad C| is below 0.01 in a wave, 0.015 in the mean
-   of a splash and up to 0.1 in it. crowding: h |grad C| of the component that is shifted along. */
+/* The factor on a shift of disordered particles: h |grad C| is below 0.01 in a wave, 0.015 on average and up to 0.1 in
+   a splash. crowding: h |grad C| along the shift. */
 static PetscReal Strengthening(const Shifting *shifting, PetscReal crowding)
 {
   return PetscMin(DISORDERED_MOST, 1 + crowding / shifting->disorder);
@@ -51,7 +51,7 @@ static void TaylorTerm(Cloud cloud, PetscInt a, const PetscReal dr[DIM], PetscRe
   for (PetscInt d = 0; d < DIM; d++) change[d] = Dot(G + DIM * d, along);
 }
 
-/* Every particle for itself: one pass. */
+/* Plain shifting, in one pass. */
 static PetscErrorCode ShiftPlain(Cloud cloud, const Shifting *shifting, PetscReal dt)
 {
   PetscReal *x = cloud->field[FIELD_POSITION_NEW], *v = cloud->field[FIELD_VELOCITY_NEW];
@@ -71,8 +71,8 @@ static PetscErrorCode ShiftPlain(Cloud cloud, const Shifting *shifting, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds to the new positions the displacements dr_a - sum_b s_b W_ab dr_b of desired ones dr ([n_total][3], m), s the
-   compensation weights: the mass moved has no sum. change ([n_fluid][3], m/s): that of the velocity, to first order. */
+/* Adds the displacements dr_a - sum_b s_b W_ab dr_b to the new positions. desired: dr ([n_total][3], m); weight: s_b,
+   with which the centre of mass stays. change ([n_fluid][3], m/s): change of the velocity, to first order. */
 static void Displace(Cloud cloud, const PetscReal desired[], const PetscReal weight[], PetscReal change[])
 {
   PetscReal *x = cloud->field[FIELD_POSITION_NEW];
@@ -103,7 +103,7 @@ static void Displace(Cloud cloud, const PetscReal desired[], const PetscReal wei
   }
 }
 
-/* Whatever a particle gains its neighbours lose. */
+/* Conserved shifting: neighbours lose what a particle gains. */
 static PetscErrorCode ShiftConserved(Cloud cloud, const Shifting *shifting, PetscReal dt)
 {
   PetscReal *x = cloud->field[FIELD_POSITION_NEW], *v = cloud->field[FIELD_VELOCITY_NEW], *weight, *desired, *change;

@@ -10,11 +10,11 @@ typedef struct {
   PetscReal disorder; /* h |grad C| at which A has doubled, 1; 0: it does not grow */
 } Shifting;
 
-/* Shift - moves FIELD_POSITION_NEW (m) towards an even distribution and takes FIELD_VELOCITY_NEW (m/s) to where the
-   particles then are. Reads FIELD_VELOCITY_GRADIENT (1/s) and FIELD_VELOCITY_JUMP (m/s) of the velocity before the
-   pressure acted: a pass over the pairs less. If shifting is conserved, centre of mass, momentum and angular momentum
-   of the fluid stay, to round-off, except what mirrors and the box's period do to them. Lists, kernels and B are those
-   of FIELD_POSITION. Collective. */
+/* Shift - moves FIELD_POSITION_NEW (m) towards an even distribution and corrects FIELD_VELOCITY_NEW (m/s) for the
+   displacement. Reads FIELD_VELOCITY_GRADIENT (1/s) and FIELD_VELOCITY_JUMP (m/s) of the velocity before the pressure
+   acted, which saves a pass over the pairs. conserved: centre of mass, momentum and angular momentum of the fluid stay
+   the same to round-off, unless mirrors or the box's period change them. Lists, kernels and B are those of
+   FIELD_POSITION. Collective. */
 PetscErrorCode Shift(Cloud cloud, const Shifting *shifting, PetscReal dt);
 
 #endif

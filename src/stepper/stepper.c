@@ -1,7 +1,7 @@
 #include "stepper_impl.h"
 
-#define MAX_HALVINGS 10    /* of a time step that is rolled back */
-#define STALLED      1e-12 /* of the time is a step that does not advance it */
+#define MAX_HALVINGS 10    /* of a step that is rolled back */
+#define STALLED      1e-12 /* step over time: a smaller step does not advance the time */
 
 static PetscFunctionList SchemeList = NULL;
 
@@ -51,7 +51,7 @@ PetscErrorCode StepperSetScheme(Stepper s, const char name[])
   PetscFunctionBegin;
   PetscCall(PetscFunctionListFind(SchemeList, name, &create));
   PetscCall(ListNames(SchemeList, names));
-  PetscCheckUser(create, s->cloud->comm, "-scheme %s is not a scheme; there are %s", name, names);
+  PetscCheckUser(create, s->cloud->comm, "-scheme %s does not exist; choose from %s", name, names);
   if (s->ops.destroy) PetscCall(s->ops.destroy(s));
   TimeStepDefaults(&s->limits);
   PetscCall(PetscStrncpy(s->scheme_type, name, sizeof(s->scheme_type)));
@@ -71,7 +71,7 @@ static PetscErrorCode CheckDensities(Stepper s)
     if (BodyMaterial(SceneBody(scene, b))->density > BodyMaterial(dense)->density) dense = SceneBody(scene, b);
   }
   PetscCheckUser(BodyMaterial(dense)->density <= s->density_ratio_max * BodyMaterial(light)->density, s->cloud->comm,
-                 "-%s_density is %g times -%s_density; at most -density_ratio_max %g is stable where the two touch",
+                 "-%s_density is %g times -%s_density; at most -density_ratio_max %g is stable where they touch",
                  BodyName(dense), (double)(BodyMaterial(dense)->density / BodyMaterial(light)->density),
                  BodyName(light), (double)s->density_ratio_max);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -89,7 +89,7 @@ static PetscErrorCode ReadScheme(void *object, const char type[])
   PetscOptionsBegin(s->cloud->comm, NULL, title, "Stepper");
   if (s->ops.setfromoptions) PetscCall(s->ops.setfromoptions(s, PetscOptionsObject));
   PetscCall(OptionReal("-pressure_relaxation_ratio",
-                       "time in which the divergence source repairs density errors, over h/U of the scene (1)",
+                       "time in which the divergence source corrects density errors, over h/U of the scene (1)",
                        "(0, inf)", &s->relaxation_ratio));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -104,10 +104,9 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
   PetscOptionsBegin(s->cloud->comm, NULL, "Scheme", "Stepper");
   PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetScheme",
                               SchemeList, type, type, sizeof(type), NULL));
-  PetscCall(
-    OptionReal("-wall_guard",
-               "distance from a wall that particles cannot go below (spacings); negative: so far they may go behind it",
-               "[-1, 0.5]", &s->guard));
+  PetscCall(OptionReal("-wall_guard",
+                       "least distance of particles from a wall (spacings); negative: how far they may go behind it",
+                       "[-1, 0.5]", &s->guard));
   PetscOptionsEnd();
   PetscCall(ReadTypeOptions(SchemeList, type, ReadScheme, s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -120,14 +119,13 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
 
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Viscosity", "Stepper");
-  PetscCall(PetscOptionsEList(
-    "-viscosity_form",
-    "form of the viscous force: cleary is Eq. (1) and keeps angular momentum, morris is exact for shear flow and "
-    "loses too little at free surfaces",
-    "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
+  PetscCall(PetscOptionsEList("-viscosity_form",
+                              "form of the viscous force: cleary is Eq. (1) and conserves angular momentum, morris is "
+                              "exact for shear flow and dissipates too little at free surfaces",
+                              "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
   PetscCall(PetscOptionsEList("-viscosity_wall",
                               "velocity behind a wall: rest is the wall's own, as printed, and lets the first layer "
-                              "slide; linear continues the liquid's, so that nothing slips at the face",
+                              "slip; linear continues the liquid's velocity, for no slip at the wall's face",
                               "StepperSetFromOptions", walls, 2, walls[wall], &wall, NULL));
   PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
@@ -136,7 +134,7 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What rolls a step back or stops the run. */
+/* The options of TrialLimits. */
 static PetscErrorCode SetTrialFromOptions(Stepper s)
 {
   PetscFunctionBegin;
@@ -146,7 +144,8 @@ static PetscErrorCode SetTrialFromOptions(Stepper s)
   PetscCall(OptionReal("-density_max", "summed density over rest density that rolls a step back (1)", "(1, inf)",
                        &s->trial.density));
   PetscCall(OptionReal("-energy_max",
-                       "kinetic energy over all that the scene has at hand that stops the run (1); 0: not watched",
+                       "kinetic energy, over the most that the scene's speeds, falls and surfaces can give, that stops "
+                       "the run (1); 0: no limit",
                        "[0, inf)", &s->trial.energy));
   PetscCall(OptionReal("-density_ratio_max",
                        "largest ratio of the densities of two bodies; a denser drop than 4 times its film is unstable "
@@ -175,9 +174,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (velocity > 0)
     PetscCall(
       PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * KernelSmoothingLength(s->cloud->kernel) / velocity));
-  PetscCheckUser(
-    velocity > 0 || s->limits.max > 0 || s->limits.fixed > 0, s->cloud->comm,
-    "nothing in the scene moves or pushes, so no time step follows from it: give -time_step or -time_step_max (s)");
+  PetscCheckUser(velocity > 0 || s->limits.max > 0 || s->limits.fixed > 0, s->cloud->comm,
+                 "no motion or force in the scene bounds the time step: give -time_step or -time_step_max (s)");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -232,8 +230,7 @@ PetscInt StepperUnderresolved(Stepper stepper)
   return stepper->underresolved;
 }
 
-/* The viscosity of the particles where it varies, after a search, into the swarm as if it were of the step before: the
-   first step goes by it. */
+/* Stores a viscosity that varies in the swarm, after a search: the first step uses it as that of the step before. */
 static PetscErrorCode StoreViscosity(Stepper stepper)
 {
   ParticleArrays arrays;
@@ -247,7 +244,7 @@ static PetscErrorCode StoreViscosity(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a trial has measured, into the state; the divergence without the time step. */
+/* Copies the measurements of a trial into the state; the divergence is not yet times the time step. */
 static void Record(const StepTrial *trial, StepState *state)
 {
   const PetscReal *sum = trial->sum, inside = PetscMax(1, sum[SUM_INSIDE]);
@@ -258,7 +255,7 @@ static void Record(const StepTrial *trial, StepState *state)
   state->surface_energy = sum[SUM_SURFACE_ENERGY];
 }
 
-/* Counts an energy (J) that has changed its form: it came out of one, or if it is negative went there. */
+/* Counts an energy (J) that the fluid's motion gained, or lost if it is negative. */
 static void Exchange(StepState *state, PetscReal energy)
 {
   if (energy > 0)
@@ -267,8 +264,8 @@ static void Exchange(StepState *state, PetscReal energy)
     state->taken -= energy;
 }
 
-/* What has been exchanged in a step by the liquid's motion with heat, surfaces, what moves and body forces. These are
-   not counted: what the others leave is theirs. */
+/* Counts the energy that the liquid's motion exchanged in a step with heat, surfaces, boundaries that move and body
+   forces. The work of body forces is not counted: it is the remainder of the others. */
 static void RecordExchange(const PetscReal sum[], PetscReal tension, StepState *state)
 {
   Exchange(state, sum[SUM_VISCOUS_WORK] - sum[SUM_FRICTION_WORK]);
@@ -320,8 +317,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   *failed        = PETSC_TRUE;
   if (StepperSteadyStep(stepper, 1) < STALLED * PetscAbsReal(state->time)) {
     PetscCall(PetscSNPrintf(why, length,
-                            "the time step has fallen to %.1e s, which does not advance the time any more: speeds or "
-                            "forces have run away; try a smaller -time_cfl or spacing",
+                            "the time step has fallen to %.1e s and does not advance the time any more, because speeds "
+                            "or forces have become too large; try a smaller -time_cfl or -spacing",
                             (double)dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -10,7 +10,7 @@
 
 typedef struct _p_Stepper *Stepper;
 
-/* What a stepper knows of the run, and what a restart needs besides the particles: the same on every rank; SI units. */
+/* The state of a run besides the particles, as a restart needs it; the same on every rank; SI units. */
 typedef struct {
   PetscReal time, time_step;
   PetscInt  step, iterations;
@@ -19,41 +19,42 @@ typedef struct {
   PetscReal solver_error;       /* rms density error that the pressure solver left in the step, 1 */
   PetscReal density_mean;       /* mean rho/rho_0 inside, 1 */
   PetscReal surface_energy;     /* sigma times the area of the free surface, J (J/m in two dimensions) */
-  PetscReal viscous_work;       /* done by viscosity on the fluid so far, J: what it dissipates counts negative */
+  PetscReal viscous_work;       /* done by viscosity on the fluid so far, J; dissipation is negative */
   PetscReal tension_work;       /* done by surface tension on the fluid so far, J */
   PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J */
-  PetscReal shaking_work;       /* done by the part of gravity that swings so far, J */
+  PetscReal shaking_work;       /* done by the oscillating part of gravity so far, J */
   PetscReal inflow_energy;      /* kinetic + potential of what emitters brought so far, J */
   PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
-  PetscReal tension_swing;      /* the sizes of the works of surface tension, added up step by step, J */
-  PetscReal friction_work;      /* the part of viscous_work that walls and solids that move did, J */
+  PetscReal tension_swing;      /* sum over the steps of |work of surface tension|, J */
+  PetscReal friction_work;      /* the part of viscous_work done by walls and solids that move, J */
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
-  PetscReal given, taken;       /* what went into the fluid's motion and what came out of it so far, step by step, J */
+  PetscReal given, taken;       /* sums over the steps of the energy that the fluid's motion gained and lost, J */
   PetscReal resampling_loss;    /* kinetic energy lost by joining and splitting particles so far, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
-  PetscReal start_density;      /* density_mean then */
+  PetscReal start_density;      /* density_mean at the start */
   PetscInt  rejected;           /* steps rolled back so far */
   PetscInt  lost;               /* particles that left through open faces so far */
-  PetscInt  joined, split;      /* particles that are gone by joining, that came by splitting so far */
+  PetscInt  joined, split;      /* particles removed by joining and added by splitting so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
 } StepState;
 
-/* StepperOutsideWork - what the fluid got from outside so far, J: from solids that move, shaking, emitters, less what
-   left through open faces. Not collective. */
+/* StepperOutsideWork - energy that the fluid got from outside so far, J: from solids that move, shaking and emitters,
+   less the energy that left through open faces. Not collective. */
 static inline PetscReal StepperOutsideWork(const StepState *state)
 {
   return state->solid_work + state->shaking_work + state->inflow_energy - state->outflow_energy;
 }
 
-#define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, with the mended tension */
+#define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, but for surface tension */
 #define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */
 
 #define SCHEME_WEAKLY_COMPRESSIBLE                                                                                     \
   "weakly_compressible" /* the consistent scheme with an explicit pressure: Tait's equation, artificial sound */
 
-/* StepperCreate - borrows all three. Collective. */
+/* StepperCreate - of a cloud, with its tension and pressure (all borrowed). Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
-/* StepperSetScheme - a registered type; sets the pressure's types and all defaults of its own. Collective. */
+/* StepperSetScheme - chooses a registered scheme, which sets the pressure's types and all its own defaults.
+   Collective. */
 PetscErrorCode StepperSetScheme(Stepper stepper, const char name[]);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
@@ -61,51 +62,52 @@ PetscErrorCode StepperSetScheme(Stepper stepper, const char name[]);
    -sound_mach, -sound_cfl, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
-/* StepperPrepare - assembles and sets the solver up at the present state so that every option of the solver has been
- * read. Collective. */
+/* StepperPrepare - sets the solver up at the present state, so that it reads all its options. Collective. */
 PetscErrorCode StepperPrepare(Stepper stepper);
-/* StepperAdvance - one accepted step, at most to time 'end' (s); rolls back and halves the step as often as it takes.
-   *failed is true if that did not help: the swarm then holds the last good state and 'why' (a sentence of at most
-   'length' bytes) says what went wrong. diagnose: also measure the divergence. Collective. */
+/* StepperAdvance - makes one accepted step, at most to the time 'end' (s). Rolls back and halves the step as often as
+   needed. *failed: this did not help; the swarm then holds the last good state, and 'why' (a sentence of at most
+   'length' bytes) says what went wrong. diagnose: measures the divergence, too. Collective. */
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length);
-/* StepperPredict - stage one of a step from the swarm's state, so that PressureAssemble gives the system of that step;
- *dt: its size (s). Collective. */
+/* StepperPredict - computes stage one of a step from the swarm's state, for PressureAssemble. *dt: the step's size (s).
+   Collective. */
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
-/* StepperViscosity - of -viscosity_form and -viscosity_wall; borrowed. Not collective. */
+/* StepperViscosity - the viscous term as -viscosity_form and -viscosity_wall choose it; borrowed. Not collective. */
 const Viscosity *StepperViscosity(Stepper stepper);
-/* StepperRefresh - the work fields that gauges read (see GaugesSetRefresh), from the swarm's state as the cloud has it;
-   nothing that is stored changes. Collective. */
+/* StepperRefresh - computes the work fields that gauges read (see GaugesSetRefresh) from the swarm's state. No stored
+   field changes. Collective. */
 PetscErrorCode StepperRefresh(Stepper stepper);
-/* StepperMeasure - density, its mean and surface_energy of the state at the start of a run, of the swarm's particles as
-   they are; gives them their viscosity where it varies. Collective. */
+/* StepperMeasure - measures density_error, density_mean and surface_energy of the swarm's particles at the start of a
+   run; also stores their viscosity if it varies. Collective. */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
-/* StepperRepairsAtOnce - whether each step repairs all density errors, so that those of the packing become speed in the
-   first one. Not collective. */
+/* StepperRepairsAtOnce - whether each step corrects all density errors. Then the first step turns those of the packing
+   into velocities. Not collective. */
 PetscBool StepperRepairsAtOnce(Stepper stepper);
-/* StepperReset - as after a restart: nothing is carried over from former steps but the StepState. Collective. */
+/* StepperReset - makes the next step independent of former steps but for the StepState, as after a restart.
+   Collective. */
 PetscErrorCode StepperReset(Stepper stepper);
-/* StepperSetRelaxation - whether steps are those of the relaxation to rest: no body force, velocities multiplied with
-   'damping' (1) before each step, and a fixed step (s; 0: as in the run, from the scene's velocity). Not collective. */
+/* StepperSetRelaxation - relaxing: from now on steps relax the packing to rest: no body force, velocities times
+   'damping' (1) before each step, and a fixed step (s; 0: chosen as in the run, with the scene's velocity). Not
+   collective. */
 PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal damping, PetscReal step);
-/* What bounds a time step, s; PETSC_MAX_REAL: nothing. viscosity: explicit; viscosity_flow: explicit, of a viscosity
-   that varies as it is at the shear rate of the scene's own velocity over the smoothing length, which implicit steps go
-   by. */
+/* Bounds of a time step, s; PETSC_MAX_REAL: none. viscosity: of an explicit step. viscosity_flow: the same, but a
+   viscosity that varies has its value at the shear rate U/h, U the scene's velocity; implicit steps are limited in
+   multiples of it. */
 typedef struct {
   PetscReal speed, force, viscosity, viscosity_flow, tension;
 } StepBounds;
 
-/* StepperBounds - of the last step that was chosen. Not collective. */
+/* StepperBounds - the bounds of the last step that was chosen. Not collective. */
 StepBounds StepperBounds(Stepper stepper);
-/* StepperUnderresolved - the particles of thick liquid that had neighbours along a line at most in the last step: a
-   sheet or thread is one particle thick there and tears. Not collective. */
+/* StepperUnderresolved - number of particles of viscous liquid whose neighbours in the last step lay along a line at
+   most: a sheet or thread is one particle thick there and tears. Not collective. */
 PetscInt StepperUnderresolved(Stepper stepper);
-/* StepperSteadyStep - the step (s) that those bounds and the options allow, were it not growing from that before; with
-   implicit viscosity if that is quicker. scale: for a spacing so many times as large (1), the flow being the same. Not
+/* StepperSteadyStep - the step (s) that StepperBounds and the options allow, without the limit on its growth; with
+   implicit viscosity if that is faster. scale (1): for the same flow with a spacing so many times as large. Not
    collective. */
 PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale);
-/* StepperReferenceVelocity - the scene's own velocity scale (m/s): initial speeds, those of walls, sqrt(g L),
- * sqrt(sigma/(rho h)). Not collective. */
+/* StepperReferenceVelocity - the scene's own velocity scale (m/s): the largest of initial speeds, wall speeds, sqrt(g
+   L) and sqrt(sigma/(rho h)). Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);
 PetscErrorCode StepperDestroy(Stepper *stepper);
 

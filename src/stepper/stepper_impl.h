@@ -7,8 +7,8 @@
 
 #define LIQUID_SUMS 3
 
-/* What a trial of a step sums over the fluid, and what it finds the largest of; of this rank until TrialReduce, then of
-   all. "Inside" are the particles that are neither on nor near the free surface. */
+/* Sums over the fluid, and largest values, in a trial of a step; of this rank until TrialReduce, then of all ranks.
+   "Inside" are the particles that are neither on nor near the free surface. */
 typedef enum {
   SUM_INSIDE,         /* particles inside */
   SUM_DENSITY,        /* rho/rho_0 inside */
@@ -16,17 +16,17 @@ typedef enum {
   SUM_DIVERGENCE2,    /* (div v)^2 inside, 1/s2; with 'diagnose' only */
   SUM_SURFACE_ENERGY, /* sigma times the area of the free surface, J */
   SUM_VISCOUS_WORK,   /* J */
-  SUM_FRICTION_WORK,  /* the part of it that walls and solids that move do, J */
+  SUM_FRICTION_WORK,  /* the part of it done by walls and solids that move, J */
   SUM_TENSION_WORK,   /* J */
   SUM_SOLID_WORK,     /* J */
   SUM_SHAKING_WORK,   /* J */
   SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
-  SUM_AREA,           /* of that surface, m2 */
+  SUM_AREA,           /* area of this surface, m2 */
   SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
-  SUM_LIQUIDS, /* the last three of both liquids that do not mix: of their whole surfaces, without the gas's part */
+  SUM_LIQUIDS, /* inflow, area, capillary area of the whole surface of each of two liquids, less the part of the gas */
   SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
   SUM_KINETIC,       /* kinetic energy, J */
-  SUM_UNDERRESOLVED, /* particles of thick liquid with neighbours along a line at most */
+  SUM_UNDERRESOLVED, /* particles of viscous liquid with neighbours along a line at most */
   SUM_MASS,          /* kg */
   SUM_COUNT
 } TrialSum;
@@ -34,21 +34,20 @@ typedef enum {
   LARGEST_DISPLACEMENT, /* m */
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
-  LARGEST_SHARE,        /* of volume over that at the start, 1: of resampling */
+  LARGEST_SHARE,        /* volume of a particle over its volume at the start, 1: for resampling */
   LARGEST_COUNT
 } TrialLargest;
 
-/* What a trial of a step gives: the new state stands in the cloud (positions, velocities, pressure), not yet
-   committed. */
+/* The result of a trial of a step. The cloud has the new state (positions, velocities, pressure), not yet committed. */
 typedef struct {
-  PetscBool      diagnose; /* given: the divergence of the velocity is to be measured too */
+  PetscBool      diagnose; /* input: measure the divergence of the velocity, too */
   PressureResult pressure;
   SolverReport   viscous; /* of the implicit viscosity, if the step has one */
   PetscReal      sum[SUM_COUNT], largest[LARGEST_COUNT];
-  PetscInt       lost; /* particles that left through open faces, once it is accepted */
+  PetscInt       lost; /* particles that left through open faces, after acceptance */
 } StepTrial;
 
-/* TrialFailed - whether a solver did not do what was asked, so that the rest of the step makes no sense. */
+/* TrialFailed - whether a solver failed, so that the rest of the step is useless. */
 static inline PetscBool TrialFailed(const StepTrial *trial)
 {
   return (PetscBool)(SolverFailed(&trial->viscous) || SolverFailed(&trial->pressure.solver));
@@ -59,37 +58,38 @@ typedef struct {
   PetscErrorCode (*setfromoptions)(Stepper stepper, OptionItems PetscOptionsObject); /* inside an options block */
   PetscErrorCode (*check)(Stepper stepper); /* refuses bad values; stepper->reference_velocity is known */
   PetscErrorCode (*view)(Stepper stepper, PetscViewer viewer);
-  PetscReal (*bound)(Stepper stepper, PetscReal speed); /* on the step (s), besides those of every scheme; 'speed': the
-                                                           largest of the fluid, m/s */
+  PetscReal (*bound)(
+    Stepper   stepper,
+    PetscReal speed); /* bound of the step (s), besides those of every scheme; speed: the fluid's largest, m/s */
   PetscErrorCode (*step)(Stepper stepper, PetscReal dt, StepTrial *trial);
   PetscErrorCode (*destroy)(Stepper stepper);
-  const char *advice;  /* what else to try when a step fails for good */
-  PetscBool   at_once; /* repairs the density in each step, unless the source is a divergence */
+  const char *advice;  /* what else to try when smaller steps do not help */
+  PetscBool   at_once; /* corrects all density errors in each step, unless the source is a divergence */
 } SchemeOps;
 
-/* What an edge adds to a step, in one file of its own and one line of hooks.c. A hook is called where 'on' says that
-   the run has the edge (NULL: always); NULL: the edge adds nothing there. dt: s. All but 'on' are collective. */
+/* What an edge adds to a step, in one file of its own and one line of hooks.c. A hook is called if 'on' says that the
+   run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' are collective. */
 typedef struct {
   PetscBool (*on)(Stepper stepper);
-  /* opens its options blocks; whether the edge is on or not */
+  /* opens its options blocks; called whether the edge is on or not */
   PetscErrorCode (*options)(Stepper stepper);
-  /* before a step: 'why' says in a sentence of at most 'length' bytes why it cannot be made; else it stays empty */
+  /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
   PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
-  /* moves boundaries from their places at the time 'from' to those at 'to', with their velocities at 'end' (s); sets
-   *moved if it has changed any place or velocity */
+  /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
+     (s); *moved: a position or velocity changed */
   PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
-  /* before implicit viscosity: ViscousHold for liquid whose velocity is given; what 'follow' needs */
+  /* before implicit viscosity: calls ViscousHold for liquid with a given velocity; prepares 'follow' */
   PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
-  /* within it, the liquid having the velocities u ([n_total][3], m/s): sets those of boundaries that follow the liquid;
-     own: with what else acts on them, else of boundaries that start at rest */
+  /* during implicit viscosity, with the velocities u of the liquid ([n_total][3], m/s): sets u of boundaries that
+     follow the liquid. own: with the other forces on them; else for boundaries that start at rest without forces */
   PetscErrorCode (*follow)(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
-  /* viscosity has acted, at these velocities ([n_total][3], m/s) */
+  /* after viscosity has acted, at these velocities ([n_total][3], m/s) */
   PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
-  /* after all forces but the pressure: FIELD_VELOCITY_STAR of boundaries, ghosts too */
+  /* after all forces but the pressure: sets FIELD_VELOCITY_STAR of boundaries, ghosts too */
   PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
   /* after the pressure has made FIELD_VELOCITY_NEW */
   PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
-  /* at the end of the step; impulse: that of WallGuard */
+  /* at the end of the step; impulse: see WallGuard */
   PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial);
   /* after the step has been accepted */
   PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
@@ -107,25 +107,25 @@ typedef struct {
   PetscReal     dt;                               /* s, of the system being solved */
   PetscReal    *pair;                             /* [pairs of the fluid] coefficients */
   PetscInt64    capacity;                         /* of pair */
-  PetscInt      layout;                           /* the local order the solver was made for */
+  PetscInt      layout;                           /* cloud->layout for which the solver was made */
   PetscInt      held_count, held_capacity, *held; /* fluid particles whose velocity is given: ViscousHold */
-  PetscReal    *push;                             /* [n_fluid][3] dt times the kept share of -grad p/rho, m/s */
-  PetscInt      push_capacity;                    /* particles */
+  PetscReal    *kept_kick;                        /* [n_fluid][3] dt times the kept share of -grad p/rho, m/s */
+  PetscInt      kick_capacity;                    /* particles */
   Solver        solver;                           /* of the velocities of the fluid, [n_fluid][3] */
 } Viscous;
 
-/* What bounds the time step; see the options of time_step.c. */
+/* Bounds of the time step; see the options of time_step.c. */
 typedef struct {
   PetscReal cfl, min, max, fixed;
   PetscReal capillary_limit; /* over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 */
 } TimeStepLimits;
 
-/* What a step may do before it is rolled back or stops the run. */
+/* Limits beyond which a step is rolled back or stops the run. */
 typedef struct {
   PetscReal displacement; /* spacings */
   PetscReal density;      /* summed over rest density */
-  PetscReal energy;       /* kinetic energy over all at hand; 0: not watched */
-  PetscReal at_hand;      /* J/kg; 0: no bound, since gravity drives a periodic direction, or an emitter brings more */
+  PetscReal energy;       /* kinetic energy over at_hand; 0: no limit */
+  PetscReal at_hand;      /* StepperEnergyAtHand, J/kg; 0: no bound */
 } TrialLimits;
 
 struct _p_Stepper {
@@ -139,37 +139,39 @@ struct _p_Stepper {
   TimeStepLimits          limits;
   TrialLimits             trial;
   StepBounds              bounds;  /* of the last step size chosen */
-  PetscReal               fastest; /* m/s, of all the liquid, at that time */
+  PetscReal               fastest; /* m/s, largest speed of the liquid when the bounds were found */
   Viscosity               viscosity;
   Resampling              resampling;
   Viscous                 viscous;
-  PetscReal               guard;              /* spacings that particles keep from walls */
-  PetscReal               density_ratio_max;  /* of the densities of two bodies */
-  PetscReal               reference_velocity; /* m/s */
-  PetscBool               relaxing;           /* StepperSetRelaxation: no body force */
-  PetscReal               damping;            /* velocities are multiplied with it in each step */
-  PetscReal               relaxation_step;    /* s; 0: as in the run */
-  PetscReal               time;               /* s, at the start of the step */
-  PetscBool               first;              /* the step is the first of a run */
-  PetscInt                underresolved;      /* StepperUnderresolved */
-  PetscReal               free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* of each solid that is free, N, N m */
-  PetscReal               free_follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* of free_viscous.c */
+  PetscReal               guard;                        /* spacings that particles keep from walls */
+  PetscReal               density_ratio_max;            /* largest ratio of the densities of two bodies */
+  PetscReal               reference_velocity;           /* m/s */
+  PetscBool               relaxing;                     /* StepperSetRelaxation: no body force */
+  PetscReal               damping;                      /* factor on the velocities in each step of a relaxation */
+  PetscReal               relaxation_step;              /* s; 0: as in the run */
+  PetscReal               time;                         /* s, at the start of the step */
+  PetscBool               first;                        /* the step is the first of a run */
+  PetscInt                underresolved;                /* StepperUnderresolved */
+  PetscReal free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
+  PetscReal free_follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */
   /* chosen by the scheme at its creation */
-  PetscBool no_slip;          /* default of -viscosity_wall: no slip at the face */
+  PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
-  PetscReal force_time;       /* when forces act, in steps after the start of the step */
-  PetscBool keeps_pressure;   /* implicit steps keep a share of the former pressure: StepKick takes it out */
+  PetscReal force_time;       /* when forces act, in steps from the start of the step */
+  PetscBool
+    keeps_pressure; /* implicit steps keep a share of the former pressure in the velocity; StepKick removes it */
 };
 
-/* StepTooFar - whether the trial has moved a particle further than a step may: then neighbours need not be looked for,
-   nor would they be found. The same on every rank where the displacement is. */
+/* StepTooFar - whether the trial has moved a particle farther than a step may. Then a neighbour search is useless, and
+   would not find all pairs. The same on every rank if the displacement is. */
 static inline PetscBool StepTooFar(Stepper stepper, const StepTrial *trial)
 {
   return (PetscBool) !(trial->largest[LARGEST_DISPLACEMENT] <=
                        stepper->trial.displacement * stepper->cloud->domain->spacing);
 }
 
-/* Each scheme's creation: defaults of stepper and pressure, its data and operations. Not collective. */
+/* Create the schemes: set the defaults of stepper and pressure, and the scheme's data and operations. Not
+   collective. */
 PetscErrorCode SchemeCreate_Consistent(Stepper stepper);
 PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper);
 PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper);
@@ -179,39 +181,39 @@ PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper);
 /* StepDrift - r += v dt/2 for the fluid, ghosts included; boundaries go to the middle of the step. */
 PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial);
 /* StepSearch - at the positions of the cloud: neighbours, FIELD_DENSITY (ghosts too), FIELD_CORRECTION, FIELD_LAMBDA,
-   FIELD_NORMAL, FIELD_CROWDING, INT_SURFACE. viscous: also the viscous term, into FIELD_ACCELERATION, at half the price
-   of a sum of its own; for StepViscosityFused only. */
+   FIELD_NORMAL, FIELD_CROWDING, INT_SURFACE. viscous: also sums the viscous term into FIELD_ACCELERATION, at half the
+   cost of a separate sum; only if StepViscosityFused. */
 PetscErrorCode StepSearch(Stepper stepper, PetscBool viscous);
-/* StepViscosityFused - whether StepSearch can sum the viscous term of this step: it is explicit, in the form of Cleary,
-   and of one liquid at rest density. Not collective. */
+/* StepViscosityFused - whether StepSearch can sum the viscous term of this step: explicit viscosity in the form of
+   Cleary, one liquid, rest density. Not collective. */
 PetscBool StepViscosityFused(Stepper stepper);
 /* StepForces - FIELD_ACCELERATION of viscosity, tension and body force at the positions and velocities of the cloud,
-   Eqs. (1), (5) to (7); FIELD_VELOCITY_STAR = v + dt a for the fluid and the wall's own velocity for walls, ghosts
-   included. density ([n_total], kg/m3): what viscosity divides by. fused: StepSearch has begun FIELD_ACCELERATION with
-   the viscous term. Viscosity acts at the new velocity in steps that StepSize made implicit. Sums the works. Boundaries
-   that the liquid moves get their velocity there. */
+   Eqs. (1), (5) to (7); FIELD_VELOCITY_STAR = v + dt a for the fluid, and the wall's own velocity for walls, ghosts
+   included. density ([n_total], kg/m3): the viscous term divides by it. fused: FIELD_ACCELERATION has the viscous term
+   from StepSearch. In steps that StepSize made implicit viscosity acts at the new velocity. Sums the works of the
+   forces. Boundaries that follow the liquid get their velocity in FIELD_VELOCITY_STAR. */
 PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial);
-/* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR; the
-   divergence is that after the particles have moved for time_offset (s). */
+/* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR. The
+   divergence is that of the particles moved on for time_offset (s). */
 PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
 /* StepProject - FIELD_PRESSURE of owned particles and ghosts by PressureSolve, Eqs. (8), (11). */
 PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result);
-/* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9), after what an implicit step has kept of
-   the former pressure has been taken out of FIELD_VELOCITY_STAR. */
+/* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9). First removes from FIELD_VELOCITY_STAR
+   the share of the former pressure that an implicit step kept in it. */
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial);
-/* StepDriftOn - FIELD_POSITION_NEW = from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10), or without v, where the first half
-   of the drift is done. from ([n_fluid][3], m). */
+/* StepDriftOn - the second half of the drift: FIELD_POSITION_NEW = from + dt/2 FIELD_VELOCITY_NEW. half_done is false:
+   both halves, from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10). from: [n_fluid][3], m. */
 PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done);
-/* StepGuard - the wall guard (guard.c) on FIELD_POSITION_NEW and FIELD_VELOCITY_NEW, which then become FIELD_POSITION
-   and FIELD_VELOCITY, with boundaries that move at the end of the step; adds the largest displacement since 'from'
-   ([n_fluid][3], m) to the trial. */
+/* StepGuard - applies the wall guard (guard.c) to FIELD_POSITION_NEW and FIELD_VELOCITY_NEW and copies them to
+   FIELD_POSITION and FIELD_VELOCITY. Boundaries that move go to their positions at the end of the step. The trial gets
+   the largest displacement since 'from' ([n_fluid][3], m). */
 PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial);
 
-/* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: a particle closer to a wall face or solid
-   than 'distance' (m) is set back to it and loses its velocity into the wall; one that crossed a symmetry face is
-   mirrored back. The distance is that of the finest particles; larger ones keep more. The Neumann condition of the
+/* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: moves a particle closer than 'distance' (m)
+   to a wall face or solid back to this distance and removes its velocity into the wall; mirrors a particle that crossed
+   a symmetry face back. 'distance' is for the finest particles; it grows with the size. The Neumann condition of the
    pressure makes walls impermeable to first order only; this is the remainder. impulse[solids][FREE_MOTIONS]: the
-   momentum (N s) and angular momentum (N m s) that free bodies take up by it, of all ranks. Collective. */
+   momentum (N s) and angular momentum (N m s) that free bodies thereby receive, over all ranks. Collective. */
 PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[]);
 
 /* --- hooks.c --- */
@@ -219,7 +221,7 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
 extern const StepHooks        MovingHooks, ContactHooks, FreeHooks, EmitterHooks, ResamplingHooks;
 extern const StepHooks *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
-/* StepHook - calls a hook of all edges, with what it takes behind the stepper. */
+/* StepHook - calls a hook of all edges; further arguments are those of the hook after the stepper. */
 #define StepHook(stepper, hook, ...)                                                                                   \
   do {                                                                                                                 \
     for (const StepHooks *const *edge_ = (stepper)->edges; *edge_; edge_++)                                            \
@@ -229,15 +231,15 @@ extern const StepHooks *const StepEdges[]; /* in the order in which they are cal
 
 /* --- moving.c --- */
 
-/* SolidsMove - the 'drift' of the solids that move and their dummy particles. Not collective. */
+/* SolidsMove - the hook 'drift' of solids that move and of their dummy particles. Not collective. */
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
 
 /* --- free.c, free_viscous.c --- */
 
-/* FreeSetVelocities - the dummy particles of a free solid, by its index, get the velocities of a motion: velocity[]
-   ([n_owned][3], m/s). Not collective. FreeSum - sum[solids][FREE_MOTIONS] of the forces on their dummy particles, each
-   ([n_total][3], N), of all ranks; 0 of solids that are not free. normal ([n_total][3]): see FreeAddForce, or NULL.
-   FreeViscousHold, FreeViscousFollow, FreeViscousDrag - the hooks. Collective. */
+/* FreeSetVelocities - sets velocity ([n_owned][3], m/s) of the dummy particles of a free solid, by its index, to that
+   of a motion. Not collective. FreeSum - sum[solids][FREE_MOTIONS]: force and torque on each free solid, over all
+   ranks, from the forces each ([n_total][3], N) on dummy particles; 0 for other solids. normal ([n_total][3]): see
+   FreeAddForce, or NULL. FreeViscousHold, FreeViscousFollow, FreeViscousDrag - the hooks. Collective. */
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
 PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[]);
 PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
@@ -246,21 +248,21 @@ PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal ve
 
 /* --- forces.c --- */
 
-/* ShakingWork - adds to the trial what the part of gravity that swings does with FIELD_VELOCITY in a time (s). Not
+/* ShakingWork - adds to the trial the work of the oscillating part of gravity with FIELD_VELOCITY in a time (s). Not
    collective. */
 void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
 /* --- trial.c --- */
 
-/* TrialDiagnose - density error, largest density, area of the free surface and (if asked) divergence of FIELD_VELOCITY,
-   at the positions of the last StepSearch. Not collective. */
+/* TrialDiagnose - measures density error, largest density, area of the free surface and, with trial->diagnose, the
+   divergence of FIELD_VELOCITY, at the positions of the last StepSearch. Not collective. */
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);
-/* TrialInterface - n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds to *flow
-   (m3/s), if it is not NULL, what flows into a's liquid through its share of their interface. Not collective. */
+/* TrialInterface - n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds the flow
+   (m3/s) into a's liquid through a's part of the interface to *flow, unless this is NULL. Not collective. */
 void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow);
-/* TrialSurfaceArea - area of the free surface of one particle's share, m2. Not collective. */
+/* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
 PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
-/* TrialReduce - adds kinetic energy and mass; sums and largest values of all ranks. Collective. */
+/* TrialReduce - adds kinetic energy and mass, and reduces sums and largest values over all ranks. Collective. */
 PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial);
 /* TrialCheck - after TrialReduce: 'why' says in a sentence of at most 'length' bytes what is wrong with a step of dt
    (s); empty if nothing is. Not collective. */
@@ -268,17 +270,17 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
 
 /* --- viscous.c --- */
 
-/* ViscosityIsExplicit - in this step; false also without viscosity. Not collective. */
+/* ViscosityIsExplicit - whether viscosity is explicit in this step; false without viscosity. Not collective. */
 PetscBool ViscosityIsExplicit(Stepper stepper);
-/* ViscousSetFromOptions - inside an options block; ViscousPrepare - reads the options of the solver, if it may be used.
-   ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), as a wall does. Not collective.
-   ViscousGetPush - an array [n_fluid][3] that stays until the end of the step, borrowed.
-   ViscousSolve - FIELD_VELOCITY_STAR (of the fluid, without viscosity) becomes the velocity u with u = v* + dt V u,
-   ghosts included, walls with their own velocity. Collective. */
+/* ViscousSetFromOptions - reads -viscosity_..., inside an options block. ViscousPrepare - reads the options of the
+   solver, if the run may need it. ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), like a
+   wall. Not collective. ViscousGetKeptKick - an array [n_fluid][3] (borrowed) that lasts until the end of the step.
+   ViscousSolve - FIELD_VELOCITY_STAR, v* without viscosity, becomes u with u = v* + dt V u, ghosts included; walls keep
+   their own velocity. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
 PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM]);
-PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push);
+PetscErrorCode ViscousGetKeptKick(Stepper stepper, PetscReal **kick);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report);
 PetscErrorCode ViscousDestroy(Stepper stepper);
 
@@ -287,12 +289,11 @@ PetscErrorCode ViscousDestroy(Stepper stepper);
 /* TimeStepDefaults; TimeStepSetFromOptions - opens its options blocks and refuses bad values. Collective. */
 void           TimeStepDefaults(TimeStepLimits *limits);
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
-/* StepSize - the step (s) the state allows, within the bounds of the options, and whether its viscosity is implicit.
-   Collective. */
+/* StepSize - chooses the step (s) from the state and the options, and whether its viscosity is implicit. Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
-/* StepperEnergyAtHand - what a scene's liquid can turn into kinetic energy, J/kg: speeds of bodies and walls, a fall
-   through the box, the surface of every particle; 0 if gravity drives it round a periodic box or it comes from
-   emitters. Not collective. */
+/* StepperEnergyAtHand - bound of the kinetic energy that a scene's liquid can have, J/kg: from speeds of bodies and
+   walls, a fall through the box, and the surface of every particle. 0: no bound, since gravity acts along a periodic
+   direction or emitters bring liquid. Not collective. */
 PetscReal StepperEnergyAtHand(Stepper stepper);
 
 #endif

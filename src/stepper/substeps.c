@@ -1,4 +1,4 @@
-/* The sub-steps that the schemes are made of. */
+/* The sub-steps of the schemes. */
 #include "stepper_impl.h"
 
 PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
@@ -61,12 +61,12 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud            cloud  = stepper->cloud;
   PetscReal       *v_star = cloud->field[FIELD_VELOCITY_STAR];
-  const PetscReal *kept   = stepper->viscous.push;
+  const PetscReal *kept   = stepper->viscous.kept_kick;
   PetscReal       *v      = cloud->field[FIELD_VELOCITY_NEW], *a;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_KICK), 0, 0, 0, 0));
-  if (PressureKept(stepper->pressure) > 0)
+  if (PressureKeptShare(stepper->pressure) > 0)
     for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] -= kept[k];
   PetscCall(CloudGetWork(cloud, DIM, &a));
   PetscCall(PressureAcceleration(stepper->pressure, a));

@@ -1,11 +1,11 @@
-/* The size of the time step, and the scales of a scene that it follows from. */
+/* The size of the time step, and the scales of a scene on which it depends. */
 #include "stepper_impl.h"
 
-#define LAST_LONGER   1e-3 /* a last step may be longer by this share of it */
-#define CAPILLARY     0.25 /* of schemes whose forces do not act at the middle of the step; else TensionStepLimit */
+#define LAST_LONGER   1e-3 /* a last step may be longer by this fraction */
+#define CAPILLARY     0.25 /* for schemes whose forces do not act at the middle of the step; else TensionStepLimit */
 #define VISCOUS_LIMIT 0.08 /* over h^2/nu, of explicit viscosity; 0.125 is marginal for -viscosity_form morris */
 #define FORCE_LIMIT   0.03 /* over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
-#define GROWTH        1.2  /* largest, from one step to the next; no reference */
+#define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
 #define SPRAY_SHARE   0.8  /* of -displacement_max, that a spray particle may move in a step; no reference */
 
 void TimeStepDefaults(TimeStepLimits *limits)
@@ -33,10 +33,10 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
 
 typedef enum { FASTEST, FASTEST_SPRAY, STRONGEST, THICKEST, EXTREME_COUNT } Extreme;
 
-/* Largest speeds (m/s) of the fluid and of its spray, which pressure does not slow down, and largest body force (m/s2),
-   and of a viscosity that varies the largest one over the density (m2/s), over all ranks; speeds and forces of graded
-   particles over their size, as fine ones with the same bounds on the step have them. At the start of a run no particle
-   counts as spray: lambda is not known yet. */
+/* Largest values over all ranks: speeds (m/s) of the fluid and of its spray, which pressure does not slow down; body
+   force (m/s2); kinematic viscosity (m2/s) of liquids whose viscosity varies. Speeds and forces of graded particles are
+   divided by their size: a fine particle with these values has the same bounds of the step. At the start of a run no
+   particle counts as spray, since lambda is not known yet. */
 static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extreme[EXTREME_COUNT])
 {
   ParticleArrays arrays;
@@ -66,8 +66,8 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Bounds the step by viscosities: constant ones, and the largest of those that vary. What an implicit step of those
-   goes by is the flow: liquid at rest may be stiff beyond all measure. */
+/* Bounds the step by constant viscosities, and by the largest kinematic viscosity that varies. viscosity_flow has the
+   viscosity at the shear rate of the flow, since that of liquid at rest may be infinite. */
 static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *bounds)
 {
   Scene           scene = stepper->cloud->scene;
@@ -86,8 +86,8 @@ static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *
   bounds->viscosity_flow = PetscMax(bounds->viscosity_flow, bounds->viscosity);
 }
 
-/* The least step (s) of the waves of all surfaces over that limit: those of an interface move the liquid on
-   both sides. */
+/* The smallest capillary step (s) of all surfaces, without the factor of the limit. Waves of an interface move the
+   liquid on both sides. */
 static PetscReal CapillaryStep(Stepper stepper)
 {
   Scene           scene = stepper->cloud->scene;
@@ -104,7 +104,7 @@ static PetscReal CapillaryStep(Stepper stepper)
   return step;
 }
 
-/* What each cause allows. */
+/* The bound of each cause. */
 static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT])
 {
   Cloud                 cloud  = stepper->cloud;
@@ -125,7 +125,7 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   return bounds;
 }
 
-/* Whether the viscosity is implicit in a step that all else would allow. */
+/* Whether implicit viscosity is faster for a step that all other bounds allow. */
 static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
 {
   const PetscReal limit = bounds->viscosity;
@@ -134,7 +134,7 @@ static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, 
                      (viscous->choice == VISCOUS_IMPLICIT || (viscous->choice == VISCOUS_AUTO && step > limit)));
 }
 
-/* The step that viscosity allows. */
+/* Bounds a step by viscosity. */
 static PetscReal BoundByViscosity(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
 {
   if (!ImplicitPays(viscous, bounds, step)) return PetscMin(step, bounds->viscosity);
@@ -152,8 +152,8 @@ static PetscReal ChooseStep(Stepper stepper, const StepState *state)
 
   if (fixed == 0) {
     step = PetscMin(PetscMin(bounds->speed, bounds->force), bounds->tension);
-    /* The first step takes the scene's own velocity for the one the particles will soon have. So does a relaxation,
-       which must use the steps of the run: the noise of the pressure depends on them. */
+    /* In the first step the scene's velocity counts as the particles' speed, which will soon reach it. The same in a
+       relaxation, which must use the steps of the run: the noise of the pressure depends on them. */
     if ((state->previous_time_step == 0 || stepper->relaxing) && velocity > 0)
       step = PetscMin(step, limits->cfl * h / velocity);
     if (state->previous_time_step > 0) step = PetscMin(step, GROWTH * state->previous_time_step);
@@ -174,8 +174,8 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   stepper->bounds  = FindBounds(stepper, extreme);
   stepper->fastest = PetscMax(extreme[FASTEST], extreme[FASTEST_SPRAY]);
   step             = ChooseStep(stepper, state);
-  /* Avoid a tiny last step, whose pressure would be noise over dt: the last step takes what round-off has left in the
-     sum of a million steps, and of steps that may be chosen the last two share what is left. */
+  /* Avoid a tiny last step, whose pressure would be noise over dt. The last step includes what round-off leaves in the
+     sum of a million steps; if the step is chosen, the last two steps are equal. */
   if (left <= step * (1 + LAST_LONGER))
     step = left;
   else if (left < 2 * step && stepper->limits.fixed == 0)
@@ -184,7 +184,7 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* With a spacing 'scale' times as large. */
+/* The bounds with a spacing 'scale' times as large. */
 static StepBounds ScaleBounds(const StepBounds *bounds, PetscReal scale)
 {
   const PetscReal h2 = scale * scale;

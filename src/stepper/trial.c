@@ -1,4 +1,4 @@
-/* What is measured in a trial of a step, and whether it is accepted. */
+/* Measures a trial of a step, and decides whether it is accepted. */
 #include "stepper_impl.h"
 
 #define OPEN_FACE_REACH 4 /* spacings from an open face within which a cut sheet may look underresolved */
@@ -21,7 +21,7 @@ void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
     const PetscInt  b = cloud->list[k];
     const PetscReal f = cloud->domain->volume * scale_f * cloud->slope[k];
 
-    if (cloud->integer[INT_LAYER][b] != 0 || !CloudMeets(cloud, a, b)) continue; /* no wall is an interface */
+    if (cloud->integer[INT_LAYER][b] != 0 || !CloudMeets(cloud, a, b)) continue; /* a wall is no interface */
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal part = f * (x[DIM * a + d] - x[DIM * b + d]);
 
@@ -31,7 +31,8 @@ void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
   }
 }
 
-/* sigma times the area of the interface of two liquids, J: on each side 2 int |sum V grad W| over it is the area. */
+/* sigma times the area of the interface of two liquids, J: the integral of |sum V grad W| over the liquid on each side
+   is half the area. */
 static PetscReal InterfaceEnergy(Cloud cloud)
 {
   const PetscReal sigma = SceneInterfaceTension(cloud->scene);
@@ -44,9 +45,9 @@ static PetscReal InterfaceEnergy(Cloud cloud)
   return sigma * area;
 }
 
-/* Whether particle a has neighbours along a line at most, in liquid so thick that no wave of a spacing's length breaks
-   it up (mu^2 > rho sigma d0, implicit steps): a sheet or thread is one particle thick there and tears as its particles
-   do. Liquid that emitters hold, or that is about to leave through an open face, is cut off there. */
+/* Whether particle a has neighbours along a line at most, in liquid so viscous that no capillary wave of a spacing's
+   length breaks it up (mu^2 > rho sigma d0, implicit steps): a sheet or thread is one particle thick there and tears.
+   Liquid that emitters hold, or that is about to leave through an open face, does not count: its end is a cut. */
 static PetscBool IsUnderresolved(Stepper stepper, PetscInt a)
 {
   Cloud            cloud  = stepper->cloud;
@@ -109,7 +110,7 @@ PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a solver that failed says. */
+/* Says why a solver failed. */
 static PetscErrorCode ExplainSolver(Stepper stepper, PetscReal dt, const StepTrial *trial, char why[], size_t length)
 {
   KSP    ksp;
@@ -152,13 +153,13 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
   else if (trial->largest[LARGEST_DENSITY] > limits->density)
     PetscCall(PetscSNPrintf(why, length,
                             "the density reaches %.3g times the rest density, more than -density_max %g: particles "
-                            "have clumped; try a smaller -time_cfl, -shifting or a smaller spacing",
+                            "have clumped; try a smaller -time_cfl, -shifting or a smaller -spacing",
                             (double)trial->largest[LARGEST_DENSITY], (double)limits->density));
   else if (at_hand > 0 && limits->energy > 0 && trial->sum[SUM_KINETIC] > limits->energy * at_hand)
-    PetscCall(PetscSNPrintf(why, length,
-                            "the kinetic energy is %.3g times all that speeds, falls and surfaces of the scene can "
-                            "give, more than -energy_max %g: the run has become unstable; try a smaller -time_cfl or "
-                            "spacing",
-                            (double)(trial->sum[SUM_KINETIC] / at_hand), (double)limits->energy));
+    PetscCall(
+      PetscSNPrintf(why, length,
+                    "the kinetic energy is %.3g times the most that speeds, falls and surfaces of the scene can give, "
+                    "more than -energy_max %g: the run is unstable; try a smaller -time_cfl or -spacing",
+                    (double)(trial->sum[SUM_KINETIC] / at_hand), (double)limits->energy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,8 +3,8 @@
    pairs, not assembled. */
 #include "stepper_impl.h"
 
-#define VISCOUS_RATIO 30   /* Couette flow at 20 spacings: largest error 0.8 % of the wall's speed */
-#define VISCOUS_RTOL  1e-8 /* momentum is kept to about this */
+#define VISCOUS_RATIO 30   /* largest error of Couette flow across 20 spacings: 0.8 % of the wall's speed */
+#define VISCOUS_RTOL  1e-8 /* momentum is conserved to about this */
 
 PetscBool ViscosityIsExplicit(Stepper stepper)
 {
@@ -20,29 +20,28 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscFunctionBegin;
   viscous->ratio = VISCOUS_RATIO;
   PetscCall(PetscOptionsEList("-viscosity_solver",
-                              "explicit, implicit (solver -viscous_ksp_type ...), or auto: implicit in steps that the "
+                              "explicit, implicit (solver: -viscous_ksp_type ...), or auto: implicit in steps that the "
                               "explicit limit would shorten",
                               "StepperSetFromOptions", solvers, 3, solvers[solver], &solver, NULL));
-  PetscCall(
-    OptionReal("-viscosity_step_ratio",
-               "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound; where "
-               "viscosity varies over the limit at the shear rate of the scene's own speed over h",
-               "[0, inf)", &viscous->ratio));
+  PetscCall(OptionReal("-viscosity_step_ratio",
+                       "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound; "
+                       "the limit of a viscosity that varies is that at the shear rate U/h of the scene",
+                       "[0, inf)", &viscous->ratio));
   viscous->choice = (ViscousSolver)solver;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ViscousGetPush(Stepper stepper, PetscReal **push)
+PetscErrorCode ViscousGetKeptKick(Stepper stepper, PetscReal **kick)
 {
   Viscous *viscous = &stepper->viscous;
 
   PetscFunctionBegin;
-  if (stepper->cloud->n_fluid > viscous->push_capacity) {
-    viscous->push_capacity = stepper->cloud->capacity;
-    PetscCall(PetscFree(viscous->push));
-    PetscCall(PetscMalloc1(DIM * viscous->push_capacity, &viscous->push));
+  if (stepper->cloud->n_fluid > viscous->kick_capacity) {
+    viscous->kick_capacity = stepper->cloud->capacity;
+    PetscCall(PetscFree(viscous->kept_kick));
+    PetscCall(PetscMalloc1(DIM * viscous->kick_capacity, &viscous->kept_kick));
   }
-  *push = viscous->push;
+  *kick = viscous->kept_kick;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -61,8 +60,8 @@ PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* u ([n_owned][3]): velocities of the fluid, from x, or zero if that is NULL; of walls and held liquid their own if
-   'walls', else zero. */
+/* u ([n_owned][3]): velocities of the fluid from x (NULL: zero); with 'walls' walls and held liquid have their own,
+   else zero. */
 static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls, PetscReal u[])
 {
   const Cloud        cloud   = stepper->cloud;
@@ -86,7 +85,7 @@ static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls, PetscReal u[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* out ([n_fluid][3], m/s2): viscous acceleration of those velocities. */
+/* out ([n_fluid][3], m/s2): viscous acceleration at the velocities of Load. */
 static PetscErrorCode ApplyViscosity(Stepper stepper, Vec x, PetscBool walls, PetscReal out[])
 {
   Cloud      cloud = stepper->cloud;
@@ -100,8 +99,8 @@ static PetscErrorCode ApplyViscosity(Stepper stepper, Vec x, PetscBool walls, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Mass of a particle over that of the first body's, of a ring at the far face of the box, which keeps the rows of the
-   order of a velocity. */
+/* Mass of a particle over that of a particle of the first body, with rings at the far face of the box: rows then have
+   the size of a velocity. */
 static inline PetscReal Mass(Cloud cloud, PetscInt a)
 {
   const PetscReal mass = cloud->rest_density[a] / BodyMaterial(SceneBody(cloud->scene, 0))->density;
@@ -109,7 +108,7 @@ static inline PetscReal Mass(Cloud cloud, PetscInt a)
   return mass * cloud->weight[a] * (cloud->length[a] / DomainRingLength(cloud->domain, cloud->domain->upper, 1));
 }
 
-/* Makes the rows of held liquid y = m x; x: NULL for that of 1. */
+/* Makes the rows of held liquid y = m x; x = NULL: y = m. */
 static void HoldRows(Stepper stepper, const PetscReal x[], PetscReal y[])
 {
   const Viscous *viscous = &stepper->viscous;
@@ -175,12 +174,12 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscCall(Reset(&stepper->viscous));
   PetscCall(PetscFree(stepper->viscous.pair));
   PetscCall(PetscFree(stepper->viscous.held));
-  PetscCall(PetscFree(stepper->viscous.push));
+  PetscCall(PetscFree(stepper->viscous.kept_kick));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of this local order: CG with Jacobi. Its norm is that of its preconditioner, which makes it one of
-   velocities, and so is that of the true residual. */
+/* The solver of this local order: CG with Jacobi. Its norm is the preconditioned one, a norm of velocities; the true
+   residual is judged in the same norm. */
 static PetscErrorCode CreateSolver(Stepper stepper)
 {
   Cloud          cloud   = stepper->cloud;
@@ -216,7 +215,7 @@ PetscErrorCode ViscousPrepare(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* b = m (v* + dt V(0; velocity of walls and held liquid)), x = v, the start value. */
+/* b = m (v* + dt V(0; velocity of walls and held liquid)), x = v, the initial guess. */
 static PetscErrorCode RightHandSide(Stepper stepper)
 {
   Cloud            cloud   = stepper->cloud;
@@ -256,7 +255,9 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
   StepHook(stepper, hold, dt);
   PetscCall(RightHandSide(stepper));
-  PetscCall(MatAssemblyBegin(viscous->solver.A, MAT_FINAL_ASSEMBLY)); /* changed: the preconditioner is made anew */
+  PetscCall(
+    MatAssemblyBegin(viscous->solver.A,
+                     MAT_FINAL_ASSEMBLY)); /* marks the operator as changed, so that the preconditioner is rebuilt */
   PetscCall(MatAssemblyEnd(viscous->solver.A, MAT_FINAL_ASSEMBLY));
   PetscCall(SolverSolve(&viscous->solver, report));
   PetscCall(Load(stepper, viscous->solver.x, PETSC_TRUE, cloud->field[FIELD_VELOCITY_STAR]));

@@ -1,11 +1,11 @@
-/* Weakly compressible SPH on the same operators: where the consistent scheme solves for the pressure, this one takes it
-   from Tait's equation of state (Monaghan 1994; Nishio et al. 2010 for the impact), p = B ((rho/rho_0)^7 - 1), B =
-   rho_0 c^2/7, with an artificial speed of sound c. The step is short (sound crosses a fraction of h) and cheap.
+/* Weakly compressible SPH with the operators of the consistent scheme: the pressure is not solved for, but follows from
+   Tait's equation of state (Monaghan 1994; Nishio et al. 2010 for the impact), p = B ((rho/rho_0)^7 - 1), B = rho_0
+   c^2/7, with an artificial speed of sound c. The step is short (sound crosses a fraction of h) and cheap.
 
-   The pressure is the state: it stands for the density of the equation of state, (rho/rho_0)^7 = 1 + p/B, which the
-   source that the projection removes changes, d ln rho/dt = -div v - e/T. With -pressure_source density rho is the
-   summed density of the moment instead, and no suction: the free surface, whose sum lacks neighbours, would have
-   nothing else.
+   The pressure is the stored state and stands for the density of the equation of state, (rho/rho_0)^7 = 1 + p/B. This
+   density changes with the source of the projection, d ln rho/dt = -div v - e/T. With -pressure_source density rho is
+   the present summed density instead, and suction is cut off: the free surface, where the sum lacks neighbours, would
+   have nothing but suction.
 
    Density diffusion keeps the pressure smooth: Molteni & Colagrossi 2009, without the hydrostatic part (Fourtakas et
    al. 2019), which would pull the liquid of a film at rest apart. */
@@ -15,7 +15,7 @@
 #define TAIT_EXPONENT 7 /* water; Monaghan 1994 */
 
 #define RELAXATION_RATIO                                                                                               \
-  25 /* time of the density's repair, over h/U of the scene: a faster one does work on the sound */
+  25 /* time in which density errors are corrected, over h/U of the scene; a shorter time feeds sound waves */
 
 typedef struct {
   Consistent base;
@@ -29,7 +29,7 @@ static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 
   PetscFunctionBegin;
   PetscCall(ConsistentSetFromOptions(stepper, PetscOptionsObject));
-  TimeStepDefaults(&stepper->limits); /* none is known to be larger here */
+  TimeStepDefaults(&stepper->limits); /* no larger limits are known for this scheme */
   PetscCall(
     OptionReal("-sound_speed", "artificial speed of sound (m/s); 0: from the scene's velocity", "[0, inf)", &s->speed));
   PetscCall(OptionReal("-sound_mach", "the scene's velocity over the speed of sound (1)", "(0, 1]", &s->mach));
@@ -39,7 +39,7 @@ static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Also chooses the speed of sound for the scene's velocity. */
+/* Chooses the speed of sound from the scene's velocity; refuses bad values. */
 static PetscErrorCode Check(Stepper stepper)
 {
   Compressible   *s        = (Compressible *)stepper->scheme;
@@ -48,7 +48,7 @@ static PetscErrorCode Check(Stepper stepper)
 
   PetscFunctionBegin;
   PetscCheckUser(s->speed > 0 || velocity > 0, stepper->cloud->comm,
-                 "nothing in the scene moves or pushes, so no speed of sound follows from it: give -sound_speed (m/s)");
+                 "no motion or force in the scene determines a speed of sound: give -sound_speed (m/s)");
   if (s->speed == 0) s->speed = velocity / s->mach;
   PressureLattice(stepper->cloud, &diagonal, &s->lattice_sum);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,7 +103,7 @@ static PetscErrorCode Diffusion(Cloud cloud, const Compressible *s, PetscReal ou
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Walls take the pressure of the fluid in front of them, with the weight of what lies between (Adami et al. 2012). */
+/* Walls get the pressure of the fluid in front of them, plus the weight of the fluid between (Adami et al. 2012). */
 static PetscErrorCode ExtendToWalls(Cloud cloud)
 {
   const PetscReal *x     = cloud->field[FIELD_POSITION];
@@ -130,7 +130,7 @@ static PetscErrorCode ExtendToWalls(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The new pressure of the fluid from the source. */
+/* Computes the new pressure of the fluid from the source. */
 static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
 {
   Cloud               cloud = stepper->cloud;
@@ -176,8 +176,8 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pressure of an incompressible step, of the size that such a scheme would take: with the short one the noise of
-   div v would stand for pressure. */
+/* The initial pressure: that of an incompressible step of the size that the consistent scheme would take. In a step of
+   this scheme's size the noise of div v would dominate the pressure. */
 static PetscErrorCode PressureAtStart(Stepper stepper, PetscReal dt, PressureResult *result)
 {
   const PetscReal h = KernelSmoothingLength(stepper->cloud->kernel), velocity = stepper->reference_velocity;

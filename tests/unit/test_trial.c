@@ -374,9 +374,10 @@ static PetscErrorCode TestImplicit(PetscBool gives_up)
   stepper->viscous.implicit      = PETSC_TRUE;
   stepper->bounds.viscosity_flow = 2.5e-4;
   PetscCall(StepForces(stepper, 1e-3, s.cloud->rest_density, PETSC_FALSE, &trial));
-  CHECK_CLOSE(PressureKept(stepper->pressure), 0.75, 1e-12, "implicit viscosity: share of the pressure that is kept");
+  CHECK_CLOSE(PressureKeptShare(stepper->pressure), 0.75, 1e-12,
+              "implicit viscosity: share of the pressure that is kept");
   for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++)
-    s.cloud->field[FIELD_VELOCITY_STAR][k] -= stepper->viscous.push[k];
+    s.cloud->field[FIELD_VELOCITY_STAR][k] -= stepper->viscous.kept_kick[k];
   if (gives_up)
     CHECK(trial.viscous.reason == KSP_DIVERGED_ITS && TrialFailed(&trial), "implicit viscosity: solver that gives up");
   else {
