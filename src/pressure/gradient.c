@@ -2,7 +2,7 @@
 
      symmetric   -sum_b m_b (p_a/rho_a^2 + p_b/rho_b^2) grad W: Eq. (9) of Kuri et al., conserves momentum
      corrected   -B_a sum_b V (p_b - p_a) grad W/rho_a and a background pressure inside, symmetric near the surface
-     conserved corrected; neighbours compensate the momentum that differs from symmetric */
+     conserved   corrected; neighbours compensate the momentum that differs from symmetric */
 #include "pressure_impl.h"
 
 /* The term against pairing over the background pressure; GradientCorrected gives the sources. */
