@@ -193,21 +193,3 @@ void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const Pets
     }
   }
 }
-
-void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM])
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
-  PairRow          row;
-
-  for (PetscInt d = 0; d < DIM; d++) force[d] = 0;
-  PairRowLoadGeometry(cloud, x, b, &row);
-  PairRowGradient(cloud, b, &row);
-  for (PetscInt k = 0; k < row.n; k++) {
-    const PetscInt  a = row.index[k];
-    const PetscReal c = cloud->integer[INT_LAYER][a] ? 0 : CloudPairMeasure(cloud, a, b) * (p[a] + p[b]) * row.F[k];
-
-    force[0] -= c * row.dx[k];
-    force[1] -= c * row.dy[k];
-    force[2] -= c * row.dz[k];
-  }
-}

@@ -116,14 +116,11 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
    of the solid's dummy particles. Not collective. */
 void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
                               PetscReal slope[FREE_MOTIONS]);
-/* OperatorsWallPressure - the pressure force (N; N/m in two dimensions) of the fluid on the dummy particle b of this
-   rank: -sum V_a V_b (p_a + p_b) grad W over the fluid a, the reaction to the force of Adami, Hu and Adams (2012) on
-   the fluid. Its power is the part of sum V p div v that the velocity of b causes. For rings, the radial component is
-   the sum all around. Not collective. */
-void OperatorsWallPressure(Cloud cloud, PetscInt b, PetscReal force[DIM]);
-/* OperatorsWallForce - force[] ([n_total][3]): this pressure force of this rank's fluid on each dummy particle, ghosts
-   too. corrected: the pressure gradient is corrected, and the walls receive all momentum that it takes from the fluid.
-   Needs OperatorsMoments and the pressures of ghosts. Collective. */
+/* OperatorsWallForce - force[] ([n_total][3]): the pressure force (N; N/m in two dimensions) of this rank's fluid on
+   each dummy particle, ghosts too: -sum V_a V_b (p_a + p_b) grad W over the fluid a, the reaction to the force of Adami,
+   Hu and Adams (2012) on the fluid. For rings, the radial component is the sum all around. corrected: the pressure
+   gradient is corrected, and the walls receive all momentum that it takes from the fluid. Needs OperatorsMoments and the
+   pressures of ghosts. Collective. */
 PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[]);
 /* OperatorsViscosityRemainder - adds to FIELD_ACCELERATION the part of the viscous term that OperatorsMoments omits:
    pairs with walls times (wall factor - 1), and the additional weight of pairs where neighbours are missing. Needs

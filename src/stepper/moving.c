@@ -104,16 +104,18 @@ static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal veloci
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   const Cloud cloud = stepper->cloud;
+  PetscReal  *force;
 
   PetscFunctionBegin;
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
+  PetscCall(CloudGetWork(cloud, DIM, &force));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(stepper->pressure), force));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
-    PetscReal  force[DIM];
 
-    if (!solid || BodyMass(solid) > 0) continue; /* free bodies: free.c */
-    OperatorsWallPressure(cloud, b, force);
-    trial->sum[SUM_SOLID_WORK] -= dt * Dot(force, cloud->field[FIELD_VELOCITY] + DIM * b);
+    if (solid && BodyMass(solid) <= 0) /* free bodies: free.c */
+      trial->sum[SUM_SOLID_WORK] -= dt * Dot(force + DIM * b, cloud->field[FIELD_VELOCITY] + DIM * b);
   }
+  PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
