@@ -117,10 +117,10 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
 void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
                               PetscReal slope[FREE_MOTIONS]);
 /* OperatorsWallForce - force[] ([n_total][3]): the pressure force (N; N/m in two dimensions) of this rank's fluid on
-   each dummy particle, ghosts too: -sum V_a V_b (p_a + p_b) grad W over the fluid a, the reaction to the force of Adami,
-   Hu and Adams (2012) on the fluid. For rings, the radial component is the sum all around. corrected: the pressure
-   gradient is corrected, and the walls receive all momentum that it takes from the fluid. Needs OperatorsMoments and the
-   pressures of ghosts. Collective. */
+   each dummy particle, ghosts too: -sum V_a V_b (p_a + p_b) grad W over the fluid a, the reaction to the force of
+   Adami, Hu and Adams (2012) on the fluid. For rings, the radial component is the sum all around. corrected: the
+   pressure gradient is corrected, and the walls receive all momentum that it takes from the fluid. Needs
+   OperatorsMoments and the pressures of ghosts. Collective. */
 PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[]);
 /* OperatorsViscosityRemainder - adds to FIELD_ACCELERATION the part of the viscous term that OperatorsMoments omits:
    pairs with walls times (wall factor - 1), and the additional weight of pairs where neighbours are missing. Needs
