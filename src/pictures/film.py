@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""A film of a run, a frame a snapshot.
+"""A film of a run, with a frame for each snapshot.
 
     film.py RUN_FOLDER [--rate N] [--color body|speed|pressure] [--section] [--azimuth DEG] [--elevation DEG]
 
 Writes RUN_FOLDER/figures/film.mp4: the surface in perspective, or with --section and in two dimensions the section.
-Needs what pictures.py needs and ffmpeg.
+Needs ffmpeg and the packages of pictures.py.
 """
 import argparse
 import os

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""The liquid's surface as meshes for other programs, and the particles as points.
+"""Writes the liquid's surface as meshes for other programs, and the particles as points.
 
     mesh.py RUN_FOLDER [--format vtp|ply] [--times S ...] [--least N] [--particles]
 
-Three dimensions, or rings, whose surface is one of revolution. Writes RUN_FOLDER/mesh/surface_<number>.vtp (or .ply),
-a closed mesh a snapshot, of the liquid's volume, without pieces of less than N particles (8), with speed, pressure and
-body at the corners (vtp); surface.pvd makes a series of them in ParaView. --particles: also particles_<number>.vtp and
-particles.pvd. Needs Debian's python3-h5py, python3-vtk9.
+For runs in three dimensions or with rings, which have a surface of revolution. Writes for each snapshot a closed mesh
+RUN_FOLDER/mesh/surface_<number>.vtp (or .ply) with the liquid's volume, without pieces of less than N particles (8).
+vtp files have speed, pressure and body at the corners; surface.pvd makes a series of them in ParaView. --particles:
+writes particles_<number>.vtp and particles.pvd, too. Needs Debian's python3-h5py, python3-vtk9.
 """
 import argparse
 import os
@@ -15,12 +15,12 @@ import sys
 import tables
 
 LEAST = 8
-FARTHEST = 0.5  # spacings that a corner is moved so that the mesh holds the liquid's volume, at most
-HALVINGS = 20  # of that range
+FARTHEST = 0.5  # spacings, largest displacement of a corner that gives the mesh the liquid's volume
+HALVINGS = 20  # bisections of this range
 
 
 def pieces(points, cells, spacing):
-    """Volume of each piece over a particle's, and the piece of each triangle. Pieces are joined by corners."""
+    """Volume of each piece over that of a particle, and the piece of each triangle. A piece is connected by corners."""
     mesh = polydata(points, cells)
     connect = vtkPolyDataConnectivityFilter()
     connect.SetInputData(mesh)
@@ -40,9 +40,9 @@ def held(points, cells):
 
 
 def fitted(run, points, normals, cells, volume):
-    """The corners of a mesh, all moved along their normals by the one length that makes it hold a volume; none goes
-    beyond a face of the box where the liquid ends flat. The contour of the blurred liquid lies up to a fifth of a
-    spacing too far out."""
+    """The corners of a mesh, moved along their normals by one length, with which the mesh has the given volume. No
+    corner leaves the box through a face at which the liquid ends flat. The contour of the blurred liquid is up to a
+    fifth of a spacing too far out."""
     closed = np.array(run.faces) != "open"
     lower, upper = np.where(closed[:, 0], run.lower, -np.inf), np.where(closed[:, 1], run.upper, np.inf)
     near, far = -FARTHEST * run.spacing, FARTHEST * run.spacing
@@ -54,7 +54,7 @@ def fitted(run, points, normals, cells, volume):
 
 
 def volume_of(run, state, lonely):
-    """The volume of the particles that the surface holds; of rings that of each half, on both sides of the axis."""
+    """The volume of the particles inside the surface; of rings the volume of each half, on both sides of the axis."""
     each = state.share * run.spacing**3
     if run.rings:
         each = np.pi * np.abs(state.points[:, 0]) * state.share * run.spacing**2
@@ -126,8 +126,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
     parser.add_argument("--format", choices=("vtp", "ply"), default="vtp")
-    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="snapshots nearest to these times, s (all)")
-    parser.add_argument("--least", type=float, default=LEAST, help="particles of the smallest piece (8)")
+    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="nearest snapshots to these times, s (all)")
+    parser.add_argument("--least", type=float, default=LEAST, help="least number of particles of a piece (8)")
     parser.add_argument("--particles", action="store_true", help="points too")
     arguments = parser.parse_args()
     run = data.Run(arguments.folder)

@@ -1,11 +1,10 @@
-"""Opens a run in ParaView: liquid as dots of the size of its finest particles, coloured by speed, solids and walls
-grey, the surface of `make mesh` if there is one, the time; a plane scene is looked at from the front, all others with
-z up.
+"""Opens a run in ParaView: liquid as dots of the size of the finest particles, coloured by speed; solids and walls in
+grey; the surface of `make mesh`, if there is one; the time. A plane scene is seen from the front, others with z up.
 
 In ParaView: Macros, Import new macro, this file; open snapshots.xdmf with the "Xdmf3 Reader S" (do not press
-Apply), and press the macro's button. In a shell: pvpython open_in_paraview.py RUN [PICTURE.png [TIME]], with a
-folder of a run; with a picture it is written (of the last time, or of TIME in s), else a window stays open until it
-is closed."""
+Apply), and press the macro's button. In a shell: pvpython open_in_paraview.py RUN [PICTURE.png [TIME]], with
+the folder of a run. With PICTURE.png it writes a picture of the last time, or of TIME (s); else it shows a window until
+you close that."""
 import glob
 import os
 import re
@@ -17,7 +16,7 @@ SIZE = [1200, 800]  # pixels of a picture
 
 
 def spacing(folder):
-    """The particle spacing (m) that the run had."""
+    """The particle spacing (m) of the run."""
     with open(os.path.join(folder, "options.opts"), encoding="utf-8") as file:
         found = re.search(r"^-spacing +(\S+)", file.read(), re.M)
     if not found:
@@ -34,7 +33,7 @@ def dots(source, view, diameter):
 
 
 def part(reader, view, diameter, low, high):
-    """The particles whose body is between two numbers: those of liquid have 0, 1, ..., of walls -1, of solids less."""
+    """The particles whose body is between two numbers: 0, 1, ... is liquid, -1 walls, less are solids."""
     some = simple.Threshold(Input=reader)
     some.Scalars = ["POINTS", "body"]
     some.LowerThreshold, some.UpperThreshold, some.ThresholdMethod = low, high, "Between"
@@ -42,7 +41,7 @@ def part(reader, view, diameter, low, high):
 
 
 def look(reader, view):
-    """A camera at all of it, from the front: along y with z up, in a plane along z."""
+    """Sets a camera that sees all from the front: along y with z up; a plane scene along z."""
     x0, x1, y0, y1, z0, z1 = reader.GetDataInformation().GetBounds()
     middle = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2]
     away = 2 * max(x1 - x0, y1 - y0, z1 - z0)
@@ -53,7 +52,7 @@ def look(reader, view):
     view.CameraPosition = ([middle[0], middle[1], middle[2] + away] if plane
                            else [middle[0] - 0.3 * away, middle[1] - away, middle[2] + 0.3 * away])
     simple.ResetCamera(view)
-    if plane:  # it leaves room for a sphere
+    if plane:  # ResetCamera leaves room for a sphere
         wide, high = view.ViewSize
         view.CameraParallelScale = 0.6 * max(y1 - y0, (x1 - x0) * high / wide)
 

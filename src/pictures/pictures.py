@@ -1,14 +1,14 @@
 #!/usr/bin/python3
-"""Pictures of any run, for a paper or a look.
+"""Pictures of any run, for a paper or a first look.
 
     pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG]
                 [--curves NAME ...] [--format png|pdf|svg ...] [--width CM] [--dpi N]
 
 Writes into RUN_FOLDER/figures:
-    section.png   moments of a section through the middle (in two dimensions of all), with axes and units
+    section.png   the section through the middle (in two dimensions all) at several times, with axes and units
     surface.png   three dimensions: the liquid's surface in perspective
-    top.png       three dimensions: from above, with a scale bar
-    curves.png    what the scene measures: its gauges and energies; with --curves the columns of that name
+    top.png       three dimensions: the view from above, with a scale bar
+    curves.png    gauges and energies of the scene; with --curves the columns of that name
 or .pdf, .svg.
 Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
 """
@@ -30,19 +30,19 @@ with tables.polite("pictures.py"):
     import run as data
     import views
 
-COLUMNS = 3  # of panels, fewer where they are flat, more where they are tall
+COLUMNS = 3  # of panels; fewer if they are flat, more if they are tall
 SKIP = ("step", "wall_time", "rejected", "time")
 OF_RUNS = ("time_step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "volume",
-           "viscous_work", "tension_work", "outside_work")  # not of the flow: with --curves all or by their names
+           "viscous_work", "tension_work", "outside_work")  # not of the flow: drawn with --curves all, or by name
 WORDS = {"lost": "left through open faces", "highest": "highest liquid", "outside_work": "work from outside"}
 INCH = 2.54  # cm
-WIDE = 12.0  # inches that figures are drawn for
-LETTERS = 0.9  # of them for title and numbers of a panel
-OF_STEPS = ("time_step", "iterations", "solver_error")  # of the step before: the start has none
+WIDE = 12.0  # inches, for which figures are drawn
+LETTERS = 0.9  # inches, for title and numbers of a panel
+OF_STEPS = ("time_step", "iterations", "solver_error")  # values of the step before, of which the start has none
 
 
 def grid(count, width=4.0, height=3.0, columns=COLUMNS):
-    """A figure with panels for 'count' moments."""
+    """A figure with panels for 'count' times."""
     columns = min(columns, count)
     rows = -(-count // columns)
     scale = plt.rcParams["figure.figsize"][0] / WIDE
@@ -122,7 +122,7 @@ def surfaces(run, states, arguments, ends, folder):
 
 
 def scale_bar(panel, view):
-    """Exact in a parallel view; in perspective at the distance of the focus, and said so."""
+    """A scale bar: exact in a parallel view; in perspective at the distance of the focus, with a note."""
     if "height" in view:
         height, note = view["height"], ""
     else:
@@ -137,7 +137,7 @@ def scale_bar(panel, view):
 
 
 def columns_of(table, wanted):
-    """The columns of the series to draw: those that change, of the flow or, if any are wanted, of these names."""
+    """The columns of the series to draw, of those that change: those of the flow, or those with the wanted names."""
     chosen = {}
     for name, values in table.items():
         values = np.array(values, dtype=float)
@@ -148,13 +148,13 @@ def columns_of(table, wanted):
         if asked and name not in SKIP and good.sum() > 1 and np.ptp(values[good]) > 0:
             chosen[name] = values
     if wanted and not chosen:
-        raise tables.RunError(f"--curves {' '.join(wanted)}: the series has no such column that changes; it has "
+        raise tables.RunError(f"--curves {' '.join(wanted)}: no column of this name changes in the series; it has "
                               + ", ".join(name for name in table if name not in SKIP))
     return chosen
 
 
 def title(name, dim):
-    """What a column is, and its unit: kinetic_energy (J), height_1_m, force_xmin_x_N/m."""
+    """Name and unit of a column: kinetic_energy (J), height_1_m, force_xmin_x_N/m."""
     unit = tables.UNITS.get(name)
     if unit:
         unit = {"J": "J/m", "m3": "m2"}.get(unit, unit) if dim == 2 else unit
@@ -193,13 +193,13 @@ def curves(run, folder, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
-    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="moments to draw, s; the nearest snapshots")
-    parser.add_argument("--count", type=int, default=6, help="number of moments without --times (6)")
+    parser.add_argument("--times", type=float, nargs="+", metavar="S", help="times to draw, s: the nearest snapshots")
+    parser.add_argument("--count", type=int, default=6, help="number of times without --times (6)")
     parser.add_argument("--color", choices=("body", "speed", "pressure"), default="body")
     parser.add_argument("--azimuth", type=float, default=25, help="of the eye, degrees from -y towards x (25)")
     parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
-    parser.add_argument("--curves", nargs="+", metavar="NAME", help="columns of series.csv that begin so, or all; "
-                        "else what the gauges measure, and energies")
+    parser.add_argument("--curves", nargs="+", metavar="NAME", help="columns of series.csv beginning so, or all; "
+                        "default: the gauges' and the energies")
     parser.add_argument("--format", nargs="+", choices=("png", "pdf", "svg"), default=["png"],
                         help="of the files (png)")
     parser.add_argument("--width", type=float, default=WIDE * INCH, metavar="CM", help="of a figure of three columns; "

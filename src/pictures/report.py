@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""One page that shows a run: report.html in its folder, a file that needs nothing else.
+"""One page that shows a run: report.html in its folder, which needs no other file.
 
     report.py RUN_FOLDER [--states 25] [--triangles 40000]          make report RUN=...
 
-Scene and liquids, dimensionless numbers, the surface in three dimensions to turn and play, pictures, curves, where the
-energy went, what the run cost, its options, how to cite. The pictures are those of figures/; what is missing there is
-drawn first. The surface is thinned to so many triangles a moment.
+It has scene and liquids, dimensionless numbers, the surface in three dimensions to turn and play, pictures, curves, the
+energy budget, the cost of the run, its options, and how to cite. The pictures are those of figures/; missing pictures
+are drawn first. --triangles: most triangles of the surface at a time.
 """
 import argparse
 import base64
@@ -26,8 +26,8 @@ PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and
             ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"),
             ("curves.png", "Curves"))
 NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge"}
-STEPS = 65535  # of a 16-bit place
-COARSEST = 2  # cells of the surface, over those of a picture
+STEPS = 65535  # of a 16-bit coordinate
+COARSEST = 2  # largest cells of the surface over those of a picture
 
 
 def table(head, rows):
@@ -39,7 +39,7 @@ def table(head, rows):
 
 
 def read_log(folder):
-    """The lines that the last start of the run wrote to log.txt: all, and those before its steps."""
+    """The lines that the last start of the run wrote to log.txt: all lines, and the lines before its steps."""
     try:
         with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
             lines = file.read().split("\n")
@@ -53,7 +53,7 @@ def read_log(folder):
 
 
 def liquids(log):
-    """Table of the bodies and of their dimensionless numbers, from the lines of the log."""
+    """Tables of the bodies and of their dimensionless numbers, from the lines of the log."""
     bodies, numbers, names = [], [], list(NUMBERS)
     for line in log:
         body = re.match(r"  (\w+): (emitter, )?(\w+) within ", line)
@@ -83,16 +83,16 @@ def scaled(value, unit):
 
 
 def energy(log):
-    """Where the energy went, in the program's own words at the end of the run."""
+    """The error budget, as the program printed it at the end of the run."""
     start = next((k for k, line in enumerate(log) if line.startswith("Error budget")), len(log))
     end = next((k for k in range(start, len(log)) if log[k].startswith("  dominant")), None)
     if end is None:
-        return "<p>The run has not come to its end: its log has no energy budget.</p>"
+        return "<p>The run has not reached its end, so its log has no error budget.</p>"
     return f"<pre>{html.escape(chr(10).join(log[start:end + 1]))}</pre>"
 
 
 def cost(series, log):
-    """What the run took."""
+    """The cost of the run."""
     steps, wall = int(series["step"][-1]), series.get("wall_time", [math.nan])[-1]
     particles = series.get("particles", [math.nan])[-1]
     ranks = next((m[1] for m in (re.search(r"in a DMSwarm on (\d+) rank", line) for line in log) if m), "1")
@@ -130,7 +130,7 @@ def thin(points, cells, most):
 
 
 def surfaces(run, count, most):
-    """What viewer.js draws: every moment's surface, coloured by body."""
+    """The data of viewer.js: the surface at each time, coloured by body."""
     span = run.upper - run.lower
     data = {"lower": list(run.lower), "step": list(span / STEPS), "states": [],
             "box": [list(run.lower), list(run.upper)]}
@@ -138,7 +138,7 @@ def surfaces(run, count, most):
     for _, path in run.moments(count=count):
         state = run.read(path)
         share = views.value_table(state, "body", len(run.names()))
-        if coarser is None:  # so that little is left to thin
+        if coarser is None:  # so that few triangles must be removed
             ratio = len(views.Fluid(run, state.points, share, state.share, state.size).mesh()[2]) / most
             coarser = min(max(ratio if run.rings else math.sqrt(ratio), 1), COARSEST)
         fluid = views.Fluid(run, state.points, share, state.share, state.size, coarser)
@@ -165,7 +165,7 @@ def moment(seconds):
 
 
 def viewer(run, arguments):
-    """The part of the page with the surface; of two dimensions nothing."""
+    """The part of the page with the surface; empty in two dimensions."""
     if run.dim != 3:
         return ""
     data = surfaces(run, arguments.states, arguments.triangles)
@@ -180,7 +180,7 @@ def viewer(run, arguments):
     code = "\n".join(f"<script>{script}</script>" for script in scripts)
     return ('<h2>The surface through time</h2>\n<div id="view"></div>\n<p class="bar"><button id="play">Play</button>'
             '<input id="moment" type="range" min="0" value="0"><span id="time"></span></p>\n<p class="small">Drag to '
-            'turn, scroll to come nearer.</p>\n<script id="surfaces" type="application/json">'
+            'turn, scroll to zoom.</p>\n<script id="surfaces" type="application/json">'
             f"{json.dumps(data)}</script>\n{code}\n")
 
 
@@ -208,8 +208,8 @@ def options(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
-    parser.add_argument("--states", type=int, default=25, help="moments of the surface (25)")
-    parser.add_argument("--triangles", type=int, default=40000, help="of the surface at a moment, at most (40000)")
+    parser.add_argument("--states", type=int, default=25, help="number of times of the surface (25)")
+    parser.add_argument("--triangles", type=int, default=40000, help="most triangles of the surface at a time (40000)")
     arguments = parser.parse_args()
     if not os.path.exists(os.path.join(THREE, LIBRARY[0])):
         raise tables.RunError("the view in three dimensions needs three.js: apt-get install libjs-three")

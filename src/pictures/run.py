@@ -1,4 +1,4 @@
-"""A run as the pictures need it: its scene, and its states unfolded over mirrors. Lengths in m, SI units."""
+"""A run for the pictures: its scene, and its states with their mirror images. SI units."""
 import glob
 import os
 
@@ -15,13 +15,13 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-SOLID = -2  # body of the particles of the first of -solids; -3 of the second, and so on
+SOLID = -2  # INT_BODY of particles of the first of -solids; -3 is the second, and so on
 
 
 class State:
-    """A snapshot, unfolded: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: the volume over
-    spacing^dim, of rings the area; size [n]: the own spacing over the finest; solid [n][3]: dummy particles of solids
-    at this time. Rings lie in the plane y = 0 on both sides of the axis z."""
+    """A snapshot with its mirror images: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: volume
+    (of rings area) over spacing^dim; size [n]: the particle's spacing over the finest; solid [n][3]: dummy particles
+    of solids at this time. Rings are in the plane y = 0 on both sides of the axis z."""
 
     def __init__(self, time, points, velocity, pressure, body, share, size, solid):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
@@ -38,7 +38,7 @@ def upright(vectors):
 
 
 def ring_share(r, volume, size, spacing):
-    """Areas of rings over spacing^2 out of their distances from the axis (m), volumes (m3) and sizes, as in the
+    """Areas of rings over spacing^2 from their distances to the axis (m), volumes (m3) and sizes, as in the
     program."""
     half = 0.5 * size * spacing
     length = 2 * np.pi * np.where(r > half, r, 0.5 * (r + half))
@@ -59,8 +59,8 @@ def shares(file, liquid, r, rings, spacing):
 
 
 class Run:
-    """A folder of a run. lower, upper: corners of the box with its mirror images; faces[d]: its two faces' kinds. A run
-    with rings is one in three dimensions, its box the one around their cylinder."""
+    """A run folder. lower, upper: corners of the box with its mirror images; faces[d]: kinds of its two faces. A run
+    with rings counts as three-dimensional; its box is the box around their cylinder."""
 
     def __init__(self, folder):
         if not os.path.isdir(folder):
@@ -71,9 +71,9 @@ class Run:
                 with h5py.File(path, "r") as file:
                     self.files.append((float(np.ravel(file.attrs["time"])[0]), path))
             except (OSError, KeyError):
-                print(f"{path} is not a whole snapshot; left out.")
+                print(f"{path} is not a complete snapshot; it is left out.")
         if not self.files:
-            raise RunError(f"{folder} holds no readable snapshot_*.h5.")
+            raise RunError(f"{folder} has no readable snapshot_*.h5.")
         self.files.sort()
         self.options = tables.read_options(folder)
         with h5py.File(self.files[0][1], "r") as file:
@@ -89,12 +89,12 @@ class Run:
         self.solid, self.solid_of = self.read_solid()
 
     def face(self, d, side):
-        """The kind of a face, as options.opts says."""
+        """The kind of a face, from options.opts."""
         axis = AXES[d]
         return self.options.get(f"box_{axis}{side}", self.options.get(f"box_{axis}", "open")).strip('"')
 
     def unfold(self):
-        """[(direction, place)] of the mirrors that pictures look through: one a horizontal direction."""
+        """[(direction, position)] of the mirrors that pictures unfold: at most one for each horizontal direction."""
         if self.rings:
             (_, bottom, _), (reach, top, _) = self.lower, self.upper
             self.lower, self.upper = np.array([-reach, -reach, bottom]), np.array([reach, reach, top])
@@ -145,7 +145,7 @@ class Run:
             share, size = shares(file, liquid, points[:, 0], self.rings, self.spacing)
         if self.rings:
             points, velocity, solid = upright(points), upright(velocity), upright(solid)
-        # solids that move are in the snapshots, the others where solids.h5 has them
+        # solids that move are in the snapshots, others in solids.h5
         still = ~np.isin(self.solid_of, SOLID - np.unique(body[moved]))
         solid = np.concatenate([self.solid[still], self.reflect(solid)[0]])
         others = [pressure, body[liquid], share, size]
@@ -153,11 +153,11 @@ class Run:
         return State(time, points, velocity, pressure, body, share, size, solid)
 
     def around(self, points):
-        """Points and, of rings, also those that are a quarter of a turn further: what a picture must hold."""
+        """The points that a picture must contain; for rings with their points a quarter of a turn on."""
         return np.concatenate([points, points[:, [1, 0, 2]]]) if self.rings else points
 
     def read_solid(self):
-        """Dummy particles of solid bodies at the start, [n][3], and the index of the solid of each; none without the
+        """Dummy particles of solids at the start, [n][3], and the index of each one's solid; empty without the
         file."""
         path = os.path.join(self.folder, "solids.h5")
         if not os.path.exists(path):
@@ -177,10 +177,10 @@ class Run:
         return sorted(set(nearest))
 
     def need(self, color):
-        """Refuses to colour by what the snapshots do not hold."""
+        """Refuses to colour by a field that the snapshots lack."""
         field = {"speed": "velocity"}.get(color, color)
         if field != "body" and field not in self.fields:
-            raise RunError(f"the snapshots of {self.folder} hold no {field} (-snapshot_fields).")
+            raise RunError(f"the snapshots of {self.folder} have no {field} (-snapshot_fields).")
 
     def names(self):
         """Names of the bodies for the legend."""
@@ -188,7 +188,7 @@ class Run:
 
 
 def duration(seconds):
-    """Text of a time and its unit."""
+    """A time as text, with its unit."""
     for factor, unit in ((1, "s"), (1e3, "ms"), (1e6, "µs")):
         if abs(seconds) * factor >= 1:
             return f"{seconds * factor:.3g} {unit}"
@@ -196,7 +196,7 @@ def duration(seconds):
 
 
 def scale(length):
-    """Factor and unit in which a length (m) is a handy number."""
+    """Factor and unit with which a length (m) is a handy number."""
     return (1e6, "µm") if length < 1e-3 else (1e3, "mm") if length < 1 else (1, "m")
 
 

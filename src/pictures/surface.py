@@ -1,8 +1,8 @@
-"""The liquid's surface out of particles, and its picture: numpy makes field and light, VTK the mesh and the image.
+"""The liquid's surface from particles, and its picture: numpy computes field and light, VTK the mesh and the image.
 
 Lengths in m. The volume fraction is the particles' volume, spread by a Gaussian of FILTER spacings onto a grid; the
-surface is where it passes LEVEL. Particles too lonely to reach LEVEL are drawn as spheres of their own volume. Of rings
-the grid is one over the section through the axis, x and z, and half of its contour is swept round the axis.
+surface is its contour at LEVEL. Isolated particles that do not reach LEVEL are drawn as spheres of their own volume.
+Rings have a grid over the section through the axis, x and z; half of its contour is swept around the axis.
 """
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
@@ -19,18 +19,18 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
 
 FILTER = 0.6  # standard deviation of the Gaussian, spacings
 LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
-SPREAD = 2.5  # spacings: what the drop's share is averaged over where it is thinner than a particle
-LAYER_SHARE = 0.2  # of that average: what is drawn in the drop's full colour, two thirds of a layer of particles
+SPREAD = 2.5  # spacings over which the drop's share is averaged where it is thinner than a particle
+LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
 SMOOTHING = 25  # iterations of the mesh filter
 PASS_BAND = 0.06  # of the mesh filter
-WIDE = 1.5e-3  # m: reach of the shade in hollows
+WIDE = 1.5e-3  # m, reach of the shade in hollows
 AROUND = 240  # corners of a surface of revolution around its axis
 
 FILM_COLOR = np.array([0.07, 0.35, 0.63])
 DROP_COLOR = np.array([0.93, 0.36, 0.09])
-PALE_COLOR = np.array([0.55, 0.60, 0.66])  # the film, in pictures of where the drop's liquid is
+PALE_COLOR = np.array([0.55, 0.60, 0.66])  # the film, in pictures that show the drop's liquid
 ZENITH, HORIZON, GROUND = np.array([0.52, 0.70, 0.90]), np.array([0.95, 0.97, 1.0]), np.array([0.30, 0.36, 0.42])
 
 
@@ -48,8 +48,8 @@ def blur(field, width):
 
 
 def deposit(places, shape, weight):
-    """Spreads the points' weights onto the 2^d nodes around each, linearly. places [n][d] in nodes; weight: [n] or one
-    for all; points outside: none."""
+    """Spreads the points' weights linearly onto the 2^d nodes around each. places: [n][d] in nodes, none outside the
+    grid; weight: [n], or one for all."""
     dim = len(shape)
     base = np.floor(places).astype(np.int64)
     inside = np.all((base >= 0) & (base < np.array(shape) - 1), axis=1)
@@ -77,8 +77,8 @@ def sample(field, places):
 
 
 def with_images(points, flags, share, lower, upper, margin):
-    """Adds the periodic images of the points within a margin (m) beyond the four sides of the box. Of the section of
-    rings, mirrored at the axis, they are the mirror images in the cylinder around them."""
+    """Adds the periodic images of the points within a margin (m) beyond the four sides of the box; for the section of
+    rings, mirrored at the axis, the mirror images in the cylinder around them."""
     for axis in (0, 1):
         length = upper[axis] - lower[axis]
         low = points[:, axis] < lower[axis] + margin
@@ -91,13 +91,13 @@ def with_images(points, flags, share, lower, upper, margin):
 
 
 def in_plane(points, axes):
-    """Points [n][3] in the coordinates of a grid over these axes; without y the distance from the axis is the first."""
+    """Points [n][3] in the coordinates of a grid over these axes; without y the first is the distance from the axis."""
     return points if len(axes) == 3 else np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
 
 
 def parts(points, size, spacing, axes):
-    """Particles of these sizes as parts about a spacing wide along the axes: points [m][3], of which particle [m] each
-    is, and its share [m] in that."""
+    """Divides particles of these sizes into parts about a spacing wide along the axes: points [m][3], the particle of
+    each part [m], and the part's share in the particle [m]."""
     count = np.maximum(1, np.rint(size)).astype(int)
     places, of = [], []
     for n in np.unique(count):
@@ -116,7 +116,7 @@ class Liquid:
 
     points [n][3] (m); is_drop [n]; spacing, lower, upper (m): of the particles, and the corners of the whole box.
     share, size [n]: volume over spacing^3, own spacing over 'spacing'; of rings, whose points lie at y = 0 on both
-    sides of the axis, share is the area over spacing^2. Larger particles are parts about a spacing wide here.
+    sides of the axis, share is the area over spacing^2. Larger particles are divided into parts about a spacing wide.
     """
 
     def __init__(self, points, is_drop, spacing, lower, upper, share, size, rings=False):
@@ -150,18 +150,18 @@ class Liquid:
         self.block[..., :margin] = 0
 
     def places(self, points):
-        """Points (m) in nodes of the grid."""
+        """Points (m) in units of the grid's nodes."""
         return (in_plane(points, self.axes) - self.origin) / self.cell
 
     def lonely(self, field, level, flags):
-        """Flags of those of the flagged particles that the surface of a field at a level does not hold."""
+        """Flags of the flagged particles outside the surface of a field at a level."""
         flags = flags.copy()
         flags[flags] = sample(field, self.places(self.points[flags])) < level
         return flags
 
     def drop_share(self, points, spread=False):
-        """The drop's part of the liquid at points (m): 0 film, 1 drop. Sharpened for the eye, or, with spread, the mean
-        of the surroundings: a layer one particle thick has gaps, and its mean tells how much of it there is."""
+        """The drop's part of the liquid at points (m): 0 film, 1 drop. It is sharpened for the eye; with spread it
+        is the mean of the surroundings, which shows the amount of a layer one particle thick in spite of its gaps."""
         places = self.places(points)
         if spread:
             width = SPREAD * self.spacing / self.cell
@@ -190,7 +190,7 @@ def contour(field, level, origin, cell, edges):
 
 
 def passed(algorithm, mesh):
-    """What a filter makes of a mesh."""
+    """The output of a filter on a mesh."""
     algorithm.SetInputData(mesh)
     algorithm.Update()
     return algorithm.GetOutput()
@@ -207,8 +207,8 @@ def smoothed(mesh):
 
 
 def with_normals(mesh, closed):
-    """Points [n][3], normals [n][3] (outward) and triangles [m][3] of a mesh (vtkPolyData); closed: without hint which
-    side is out but that it is closed."""
+    """Points [n][3], normals [n][3] (outward) and triangles [m][3] of a mesh (vtkPolyData); closed: only
+    that the mesh is closed shows which side is out."""
     normals = vtkPolyDataNormals()
     normals.SetFeatureAngle(70)
     normals.SetSplitting(not closed)
@@ -225,7 +225,7 @@ def with_normals(mesh, closed):
 
 def triangles(field, level, origin, cell):
     """The smoothed surface of a field at a level: points [n][3], normals [n][3] (outward), triangles [m][3]. A field in
-    two dimensions is of rings, the first of them across the axis."""
+    two dimensions is of rings; its first direction crosses the axis."""
     if field.ndim == 2:
         first = int(round(-origin[0] / cell))
         joined = vtkStripper()
@@ -241,8 +241,8 @@ def triangles(field, level, origin, cell):
 
 
 def revolve(lines, on_axis=()):
-    """The surface that lines (vtkPolyData; x is the distance from the axis, y the place along it) sweep round the axis
-    z: what triangles() gives. on_axis: flags of the points that belong onto the axis, or none."""
+    """The surface that lines (vtkPolyData; x is the distance from the axis, y the position along it) sweep around
+    the axis z, in the form of triangles(). on_axis: flags of the points to be put on the axis, or none."""
     if lines.GetNumberOfPoints() == 0:
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
     flat = vtk_to_numpy(lines.GetPoints().GetData()).astype(float)
@@ -256,13 +256,13 @@ def revolve(lines, on_axis=()):
     sweep, clean = vtkRotationalExtrusionFilter(), vtkCleanPolyData()
     sweep.SetResolution(AROUND)
     sweep.CappingOff()
-    clean.SetTolerance(1e-7)  # joins the corners of the seam, and those on the axis to one
+    clean.SetTolerance(1e-7)  # joins the corners of the seam, and the corners on the axis
     return with_normals(passed(clean, passed(vtkTriangleFilter(), passed(sweep, profile))), True)
 
 
 def strays(centers, spacing, share, rings):
-    """Particles alone at centers [n][3] (m), each as a sphere of its volume, share [n] over spacing^3; rings, share of
-    their areas over spacing^2, as tori."""
+    """Isolated particles at centers [n][3] (m) as spheres of their volumes, share [n] over spacing^3; rings as tori,
+    with share their areas over spacing^2."""
     if not rings:
         return spheres(centers, spacing * (3 * share / (4 * np.pi)) ** (1 / 3))
     once = centers[:, 0] > 0  # not the mirror images
@@ -312,7 +312,7 @@ def surface(liquid, spread=False):
 
 
 def sky(directions):
-    """Light from directions [n][3] (unit): ground, horizon, zenith and a bright window."""
+    """Light from directions [n][3] (unit vectors): ground, horizon, zenith and a bright window."""
     up = directions[:, 2:3]
     light = np.where(up > 0, HORIZON + (ZENITH - HORIZON) * np.sqrt(np.clip(up, 0, 1)),
                      HORIZON + (GROUND - HORIZON) * np.clip(-4 * up, 0, 1))
@@ -322,8 +322,8 @@ def sky(directions):
 
 
 def colors(normals, base, shade, toward_eye, wet=1.0):
-    """Colours [n][3] (bytes) of a surface: its own, scattered, and, as far as it is wet, the sky's mirror image
-    (Schlick)."""
+    """Colours [n][3] (bytes) of a surface: its own, scattered, and the mirror image of the sky (Schlick) times its
+    wetness."""
     facing = np.sum(normals * toward_eye, axis=1, keepdims=True)
     normals = np.where(facing < 0, -normals, normals)
     facing = np.abs(facing)
@@ -356,8 +356,8 @@ def line_actor(lines):
 
 
 def render(points, cells, rgb, camera, size, lines=()):
-    """Draws triangles with a colour a corner: an array [height][width][3] of bytes. camera as for picture(); lines:
-    ends (m) of thin grey lines."""
+    """Draws triangles with a colour for each corner: an array [height][width][3] of bytes. camera as for picture();
+    lines: ends (m) of thin grey lines."""
     mesh = vtkPolyData()
     corners = vtkPoints()
     corners.SetData(numpy_to_vtk(points.astype(np.float32), deep=True))
@@ -402,7 +402,7 @@ def render(points, cells, rgb, camera, size, lines=()):
 
 
 def picture(liquid, camera, size, pale=False):
-    """Renders the surface: an array [height][width][3] of bytes. pale: the film is, so that the drop's liquid shows.
+    """Renders the surface: an array [height][width][3] of bytes. pale: a pale film, so that the drop's liquid shows.
 
     camera: position, focus, up (m), and either 'angle' (degrees, perspective) or 'height' (m, parallel projection).
     """
@@ -418,8 +418,8 @@ def picture(liquid, camera, size, pale=False):
 
 
 def section(liquid, half_thickness, window, pixels):
-    """A section through the axis, |y| <= half_thickness (m), seen along y: image [rows][columns][4], from 0 to 1. Rings
-    are all in it.
+    """A section through the axis, |y| <= half_thickness (m), seen along y: image [rows][columns][4], from 0 to 1. All
+    rings are in the section.
 
     window: x and z limits (x0, x1, z0, z1), m; pixels: the size of a pixel, m.
     """

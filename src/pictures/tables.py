@@ -1,4 +1,4 @@
-"""Tables and options of a run, with nothing but Python. SI units; a missing or unreadable number is NaN."""
+"""Tables and options of a run, without other libraries. SI units; a missing or unreadable number is NaN."""
 import contextlib
 import csv
 import math
@@ -7,14 +7,14 @@ import sys
 
 PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
 
-# Units, in three dimensions, of the columns of series.csv that go by their names alone; the others' end with theirs.
+# Units, in three dimensions, of the columns of series.csv without a unit in their name; other names end with it.
 UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
          "kinetic_energy": "J", "potential_energy": "J", "surface_energy": "J", "viscous_work": "J",
          "tension_work": "J", "outside_work": "J", "jet_height": "m", "highest": "m", "volume": "m3", "wall_time": "s"}
 
 
 class RunError(Exception):
-    """Something the user can put right; its text is the whole message."""
+    """An error that the user can correct; its text is the whole message."""
 
 
 @contextlib.contextmanager
@@ -37,7 +37,7 @@ def number(text):
 
 
 def plain(name):
-    """The name of a column without its unit, if it goes by its name alone: time_s is time."""
+    """The name of a column, without the unit if UNITS has it: time_s is time."""
     base = name.rpartition("_")[0]
     return base if name not in UNITS and base in UNITS else name
 
@@ -51,7 +51,7 @@ def read_table(path):
     except OSError as error:
         raise RunError(f"{path}: {error.strerror}.") from error
     if len(rows) < 2:
-        raise RunError(f"{path} holds no data yet.")
+        raise RunError(f"{path} has no data yet.")
     names = [plain(name.strip()) for name in rows[0]]
     if "time" not in names:
         raise RunError(f"{path} has no column 'time'.")

@@ -4,7 +4,7 @@
   const data = JSON.parse(document.getElementById('surfaces').textContent);
   const view = document.getElementById('view'), slider = document.getElementById('moment');
   const label = document.getElementById('time'), button = document.getElementById('play');
-  const FRAME = 120; // ms between moments
+  const FRAME = 120; // ms between times
   const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(35, 2, 0.01, 100);
   const renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
   const controls = new THREE.OrbitControls(camera, renderer.domElement);
@@ -16,7 +16,7 @@
     return new Type(bytes.buffer);
   }
 
-  /* One moment: places are 16-bit steps of the box, colours bytes, triangles 16- or 32-bit indices. */
+  /* One time: coordinates are 16-bit steps of the box, colours bytes, triangles 16- or 32-bit indices. */
   function surface(state) {
     const geometry = new THREE.BufferGeometry(), places = numbers(state.points, Uint16Array);
     const points = new Float32Array(places.length);

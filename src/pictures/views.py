@@ -1,18 +1,18 @@
-"""Views of one state: a section for matplotlib, the liquid's surface in perspective or from above by VTK."""
+"""Views of one state: a section with matplotlib; the liquid's surface in perspective or from above with VTK."""
 import numpy as np
 from matplotlib.collections import EllipseCollection
 
 import surface
 
-# Okabe and Ito: told apart also by colour-blind eyes
+# Okabe and Ito, distinct for colour-blind eyes too
 BODY_COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555")
 SOLID_COLOR = "#9a9a9a"
 FLOOR = np.array([0.90, 0.90, 0.88])
 MAPS = {"speed": "viridis", "pressure": "cividis"}
 UNITS = {"speed": "speed (m/s)", "pressure": "pressure (Pa)"}
-PERCENTILE = 99  # of the values: the end of a colour scale, so that one particle of spray does not set it
+PERCENTILE = 99  # of the values at the end of a colour scale, so that no single particle of spray sets it
 ANGLE = 22.0  # degrees, of the perspective
-ROOM = 1.05  # of the picture over what it must hold
+ROOM = 1.05  # size of a picture over that of its contents
 PANEL = (1000, 760)  # pixels
 
 
@@ -31,7 +31,8 @@ def limits(states, color):
 
 
 def section(axes, run, state, color, ends, unit):
-    """Particles of a slab through the middle (all in two dimensions) as discs of their spacing. unit: factor on m."""
+    """Draws the particles of a slab through the middle (in two dimensions all) as discs of their spacing. unit:
+    factor on m."""
     pair = (0, run.up)
     chosen = np.ones(len(state.points), bool)
     solid = state.solid
@@ -56,7 +57,7 @@ def section(axes, run, state, color, ends, unit):
 
 
 def frame(axes, run, unit):
-    """Walls as thick lines, mirrors dashed."""
+    """Draws walls as thick lines, mirrors as dashed lines."""
     x0, x1 = run.lower[0] * unit, run.upper[0] * unit
     z0, z1 = run.lower[run.up] * unit, run.upper[run.up] * unit
     lines = (((x0, x0), (z0, z1), run.faces[0][0]), ((x1, x1), (z0, z1), run.faces[0][1]),
@@ -69,8 +70,8 @@ def frame(axes, run, unit):
 
 
 class Fluid:
-    """Volume fraction of the particles on a grid over the box, of rings over its section through the axis, and the mean
-    of values there; share, size: as a state's. coarser: so many times larger cells than a picture needs."""
+    """Volume fraction of the particles on a grid over the box (rings: over the section through the axis), and the
+    mean of values there. share, size: see State. coarser: factor on the cells of a picture."""
 
     def __init__(self, run, points, values, share, size, coarser=1):
         inside = np.all((points >= run.lower - run.spacing) & (points <= run.upper + run.spacing), axis=1)
@@ -111,15 +112,15 @@ class Fluid:
         return np.stack([surface.sample(moment, places) / amount for moment in self.moment], axis=1)
 
     def mesh(self):
-        """Points, normals, triangles of the surface, and which particles it does not hold."""
+        """Points, normals, triangles of the surface, and which particles are outside it."""
         points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell)
         lonely = surface.sample(self.fraction, self.places(self.points)) < surface.LEVEL
         return points, normals, cells, lonely
 
 
 def images(run, points, others, margin):
-    """Points within a margin beyond the faces too: copies through periodic faces, images in walls and mirrors; others
-    are arrays, a row a point, that are copied."""
+    """Adds points within a margin beyond the faces: copies through periodic faces, images in walls and mirrors. others:
+    arrays with a row for each point, which are copied."""
     for d in range(3):
         length = run.upper[d] - run.lower[d]
         new, more = [points], [others]
@@ -141,7 +142,7 @@ def images(run, points, others, margin):
 
 
 def value_table(state, color, bodies):
-    """What the surface's colour is made of: a column a body, or the scalar."""
+    """The values for the surface's colour: a column for each body, or the scalar."""
     if color == "body":
         return np.stack([state.body == b for b in range(bodies)], axis=1).astype(float)
     return getattr(state, color)[:, None]
@@ -157,14 +158,14 @@ def base_colors(table, color, ends, colormap):
 
 
 def solid_mesh(run, state):
-    """Triangles of the solid bodies."""
+    """Triangles of the solids."""
     if not len(state.solid):
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
     return Fluid(run, state.solid, np.zeros((len(state.solid), 1)), *np.ones((2, len(state.solid)))).mesh()[:3]
 
 
 def floor_mesh(run, focus, half):
-    """The floor, if it is a wall: two triangles, cut to the neighbourhood of what is seen."""
+    """The floor, if it is a wall: two triangles, cut to the neighbourhood of the view."""
     if run.faces[2][0] != "wall":
         return np.zeros((0, 3)), np.zeros((0, 3), int)
     x0, y0 = np.maximum(run.lower[:2], focus[:2] - half)
@@ -179,7 +180,7 @@ def floor_mesh(run, focus, half):
 
 
 def camera(run, states, azimuth, elevation):
-    """A perspective that holds the box around the liquid of all states; and half of that box' diagonal."""
+    """A perspective that contains the box around the liquid of all states, and half of the diagonal of this box."""
     points = run.around(np.concatenate([part for state in states for part in (state.points, state.solid)]))
     lower = np.maximum(run.lower, np.percentile(points, 0.5, axis=0) - run.spacing)
     upper = np.minimum(run.upper, np.percentile(points, 99.5, axis=0) + run.spacing)

@@ -224,7 +224,7 @@ def coating():
         process = subprocess.run(["make", "pictures", f"RUN={runs.scratch('my coat')}", f"FLAGS={flags}"],
                                  cwd=runs.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                  check=False)
-        runs.check((process.returncode == 0) == good and (good or "no such column" in process.stdout),
+        runs.check((process.returncode == 0) == good and (good or "no column of this name" in process.stdout),
                    f"pictures {flags[:20]}", process.stdout[-300:])
     for name, start in (("curves.pdf", b"%PDF"), ("section.svg", b"<?xml")):
         with open(os.path.join(coat, "figures", name), "rb") as file:

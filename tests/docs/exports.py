@@ -116,7 +116,7 @@ runs.check([len(f["id"]) for f in check_series(empty, "empty")] == [0, 0], "empt
 
 done = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src/pictures/pictures.py"), "--color", "speed", bare],
                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
-runs.check(done.returncode == 1 and "hold no velocity" in done.stdout, "no_colour_without_field", done.stdout[-300:])
+runs.check(done.returncode == 1 and "have no velocity" in done.stdout, "no_colour_without_field", done.stdout[-300:])
 
 # every column with a unit has it in the head of its table
 BARE = {"step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "rejected",
