@@ -1,12 +1,12 @@
 /* Points sorted into cells, and the cells near some points. */
 #include "cells.h"
 
-/* More cells a point than this cost more than they save. A few points may have LEAST_CELLS. */
+/* More cells for each point than this cost more than they save; a few points may have LEAST_CELLS. */
 #define CELLS_PER_POINT 4
 #define LEAST_CELLS     1000
-#define MASK_CELLS      (1 << 25) /* more cells than this would take too much memory */
-#define CELL_GROWTH     1.25      /* cells are made larger by this factor at a time if there are too many */
-#define JOIN            3         /* cells so close to each other along x are marked around in one stroke */
+#define MASK_CELLS      (1 << 25) /* largest number of cells of a mask, for its memory */
+#define CELL_GROWTH     1.25      /* factor by which cells grow at a time if there are too many */
+#define JOIN            3         /* cells this close to each other along x are marked in one pass */
 
 PetscErrorCode CellGridReset(CellGrid *grid)
 {
@@ -18,13 +18,13 @@ PetscErrorCode CellGridReset(CellGrid *grid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The size (m) of the cells over a box of this extent (m), at least 'size', with 'per_size' cells along each direction
-   in that length, so that there are at most so many. */
+/* The size (m), at least 'size', of the cells over a box of this extent (m), so that there are at most so many.
+   per_size: cells along each direction in this length. */
 static PetscReal FitSize(PetscInt dim, const PetscReal extent[DIM], const PetscReal per_size[DIM], PetscReal size,
                          PetscReal most)
 {
   for (;; size *= CELL_GROWTH) {
-    PetscReal count = 1; /* a real number: that of cells may be too large for an integer */
+    PetscReal count = 1; /* a real number, since it may be too large for an integer */
 
     for (PetscInt d = 0; d < dim; d++) count *= PetscFloorReal(extent[d] * (per_size[d] / size)) + 1;
     if (count <= most) return size;
@@ -78,7 +78,7 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   PetscFunctionBegin;
   ChooseCells(grid, dim, n, x, size, per_size);
   PetscCall(Reserve(grid, n));
-  /* This is a counting sort. Points of one cell stay in the order of their indices. */
+  /* A counting sort: points of a cell stay in the order of their indices. */
   PetscCall(PetscArrayzero(grid->start, grid->count + 1));
   for (PetscInt a = 0; a < n; a++) {
     PetscInt cell[DIM] = {0, 0, 0};
@@ -95,7 +95,7 @@ PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* value[k] takes other[k] where that is larger. */
+/* Sets value[k] to the larger of value[k] and other[k]. */
 static inline void TakeLarger(PetscInt n, const PetscReal *restrict other, PetscReal *restrict value)
 {
   SIMD_LOOP()
@@ -124,13 +124,13 @@ PetscErrorCode CellsSpread(const PetscInt n[DIM], const PetscInt width[DIM], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lays the cells over the points of all ranks and 'reach' (m) around them; there are none without points. Sets the size
-   (m) that the cells have in the end. */
+/* Lays the cells over the points of all ranks and the radius (m) around them; without points there are none. Sets the
+   final size (m) of the cells. */
 static PetscErrorCode ChooseBox(MPI_Comm comm, PetscInt dim, const PetscReal origin[DIM], PetscReal radius,
                                 PetscInt count, const PetscInt of[], const PetscReal x[], PetscReal *size, CellBox *box)
 {
   const PetscReal one[DIM] = {1, 1, 1};
-  PetscReal       ends[2 * DIM], extent[DIM]; /* lower corner and minus the upper one */
+  PetscReal       ends[2 * DIM], extent[DIM]; /* lower corner and negative upper corner */
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < 2 * DIM; d++) ends[d] = PETSC_MAX_REAL;
@@ -194,7 +194,9 @@ PetscErrorCode CellMaskCreate(MPI_Comm comm, PetscInt dim, const PetscReal origi
     while (mark) {
       const unsigned char *last = mark, *next = mark;
 
-      while (next && next - last <= JOIN) { /* each marks at least one cell along x: no gap of JOIN - 1 is left out */
+      while (next &&
+             next - last <=
+               JOIN) { /* each cell marks at least one neighbour along x, so a gap of JOIN - 1 is marked anyway */
         last = next;
         next = (const unsigned char *)memchr(last + 1, 1, (size_t)(end - last - 1));
       }

@@ -1,25 +1,25 @@
-/* Boxes of cells, numbered as by CellIndex: points sorted into cells, and which cells are near some points. */
+/* Boxes of cells, numbered by CellIndex: points sorted into cells, and masks of the cells near some points. */
 #ifndef ISPH_CELLS_H
 #define ISPH_CELLS_H
 
 #include "../base/base.h"
 
-#define SEARCH_LANES 16 /* candidates that the search reads at once: a grid's order has room for so many more */
+#define SEARCH_LANES 16 /* candidates that the search reads at once; a grid's order has room for as many more */
 
 /* Cells over a set of points; the points of cell c are order[start[c] .. start[c+1]). */
 typedef struct {
   PetscInt  n[DIM], count, capacity, point_capacity;
-  PetscReal lower[DIM], size; /* m; along x a cell may be a fraction of 'size' long: see CellGridBuild */
+  PetscReal lower[DIM], size; /* m; along x a cell is 'size'/split long: see CellGridBuild */
   PetscInt *start, *order, *of_point;
 } CellGrid;
 
-/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size (m), along x of a 'split'th of it.
-   In two dimensions there is one layer of cells. Not collective. */
+/* CellGridBuild - sorts n points x ([n][3], m) into cells of at least the given size (m), along x of size/split. In two
+   dimensions there is one layer of cells. Not collective. */
 PetscErrorCode CellGridBuild(CellGrid *grid, PetscInt dim, PetscInt n, const PetscReal x[], PetscReal size,
                              PetscInt split);
 PetscErrorCode CellGridReset(CellGrid *grid);
 
-/* A box of cubic cells. CellBoxFind - the cell of a place x (m); -1: it is outside the box. Not collective. */
+/* A box of cubic cells. CellBoxFind - the cell of a point x (m); -1: outside the box. Not collective. */
 typedef struct {
   PetscInt  n[DIM], count;
   PetscReal lower[DIM], inverse; /* m; 1/m, of the size of a cell */
@@ -38,8 +38,8 @@ static inline PetscInt CellBoxFind(const CellBox *box, const PetscReal x[DIM])
   return CellIndex(box->n, cell[0], cell[1], cell[2]);
 }
 
-/* CellsWithin - how many cells of a size (m) further along x may hold points within 'radius' (m) of a cell that is dy,
-   dz cells away; -1: none. Not collective. */
+/* CellsWithin - number of cells of a size (m) along x, to either side, that may hold points within 'radius' (m) of a
+   cell that is dy, dz cells away; -1: none. Not collective. */
 static inline PetscInt CellsWithin(PetscReal size, PetscReal radius, PetscInt dy, PetscInt dz)
 {
   const PetscReal y = PetscMax(PetscAbsInt(dy) - 1, 0) * size, z = PetscMax(PetscAbsInt(dz) - 1, 0) * size,
@@ -48,8 +48,8 @@ static inline PetscInt CellsWithin(PetscReal size, PetscReal radius, PetscInt dy
   return rest > 0 ? (PetscInt)(PetscSqrtReal(rest) / size) + 1 : -1;
 }
 
-/* CellsSpread - each of n cells takes the largest value ([n[2]][n[1]][n[0]]) of itself and of the block of cells up to
-   'width' away along each axis. Not collective. */
+/* CellsSpread - value ([n[2]][n[1]][n[0]]) of each cell becomes the largest in the block of cells up to 'width' away
+   along each axis. Not collective. */
 PetscErrorCode CellsSpread(const PetscInt n[DIM], const PetscInt width[DIM], PetscReal value[]);
 
 /* The cells within a radius of some points. */
@@ -58,16 +58,16 @@ typedef struct {
   unsigned char *near; /* [box.count] 1: within the radius of a point; NULL: there are no points */
 } CellMask;
 
-/* CellMaskCreate - marks the cells within 'radius' (m) of the points of all ranks of comm: x ([][3], m) of the
-   'count' local indices 'of'. Cells are of the given size (m), larger if there were too many, and begin at 'origin' (m)
-   or whole sizes from there: all ranks have the same. Collective on comm. */
+/* CellMaskCreate - marks the cells within 'radius' (m) of the points of all ranks of comm: x ([][3], m) of the 'count'
+   local indices 'of'. Cells have the given size (m), or a larger one if there were too many, and begin at 'origin' (m)
+   or whole sizes from it, the same on all ranks. Collective on comm. */
 PetscErrorCode CellMaskCreate(MPI_Comm comm, PetscInt dim, const PetscReal origin[DIM], PetscReal size,
                               PetscReal radius, PetscInt count, const PetscInt of[], const PetscReal x[],
                               CellMask *mask);
 PetscErrorCode CellMaskDestroy(CellMask *mask);
 
-/* CellMaskHas - whether x (m) may be within the radius of a point: true if it is, false if it is further than the
-   radius and the diagonals of two cells. Not collective. */
+/* CellMaskHas - whether x (m) may be within the radius of a point: true if it is, false beyond the radius plus the
+   diagonals of two cells. Not collective. */
 static inline PetscBool CellMaskHas(const CellMask *mask, const PetscReal x[DIM])
 {
   const PetscInt cell = mask->near ? CellBoxFind(&mask->box, x) : -1;

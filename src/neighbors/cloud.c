@@ -5,9 +5,10 @@
 #define SORT_CELL 1.0
 /* Particles may be outside their rank's cells by this share of the slack before they migrate. */
 #define OUTSIDE_SHARE 0.6
-/* How far outside a particle is followed, in slacks: since the last look at it, it has moved by less than one. */
+/* Largest distance outside that is measured, in slacks: since the last measurement a particle has moved by less than
+   one. */
 #define OUTSIDE_LIMIT 2
-/* Largest over mean number of particles of a rank that triggers a new partition. */
+/* Ratio of the largest to the mean number of particles of a rank that triggers a new partition. */
 #define IMBALANCE 1.2
 
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
@@ -72,13 +73,13 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
   PetscCall(PetscFree(c->weight));
   PetscCall(PetscFree(c->length));
-  PetscCall(PetscFree(c->share));
+  PetscCall(PetscFree(c->relative_weight));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->liquid));
-  PetscCall(PetscFree(c->meets));
-  PetscCall(PetscFree(c->jump));
-  PetscCall(PetscFree(c->jump_slope));
+  PetscCall(PetscFree(c->at_interface));
+  PetscCall(PetscFree(c->pressure_jump));
+  PetscCall(PetscFree(c->pressure_jump_slope));
   PetscCall(PetscFree(c->reference));
   PetscCall(PetscFree(c->first));
   PetscCall(PetscFree(c->laplacian_sum));
@@ -90,11 +91,12 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes room for n particles in every array; what the arrays hold is kept. */
+/* Makes room for n particles in every array; contents are kept. */
 static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
 {
   PetscFunctionBegin;
-  /* also a rank without particles has the arrays; one place more than needed: vectors of three are loaded as four */
+  /* a rank without particles has the arrays, too; room for one particle more, since vectors of three are loaded as
+     four */
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
@@ -106,18 +108,18 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   cloud->size   = cloud->field[FIELD_SIZE];
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->length));
-  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->share));
+  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->relative_weight));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))
     PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->solid_normal));
   if (SceneInterfaceTension(cloud->scene) > 0) {
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->liquid));
-    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->meets));
-    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->jump));
-    PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->jump_slope));
-    PetscCall(PetscArrayzero(cloud->jump, cloud->capacity)); /* there is none before the first TensionApply */
-    PetscCall(PetscArrayzero(cloud->jump_slope, DIM * cloud->capacity));
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->at_interface));
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->pressure_jump));
+    PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->pressure_jump_slope));
+    PetscCall(PetscArrayzero(cloud->pressure_jump, cloud->capacity)); /* no jump before the first TensionApply */
+    PetscCall(PetscArrayzero(cloud->pressure_jump_slope, DIM * cloud->capacity));
   }
   PetscCall(PetscRealloc((cloud->capacity + 1) * sizeof(PetscInt64), &cloud->first));
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->laplacian_sum));
@@ -140,8 +142,8 @@ static PetscErrorCode Load(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the particles of each kind; the swarm's sort has put them in this order. What the work fields have belongs to
-   other particles from now on: nobody can read it. */
+/* Counts the particles of each kind; the swarm's sort has put them in this order. Invalidates the work fields, which
+   are still in the old order. */
 static void CountKinds(Cloud cloud)
 {
   const PetscInt *layer = cloud->integer[INT_LAYER];
@@ -156,7 +158,7 @@ static void CountKinds(Cloud cloud)
   cloud->layout++;
 }
 
-/* The sizes of the particles begin to end - 1, whose volumes are known. Graded rings have theirs already. */
+/* Finds the sizes of the particles begin to end - 1 from their volumes. Graded rings have stored sizes. */
 static PetscErrorCode FindSizes(Cloud cloud, PetscInt begin, PetscInt end)
 {
   PetscReal most = 0;
@@ -184,7 +186,7 @@ PetscErrorCode CloudFindSolidNormals(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the ghosts from the positions of the moment and gives them all that does not change until the next choice. */
+/* Chooses the ghosts from the present positions and gives them all values that stay until the next choice. */
 static PetscErrorCode BuildHalo(Cloud cloud)
 {
   PetscReal   most[2] = {0, 0}; /* distance outside, volume */
@@ -194,7 +196,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_HALO), 0, 0, 0, 0));
-  /* Every particle gets all ghosts within reach + slack, also one that has not been migrated or wrapped yet. */
+  /* Every particle gets all ghosts within reach + slack, even before it has migrated or been wrapped. */
   most[0] = HaloDistanceOutside(cloud->domain, rank, cloud->n_owned, cloud->field[FIELD_POSITION],
                                 OUTSIDE_LIMIT * cloud->slack);
   for (PetscInt a = 0; a < cloud->n_owned; a++)
@@ -228,7 +230,7 @@ static PetscErrorCode BuildHalo(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ghosts' values of the fields a step starts from. */
+/* Updates the ghosts' values of the fields from which a step starts. */
 static PetscErrorCode UpdateGhosts(Cloud cloud)
 {
   PetscFunctionBegin;
@@ -250,7 +252,7 @@ static PetscErrorCode WrapSwarm(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sends the particles to their ranks, after a new partition if asked to, sorts them and loads them. */
+/* Sends the particles to their ranks, with 'partition' after a new partition, sorts and loads them. */
 static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
 {
   PetscFunctionBegin;
@@ -279,8 +281,8 @@ PetscErrorCode CloudResync(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest displacement of an owned particle since the ghosts were chosen, over all ranks, m. Ghosts remain complete
-   while twice it fits into the slack. */
+/* Largest displacement (m) of an owned particle since the ghosts were chosen, over all ranks. Ghosts are complete while
+   twice this fits into the slack. */
 static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *r = cloud->reference;
@@ -295,7 +297,7 @@ static PetscErrorCode Displacement(Cloud cloud, PetscReal *moved)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sends the particles to their ranks if one is too far outside or a sort is due, then chooses the ghosts. */
+/* Sends the particles to their ranks if one is too far outside or a sort is due; then chooses the ghosts. */
 static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
 {
   PetscMPIInt rank, size;
@@ -333,7 +335,7 @@ PetscErrorCode CloudBegin(Cloud cloud)
     PetscReal moved;
 
     PetscCall(Displacement(cloud, &moved));
-    /* the second: CloudMoved may always be the one that chooses the ghosts, and it brings nobody back */
+    /* distance_outside is tested here since CloudMoved may choose the ghosts each time, and does not migrate */
     if (2 * moved > cloud->slack || cloud->distance_outside > OUTSIDE_SHARE * cloud->slack)
       PetscCall(Renew(cloud, PETSC_FALSE));
   }
@@ -363,8 +365,8 @@ PetscErrorCode CloudCheckUnknowns(MPI_Comm comm, PetscInt n, PetscInt width, con
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &unknowns, 1, MPIU_INT64, MPI_SUM, comm));
   PetscCheckUser(unknowns <= PETSC_MAX_INT, comm,
-                 "%s has %" PetscInt64_FMT " unknowns, and this build of PETSc can number %" PetscInt_FMT
-                 ": take a larger -spacing, or a PETSc configured with 64-bit indices",
+                 "%s has %" PetscInt64_FMT " unknowns, but this build of PETSc can number %" PetscInt_FMT
+                 ": use a larger -spacing, or a PETSc configured with 64-bit indices",
                  what, unknowns, PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -398,7 +400,7 @@ PetscErrorCode CloudUpdateIntArray(Cloud cloud, PetscInt array[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the kinetic and potential energy (J) of the particles that are not kept, of all ranks. */
+/* Adds the kinetic and potential energy (J) of the particles that are not kept, over all ranks. */
 static PetscErrorCode AddEnergyLost(Cloud cloud, const PetscBool keep[], PetscReal *energy)
 {
   PetscReal sum = 0;

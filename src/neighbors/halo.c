@@ -1,9 +1,9 @@
-/* The ghosts of a rank: who sends which particle under which image to whom, and the exchange of their values. */
+/* The ghosts of a rank: the particles and images that ranks send to each other, and the exchange of their values. */
 #include "halo.h"
 #include <petscsf.h>
 
-/* What an image does to a point along one direction. The code of an image is the number of a cell (CellIndex) in a box
-   of IMAGE_COUNT cells a side, whose coordinates are one of these for each direction. */
+/* The map of an image along one direction. The code of an image is the number (CellIndex) of a cell in a box of
+   IMAGE_COUNT cells along each direction; its coordinates are these values. */
 enum { IMAGE_SAME, IMAGE_UP, IMAGE_DOWN, IMAGE_MIRROR_LOWER, IMAGE_MIRROR_UPPER, IMAGE_COUNT };
 static const PetscInt image_box[DIM] = {IMAGE_COUNT, IMAGE_COUNT, IMAGE_COUNT};
 
@@ -27,17 +27,17 @@ typedef struct {
   PetscInt index, image;
 } Ghost;
 
-/* How far points are seen. Those of different sizes are in sums with each other up to the support of the larger one. */
+/* The ranges within which points interact. Points of different sizes interact up to the support of the larger. */
 typedef struct {
-  PetscReal        radius;          /* m, of all; the largest if they differ in size */
-  PetscReal        support, margin; /* m; of size 1; added to all supports */
+  PetscReal        radius;          /* m, of all points; the largest if sizes differ */
+  PetscReal        support, margin; /* m: support at size 1; margin added to all supports */
   const PetscReal *size;            /* [n] 1; NULL: one size */
-  /* [cells] the largest size of all ranks in the cell; the largest that is in sums with its points; the square of how
-     far (m) the points of the cell see */
+  /* [cells] largest size in the cell, over all ranks; largest size that interacts with its points; squared range of its
+     points, m2 */
   PetscReal *most, *around, *reach2;
-} Sight;
+} InteractionRange;
 
-/* Ghosts to send, and the rank that each of them goes to. */
+/* Ghosts to send, and the receiving rank of each. */
 typedef struct {
   PetscInt  count, capacity;
   PetscInt *target;
@@ -101,8 +101,8 @@ static PetscErrorCode SendListAdd(SendList *list, PetscInt target, PetscInt inde
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The block of the domain's cells that a sphere around x touches. A point outside the box belongs to the cells at its
-   edge. */
+/* The block of the domain's cells that a sphere around x touches. A point outside the box belongs to the nearest
+   cells. */
 static void CellsAround(Domain domain, const PetscReal x[DIM], PetscReal radius, PetscInt first[DIM],
                         PetscInt last[DIM])
 {
@@ -121,8 +121,8 @@ static inline PetscInt CellOwner(Domain domain, const PetscInt cell[DIM])
   return domain->cell_rank[CellIndex(domain->cells, cell[0], cell[1], cell[2])];
 }
 
-/* Whether an image at x, which has this code, is so far outside the box that no cell is within the radius of it. */
-static PetscBool OutOfSight(Domain domain, PetscInt code, const PetscReal x[DIM], PetscReal radius)
+/* Whether an image with this code at x is so far outside the box that no cell is within the radius. */
+static PetscBool OutOfRange(Domain domain, PetscInt code, const PetscReal x[DIM], PetscReal radius)
 {
   PetscInt part[DIM];
 
@@ -139,8 +139,8 @@ static PetscBool HasImages(FaceType face)
   return (PetscBool)(face == FACE_PERIODIC || face == FACE_SYMMETRY);
 }
 
-/* How far (m) x is outside a cell along one direction. The outermost cells go on beyond the box, where a face has
-   images only if 'beyond' says so. */
+/* Distance (m) of x from a cell along one direction. The outermost cells extend beyond the box; at a face with images
+   only if 'beyond'. */
 static inline PetscReal DistanceAlong(Domain domain, PetscInt d, PetscInt cell, PetscReal x, PetscBool beyond)
 {
   const PetscReal low = domain->lower[d] + cell * domain->cell_size[d], high = low + domain->cell_size[d];
@@ -159,20 +159,20 @@ static PetscErrorCode SendTo(PetscInt target, PetscInt index, PetscInt code, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SendImage of a point that differs from others in size: to every rank which owns a cell that may hold a point with
-   which it is in sums. */
-static PetscErrorCode SendSized(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], const Sight *sight,
-                                SendList *list)
+/* SendImage for points of different sizes: to every rank that owns a cell which may hold a point that interacts with
+   it. */
+static PetscErrorCode SendSized(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM],
+                                const InteractionRange *range, SendList *list)
 {
   const Domain    domain = halo->domain;
   const PetscInt *cells = domain->cells, begin = list->count;
-  const PetscReal around = PetscMax(sight->size[index], sight->around[DomainCell(domain, x)]),
-                  own2   = PetscSqr(sight->support * sight->size[index] + sight->margin);
+  const PetscReal around = PetscMax(range->size[index], range->around[DomainCell(domain, x)]),
+                  own2   = PetscSqr(range->support * range->size[index] + range->margin);
   PetscInt first[DIM], last[DIM];
 
   PetscFunctionBegin;
-  if (OutOfSight(domain, code, x, sight->support * around + sight->margin)) PetscFunctionReturn(PETSC_SUCCESS);
-  CellsAround(domain, x, sight->support * around + sight->margin, first, last);
+  if (OutOfRange(domain, code, x, range->support * around + range->margin)) PetscFunctionReturn(PETSC_SUCCESS);
+  CellsAround(domain, x, range->support * around + range->margin, first, last);
   for (PetscInt z = first[2]; z <= last[2]; z++)
     for (PetscInt y = first[1]; y <= last[1]; y++) {
       const PetscReal gap2 = PetscSqr(DistanceAlong(domain, 2, z, x[2], PETSC_FALSE)) +
@@ -181,9 +181,9 @@ static PetscErrorCode SendSized(Halo halo, PetscInt index, PetscInt code, const 
 
       for (PetscInt k = first[0]; k <= last[0]; k++) {
         const PetscInt  c = line + k, target = domain->cell_rank[c];
-        const PetscReal reach2 = PetscMax(own2, sight->reach2[c]);
+        const PetscReal reach2 = PetscMax(own2, range->reach2[c]);
 
-        if (sight->most[c] == 0 || (code == 0 && target == halo->rank)) continue;
+        if (range->most[c] == 0 || (code == 0 && target == halo->rank)) continue;
         if (gap2 + PetscSqr(DistanceAlong(domain, 0, k, x[0], PETSC_FALSE)) > reach2) continue;
         PetscCall(SendTo(target, index, code, begin, list));
         if (halo->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
@@ -192,21 +192,20 @@ static PetscErrorCode SendSized(Halo halo, PetscInt index, PetscInt code, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sends the image of owned point 'index' that has this code and lies at x to every rank which owns a cell within the
-   radius. */
-static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM], const Sight *sight,
-                                SendList *list)
+/* Sends the image with this code, at x, of owned point 'index' to every rank that owns a cell within the radius. */
+static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const PetscReal x[DIM],
+                                const InteractionRange *range, SendList *list)
 {
   const PetscInt begin = list->count;
   PetscInt       first[DIM], last[DIM], cell[DIM];
 
   PetscFunctionBegin;
-  if (sight->size) {
-    PetscCall(SendSized(halo, index, code, x, sight, list));
+  if (range->size) {
+    PetscCall(SendSized(halo, index, code, x, range, list));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (OutOfSight(halo->domain, code, x, sight->radius)) PetscFunctionReturn(PETSC_SUCCESS);
-  CellsAround(halo->domain, x, sight->radius, first, last);
+  if (OutOfRange(halo->domain, code, x, range->radius)) PetscFunctionReturn(PETSC_SUCCESS);
+  CellsAround(halo->domain, x, range->radius, first, last);
   PetscCall(PetscArraycpy(cell, first, DIM));
   do {
     const PetscInt target = CellOwner(halo->domain, cell);
@@ -216,15 +215,15 @@ static PetscErrorCode SendImage(Halo halo, PetscInt index, PetscInt code, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Marks the cells around which everything within the radius belongs to this rank: their points are nobody's ghosts
-   without an image. */
-static void MarkInnerCells(Halo halo, const Sight *sight, PetscBool *inner)
+/* Marks the cells around which all cells within the radius belong to this rank: their points are no ghosts of other
+   ranks. */
+static void MarkInnerCells(Halo halo, const InteractionRange *range, PetscBool *inner)
 {
   const Domain    domain = halo->domain;
   const PetscInt *n      = domain->cells;
 
   for (PetscInt c = 0; c < n[0] * n[1] * n[2]; c++) {
-    const PetscReal radius = sight->size ? sight->support * sight->around[c] + sight->margin : sight->radius;
+    const PetscReal radius = range->size ? range->support * range->around[c] + range->margin : range->radius;
     PetscInt        at[DIM], first[DIM], last[DIM], cell[DIM];
 
     inner[c] = (PetscBool)(domain->cell_rank[c] == halo->rank);
@@ -241,8 +240,8 @@ static void MarkInnerCells(Halo halo, const Sight *sight, PetscBool *inner)
   }
 }
 
-/* What images may do along direction d to a point at x so that they come within the radius of the box. Returns how many
-   there are in 'kind'. */
+/* Finds the maps along direction d that bring images of a point at x within the radius of the box. Returns their number
+   in 'kind'. */
 static PetscInt ImagesAlong(Domain domain, PetscInt d, PetscReal x, PetscReal radius, PetscInt kind[IMAGE_COUNT])
 {
   const PetscReal below = x - domain->lower[d], above = domain->upper[d] - x;
@@ -256,15 +255,15 @@ static PetscInt ImagesAlong(Domain domain, PetscInt d, PetscReal x, PetscReal ra
   return count;
 }
 
-/* Sends all images of owned point 'index', which is at x in an inner cell or not. */
-static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DIM], PetscBool inner, const Sight *sight,
-                                 SendList *list)
+/* Sends all images of owned point 'index' at x. inner: it is in an inner cell. */
+static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DIM], PetscBool inner,
+                                 const InteractionRange *range, SendList *list)
 {
   const PetscInt first[DIM] = {0, 0, 0};
   PetscInt       kind[DIM][IMAGE_COUNT], last[DIM], at[DIM] = {0, 0, 0};
 
   PetscFunctionBegin;
-  for (PetscInt d = 0; d < DIM; d++) last[d] = ImagesAlong(halo->domain, d, x[d], sight->radius, kind[d]) - 1;
+  for (PetscInt d = 0; d < DIM; d++) last[d] = ImagesAlong(halo->domain, d, x[d], range->radius, kind[d]) - 1;
   do {
     const PetscInt code  = CellIndex(image_box, kind[0][at[0]], kind[1][at[1]], kind[2][at[2]]);
     const Image   *image = &halo->images[code];
@@ -272,14 +271,14 @@ static PetscErrorCode SendImages(Halo halo, PetscInt index, const PetscReal x[DI
 
     if (code == 0 && inner) continue;
     for (PetscInt d = 0; d < DIM; d++) y[d] = image->sign[d] * x[d] + image->offset[d];
-    PetscCall(SendImage(halo, index, code, y, sight, list));
+    PetscCall(SendImage(halo, index, code, y, range, list));
   } while (CellNext(first, last, at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest size that is in sums with a point in each cell: that of a cell is seen as far as its support. A level of
-   sizes ([cells] of work) at a time spreads as far as the largest of them. */
-static PetscErrorCode SpreadSizes(Domain domain, Sight *sight, PetscReal level[])
+/* The largest size that interacts with points in each cell: a cell's largest size acts as far as its support. One level
+   of sizes ([cells] of work) at a time spreads as far as its largest size. */
+static PetscErrorCode SpreadSizes(Domain domain, InteractionRange *range, PetscReal level[])
 {
   const PetscInt *cells = domain->cells, count = cells[0] * cells[1] * cells[2];
 
@@ -291,57 +290,57 @@ static PetscErrorCode SpreadSizes(Domain domain, Sight *sight, PetscReal level[]
     PetscInt  width[DIM];
 
     for (PetscInt c = 0; c < count; c++) {
-      level[c] = sight->most[c] > least && sight->most[c] <= most ? sight->most[c] : 0;
+      level[c] = range->most[c] > least && range->most[c] <= most ? range->most[c] : 0;
       largest  = PetscMax(largest, level[c]);
     }
     if (largest == 0) continue;
     for (PetscInt d = 0; d < DIM; d++)
-      width[d] = (PetscInt)PetscCeilReal((sight->support * largest + sight->margin) / domain->cell_size[d]);
+      width[d] = (PetscInt)PetscCeilReal((range->support * largest + range->margin) / domain->cell_size[d]);
     PetscCall(CellsSpread(cells, width, level));
-    for (PetscInt c = 0; c < count; c++) sight->around[c] = PetscMax(sight->around[c], level[c]);
+    for (PetscInt c = 0; c < count; c++) range->around[c] = PetscMax(range->around[c], level[c]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest sizes in and around the cells, for points of different sizes. */
-static PetscErrorCode FindSizes(Halo halo, PetscInt n, const PetscReal x[], Sight *sight)
+/* Finds the largest sizes in and around the cells, for points of different sizes. */
+static PetscErrorCode FindSizes(Halo halo, PetscInt n, const PetscReal x[], InteractionRange *range)
 {
   const Domain    domain = halo->domain;
   const PetscInt *cells = domain->cells, count = cells[0] * cells[1] * cells[2];
   PetscReal      *level;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc3(count, &sight->most, count, &sight->around, count, &sight->reach2));
+  PetscCall(PetscCalloc3(count, &range->most, count, &range->around, count, &range->reach2));
   PetscCall(PetscMalloc1(count, &level));
   for (PetscInt a = 0; a < n; a++) {
-    PetscReal *most = &sight->most[DomainCell(domain, x + DIM * a)];
+    PetscReal *most = &range->most[DomainCell(domain, x + DIM * a)];
 
-    *most = PetscMax(*most, sight->size[a]);
+    *most = PetscMax(*most, range->size[a]);
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sight->most, (PetscMPIInt)count, MPIU_REAL, MPIU_MAX, domain->comm));
-  for (PetscInt c = 0; c < count; c++) sight->reach2[c] = PetscSqr(sight->support * sight->most[c] + sight->margin);
-  PetscCall(SpreadSizes(domain, sight, level));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, range->most, (PetscMPIInt)count, MPIU_REAL, MPIU_MAX, domain->comm));
+  for (PetscInt c = 0; c < count; c++) range->reach2[c] = PetscSqr(range->support * range->most[c] + range->margin);
+  PetscCall(SpreadSizes(domain, range, level));
   PetscCall(PetscFree(level));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], const Sight *sight, SendList *list)
+static PetscErrorCode CollectSends(Halo halo, PetscInt n, const PetscReal x[], const InteractionRange *range,
+                                   SendList *list)
 {
   const PetscInt *cells = halo->domain->cells;
   PetscBool      *inner;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cells[0] * cells[1] * cells[2], &inner));
-  MarkInnerCells(halo, sight, inner);
+  MarkInnerCells(halo, range, inner);
   for (PetscInt a = 0; a < n; a++)
-    PetscCall(SendImages(halo, a, x + DIM * a, inner[DomainCell(halo->domain, x + DIM * a)], sight, list));
+    PetscCall(SendImages(halo, a, x + DIM * a, inner[DomainCell(halo->domain, x + DIM * a)], range, list));
   PetscCall(PetscFree(inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells each receiver which ghosts it has of us, and learns its own: received[from[r] .. from[r+1]) of rank r. (With
-   PetscCommBuildTwoSided the messages would still have to be counted, packed and brought into the order of the ranks.)
- */
+/* Tells each receiver its ghosts from this rank, and gets the ghosts of this rank: received[from[r] .. from[r+1]) from
+   rank r. (With PetscCommBuildTwoSided the messages would still have to be counted, packed and sorted by rank.) */
 static PetscErrorCode ExchangeGhosts(Halo halo, const SendList *list, PetscMPIInt from[], Ghost **received)
 {
   MPI_Comm     comm = halo->domain->comm;
@@ -367,16 +366,16 @@ static PetscErrorCode ExchangeGhosts(Halo halo, const SendList *list, PetscMPIIn
 PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal support, PetscReal margin,
                          const PetscReal size[], PetscReal size_most, PetscInt *ghosts)
 {
-  Sight        sight = {support * size_most + margin, support, margin, size, NULL, NULL, NULL};
-  SendList     list  = {0};
-  PetscMPIInt *from;
-  Ghost       *received;
-  PetscSFNode *remote;
+  InteractionRange range = {support * size_most + margin, support, margin, size, NULL, NULL, NULL};
+  SendList         list  = {0};
+  PetscMPIInt     *from;
+  Ghost           *received;
+  PetscSFNode     *remote;
 
   PetscFunctionBegin;
-  if (size) PetscCall(FindSizes(halo, n, x, &sight));
-  PetscCall(CollectSends(halo, n, x, &sight, &list));
-  PetscCall(PetscFree3(sight.most, sight.around, sight.reach2));
+  if (size) PetscCall(FindSizes(halo, n, x, &range));
+  PetscCall(CollectSends(halo, n, x, &range, &list));
+  PetscCall(PetscFree3(range.most, range.around, range.reach2));
   PetscCall(PetscMalloc1(halo->size + 1, &from));
   PetscCall(ExchangeGhosts(halo, &list, from, &received));
   halo->ghosts = from[halo->size];
@@ -449,7 +448,7 @@ PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far (m) x is outside a cell; the outermost ones go on beyond the box. */
+/* Distance (m) of x from a cell; the outermost cells extend beyond the box. */
 static PetscReal DistanceToCell(Domain domain, const PetscInt cell[DIM], const PetscReal x[DIM])
 {
   PetscReal gap2 = 0;
@@ -458,7 +457,7 @@ static PetscReal DistanceToCell(Domain domain, const PetscInt cell[DIM], const P
   return PetscSqrtReal(gap2);
 }
 
-/* How far (m) x is from the nearest cell of this rank; at most 'limit'. */
+/* Distance (m) of x from the nearest cell of this rank; at most 'limit'. */
 static PetscReal DistanceToRank(Domain domain, PetscMPIInt rank, const PetscReal x[DIM], PetscReal limit)
 {
   PetscReal nearest = limit;

@@ -6,23 +6,22 @@
 
 #include "cloud.h"
 
-/* HaloCreate - no ghosts yet; domain is borrowed. Collective. */
+/* HaloCreate - a halo without ghosts; domain is borrowed. Collective. */
 PetscErrorCode HaloCreate(Domain domain, Halo *halo);
 PetscErrorCode HaloDestroy(Halo *halo);
-/* HaloBuild - chooses as ghosts all points within 'support' + 'margin' (m) of a cell of another rank or image, from the
-   n owned positions x ([n][3], m). Points of different sizes ([n], 1; NULL: all have size 1) are ghosts where the
-   support times the size of the point, or times that of the largest point in the cell, and the margin reach; no size is
-   larger than size_most. *ghosts is their number on this rank. They come in the order of their owner's rank, then in
-   that of its local indices. Collective. */
+/* HaloBuild - chooses the ghosts from the n owned positions x ([n][3], m): points within 'support' + 'margin' (m) of a
+   cell of another rank or image. size ([n], 1; NULL: all 1, at most size_most): the support is multiplied with the size
+   of the point or of the largest point in the cell, whichever is larger. *ghosts: their number on this rank. Ghosts are
+   in the order of their owners' ranks, then of the owners' local indices. Collective. */
 PetscErrorCode HaloBuild(Halo halo, PetscInt n, const PetscReal x[], PetscReal support, PetscReal margin,
                          const PetscReal size[], PetscReal size_most, PetscInt *ghosts);
-/* HaloUpdate - copies the values of owned particles, array[0..n)[width], to the ghosts' places behind them and changes
-   them as the image demands. Collective. */
+/* HaloUpdate - copies the values of owned particles, array[0..n)[width], to the ghosts behind them, transformed as the
+   image requires. Collective. */
 PetscErrorCode HaloUpdate(Halo halo, PetscInt width, Parity parity, PetscReal array[]);
 /* HaloUpdateInt - the same for integers, which no image changes. Collective. */
 PetscErrorCode HaloUpdateInt(Halo halo, PetscInt array[]);
-/* HaloDistanceOutside - how far (m) the n owned points x are outside the cells of this rank or, through periodic and
-   symmetry faces, outside the box; at most 'limit'. Not collective. */
+/* HaloDistanceOutside - largest distance (m) of the n owned points x from the cells of this rank or, through periodic
+   and symmetry faces, from the box; at most 'limit'. Not collective. */
 PetscReal HaloDistanceOutside(Domain domain, PetscMPIInt rank, PetscInt n, const PetscReal x[], PetscReal limit);
 
 #endif

@@ -1,10 +1,10 @@
-/* What the search looks through. A pair of particles of different sizes belongs together if it is within the support of
-   its mean smoothing length. Particles are sorted by size into levels, each with cells of its own as wide as the
-   support of its largest particle. A particle looks at a level only where it has particles, and as far as those near it
-   are large, so that a search looks at about as many candidates as one of particles of one size. */
+/* The search's levels. Particles of different sizes are neighbours within the support of their mean smoothing length.
+   Particles are sorted by size into levels, whose cells are as wide as the support of the largest particle in the
+   level. For a particle the search visits a level only where this has particles, and only as far as the sizes nearby
+   require. So there are about as many candidates as with particles of one size. */
 #include "search.h"
 
-/* Sorts the particles into the levels; those of one size are all in the first. */
+/* Sorts the particles into the levels; particles of one size are all in the first. */
 static PetscErrorCode FillLevels(Cloud cloud, Level level[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
@@ -34,13 +34,13 @@ static PetscErrorCode FillLevels(Cloud cloud, Level level[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many cells of level 'own' the pairs with particles of a coarser level reach. */
+/* The reach, in cells of level 'own', of pairs with particles of a coarser level. */
 static PetscInt LevelReach(PetscReal support, const Level *own, const Level *coarse)
 {
   return (PetscInt)PetscCeilReal(0.5 * support * (own->largest + coarse->largest) / own->grid->size);
 }
 
-/* The largest sizes of the particles of a level, seen from up to 'reach' blocks away. */
+/* The largest size of the particles of a level within 'reach' blocks of each block. */
 static PetscErrorCode FindLargest(const CellBox *box, const Level *level, PetscInt reach, PetscReal **largest)
 {
   const PetscInt width[DIM] = {reach, reach, reach};
@@ -56,7 +56,7 @@ static PetscErrorCode FindLargest(const CellBox *box, const Level *level, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The blocks over the grid of level 'own'. */
+/* Sets the blocks over the grid of level 'own'. */
 static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], PetscInt own)
 {
   const CellGrid *grid   = level[own].grid;
@@ -85,28 +85,28 @@ static PetscErrorCode SetBlocks(PetscInt dim, PetscReal support, Level level[], 
 }
 
 /* The integer positions of n points x ([n][3], m) in the order of their grid, and zeros behind them. */
-static PetscErrorCode SortPlaces(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[],
-                                 int32_t sorted[])
+static PetscErrorCode SortPositions(const Units *units, const CellGrid *grid, PetscInt n, const PetscReal x[],
+                                    int32_t sorted[])
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal *p = x + DIM * grid->order[k];
 
     for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal place = Place(units, d, p[d]);
+      const PetscReal position = IntegerPosition(units, d, p[d]);
 
-      PetscCheck(PetscAbsReal(place) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-                 "a particle at (%g, %g, %g) m is further from the box than that is long", (double)p[0], (double)p[1],
-                 (double)p[2]);
-      sorted[d * n + k] = (int32_t)place;
+      PetscCheck(PetscAbsReal(position) < INT32_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+                 "a particle at (%g, %g, %g) m is farther from the box than the box is long", (double)p[0],
+                 (double)p[1], (double)p[2]);
+      sorted[d * n + k] = (int32_t)position;
     }
   }
-  PetscCall(PetscArrayzero(sorted + DIM * n, LANES)); /* read, and not used */
+  PetscCall(PetscArrayzero(sorted + DIM * n, LANES)); /* read but not used */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells of a level, and what a row reads of its particles, in the grid's order. Returns the candidates that a
-   particle can have at most. */
+/* Builds the cells of a level, and the data of its particles in the grid's order. *most: the largest number of
+   candidates of a particle. */
 static PetscErrorCode SortLevel(Cloud cloud, const Search *search, CellGrid *grid, Level *level, PetscInt *most)
 {
   const PetscInt   n = level->all.n, reach = cloud->domain->graded ? LINES_MOST_REACH : 1;
@@ -116,8 +116,8 @@ static PetscErrorCode SortLevel(Cloud cloud, const Search *search, CellGrid *gri
   PetscFunctionBegin;
   PetscCall(CellGridBuild(grid, cloud->domain->dim, n, x, search->support * level->largest, SPLIT));
   level->grid = grid;
-  PetscCall(PetscMalloc1(DIM * n + LANES, &level->all.place));
-  PetscCall(SortPlaces(&search->units, grid, n, x, level->all.place));
+  PetscCall(PetscMalloc1(DIM * n + LANES, &level->all.position));
+  PetscCall(SortPositions(&search->units, grid, n, x, level->all.position));
   level->all.index = grid->order;
   if (cloud->domain->graded) {
     PetscCall(PetscCalloc2(n + LANES, &level->all.size, n + LANES, &level->all.index));
@@ -144,7 +144,7 @@ PetscErrorCode SearchCreate(Cloud cloud, Search *search)
   search->support = KernelSupport(cloud->kernel);
   search->limit   = (float)PetscSqr(search->support / KernelSmoothingLength(cloud->kernel));
   KernelSingle(cloud->kernel, 1, zero, NULL, slope);
-  /* V_a V_b F grows with the size to the power of the dimension less two */
+  /* V_a V_b F grows as size^(dim - 2) */
   search->unit = (float)PetscPowRealInt(cloud->size_most, (int)cloud->domain->dim - 2) * slope[0] / -(float)UINT16_MAX;
   PetscCall(FillLevels(cloud, level));
   for (PetscInt l = 0; l < SEARCH_LEVELS; l++) {
@@ -165,7 +165,7 @@ PetscErrorCode SearchDestroy(Cloud cloud, Search *search)
   for (PetscInt l = 0; l < SEARCH_LEVELS; l++) {
     Level *level = &search->level[l];
 
-    PetscCall(PetscFree(level->all.place));
+    PetscCall(PetscFree(level->all.position));
     if (!cloud->domain->graded) continue;
     PetscCall(PetscFree2(level->point, level->x));
     PetscCall(PetscFree2(level->all.size, level->all.index));

@@ -1,9 +1,9 @@
-/* What the search needs, units of places, lines of cells, room for the list; the kernel of a row. */
+/* Parts of the search: units of positions, lines of cells, room for the list; the kernel of a row. */
 #include "search.h"
 
-#define ROW_GUESS 72 /* neighbours a particle: the first guess of the size of the list */
+#define ROW_GUESS 72 /* neighbours of a particle: first guess of the size of the list */
 #define BOX_BITS  30
-#define OUTSIDE   1.5 /* the integers reach so many box lengths from the middle of the box, and besides */
+#define OUTSIDE   1.5 /* the integers cover so many box lengths from the middle of the box, plus */
 #define REACHES   4   /* so many times the largest support */
 
 Units SearchUnits(Cloud cloud)
@@ -80,9 +80,9 @@ void FindWeights(Cloud cloud)
   const PetscReal *x      = cloud->field[FIELD_POSITION];
 
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    cloud->length[a] = DomainRingLength(domain, x + DIM * a, cloud->size[a]);
-    cloud->weight[a] = cloud->volume[a] / (cloud->length[a] * domain->volume);
-    cloud->share[a]  = domain->rings ? cloud->weight[a] / PetscSqr(cloud->size[a]) : 1;
+    cloud->length[a]          = DomainRingLength(domain, x + DIM * a, cloud->size[a]);
+    cloud->weight[a]          = cloud->volume[a] / (cloud->length[a] * domain->volume);
+    cloud->relative_weight[a] = domain->rings ? cloud->weight[a] / PetscSqr(cloud->size[a]) : 1;
   }
 }
 
@@ -90,7 +90,7 @@ void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w
                float *restrict slope)
 {
   for (PetscInt k = 0; k < n; k++) {
-    const float share = (float)cloud->share[list[k]];
+    const float share = (float)cloud->relative_weight[list[k]];
 
     if (w) w[k] *= share;
     slope_over_r2[k] *= share;
@@ -98,7 +98,7 @@ void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w
   }
 }
 
-/* r2 of a graded particle's row over the square of the pair's size. */
+/* Sets r2 of a graded particle's row, over the square of each pair's size. */
 static void ScaleRow(Cloud cloud, PetscInt a, const PairRow *row, PetscReal r2[])
 {
   for (PetscInt k = 0; k < row->n; k++) r2[k] = row->r2[k] / PetscSqr(CloudPairSize(cloud, a, row->index[k]));

@@ -45,11 +45,11 @@ typedef struct {
   PetscReal f[ROW_CAPACITY + SIMD_WIDTH];
 } PairRow;
 
-/* CloudListRoom - the pairs that CloudSearch makes room for when 'used' are stored, 'rows' rows are to come and none
-   has more than 'most'. Not collective. */
+/* CloudListRoom - the number of pairs for which CloudSearch makes room when 'used' are stored and 'rows' rows of at
+   most 'most' pairs follow. Not collective. */
 PetscInt64 CloudListRoom(PetscInt64 used, PetscInt rows, PetscInt most);
 
-/* PairRowLoadGeometry - n, index, dx, dy, dz and r2 of particle a's row from positions x ([n_total][3], m). Not
+/* PairRowLoadGeometry - fills n, index, dx, dy, dz and r2 of particle a's row from positions x ([n_total][3], m). Not
    collective. */
 static inline void PairRowLoadGeometry(Cloud cloud, const PetscReal *restrict x, PetscInt a, PairRow *restrict row)
 {
@@ -69,14 +69,14 @@ static inline void PairRowLoadGeometry(Cloud cloud, const PetscReal *restrict x,
   }
 }
 
-/* PairRowEvaluate, PairRowGradient - W, or F, of the row of particle a after PairRowLoadGeometry: of particles of
-   different sizes with the pairs' own smoothing lengths. Not collective. */
+/* PairRowEvaluate, PairRowGradient - evaluate W, or F, of particle a's row after PairRowLoadGeometry, with the pairs'
+   own smoothing lengths. Not collective. */
 void PairRowEvaluate(Cloud cloud, PetscInt a, PairRow *row);
 void PairRowGradient(Cloud cloud, PetscInt a, PairRow *row);
 
-/* PairsPrefetch - asks for n entries of an array that is stored like the list, as a loop over all rows will need them
-   about fourteen rows later. The arrays are larger than the caches, and the processors do not look far enough ahead by
-   themselves: without this the solver's product takes a fifth longer, other loops a twentieth. */
+/* PairsPrefetch - prefetches the n entries of an array stored like the list that a loop over all rows needs about
+   fourteen rows later. The arrays are larger than the caches, and processors do not prefetch far enough by themselves:
+   without this the solver's product takes a fifth longer, other loops a twentieth. */
 #define PREFETCH_DISTANCE 1024 /* entries */
 #define CACHE_LINE        64   /* bytes */
 #define PairsPrefetch(array, n)                                                                                        \
@@ -86,9 +86,9 @@ void PairRowGradient(Cloud cloud, PetscInt a, PairRow *row);
     for (; ahead < end; ahead += CACHE_LINE) __builtin_prefetch(ahead);                                                \
   } while (0)
 
-/* PairRowLoadFactors - n, index and f of particle a's row as the last search found them. index may be read up to the
-   next multiple of SIMD_WIDTH: the arrays have room behind the last row, what stands there are indices of particles,
-   and the factors of these pairs are zero. Not collective. */
+/* PairRowLoadFactors - fills n, index and f of particle a's row from the last search. index may be read up to the next
+   multiple of SIMD_WIDTH: the entries there are valid indices of particles, also behind the last row, and the factors
+   of these pairs are zero. Not collective. */
 static inline void PairRowLoadFactors(Cloud cloud, PetscInt a, PairRow *row)
 {
   const PetscInt64 first     = cloud->first[a];

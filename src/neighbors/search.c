@@ -1,5 +1,5 @@
 /* The neighbour search: the list of the pairs within the kernel's support, and the factors of the pairs. Rows of
-   particles of one size and of graded ones are two instances of one text, chosen by the constant 'sized'; 'flat': in
+   particles of one size and of graded particles are two instances of one text, chosen by the constant 'sized'. flat:
    two dimensions. */
 #include "search.h"
 
@@ -7,7 +7,7 @@
 #define VISITED_FLOPS 77 /* with the visitor's sums: W, normal, crowding, six moments */
 #define INSTANCE      static inline __attribute__((always_inline))
 
-/* WIDE local indices, which are below 2^31 on a rank also where integers have 64 bits. */
+/* WIDE local indices, which are below 2^31 even if integers have 64 bits. */
 INSTANCE WideInteger LoadIndices(const PetscInt from[])
 {
   WideInteger t = {0};
@@ -31,9 +31,9 @@ INSTANCE void PackIndices(WideKept kept, WideInteger index, PetscInt to[])
   for (PetscInt k = 0; k < WIDE; k++) to[k] = t[k];
 }
 
-/* Stores in list, s and near those candidates of a run that are near particle a at the integer position p: pairs with s
-   = r2/h2 below the limit times the square of the mean size, without the particle itself; near is their size. Returns
-   how many there are. LANES candidates are read, and as many may be written. */
+/* Stores in list, s and near the candidates of a run that are neighbours of particle a at the integer position p: s =
+   r2/h2 is below the limit times the square of the mean size. Omits the particle itself. near: their sizes. Returns
+   their number. Reads LANES candidates, and may write as many. */
 INSTANCE PetscInt KeepNear(PetscBool sized, Run run, Candidates all, const float unit[DIM], float own, float limit,
                            PetscInt a, const int32_t p[DIM], PetscInt *restrict list, float *restrict s,
                            float *restrict near)
@@ -43,7 +43,7 @@ INSTANCE PetscInt KeepNear(PetscBool sized, Run run, Candidates all, const float
 
   do {
     const PetscInt begin = RUN_BEGIN(run) + k;
-    const int32_t *x     = all.place + begin;
+    const int32_t *x     = all.position + begin;
     const Wide     dx = unit[0] * WideApart(p[0], x), dy = unit[1] * WideApart(p[1], x + n),
                dz = unit[2] * WideApart(p[2], x + 2 * n), s2 = dz * dz + (dy * dy + dx * dx);
     const Wide other = sized ? WideLoad(all.size + begin) : WideSet(1), both = own + other,
@@ -60,15 +60,15 @@ INSTANCE PetscInt KeepNear(PetscBool sized, Run run, Candidates all, const float
   return found;
 }
 
-/* Appends to the 'found' neighbours of particle a those among the candidates of a level in the runs; see KeepNear. More
-   than ROW_CAPACITY: there is no room for more. What the loop needs is in local variables, which it keeps in registers:
-   its stores could otherwise be to *search. */
+/* Appends the neighbours in the runs of a level to the 'found' neighbours of particle a; see KeepNear. Returns more
+   than ROW_CAPACITY if there is no room. Local variables stay in registers: otherwise the loop's stores might
+   alias *search. */
 INSTANCE PetscInt KeepRuns(PetscBool sized, Candidates all, const Run *restrict run, PetscInt runs,
                            const float unit[DIM], float own, float limit, PetscInt a, const int32_t p[DIM],
                            PetscInt *restrict list, float *restrict s, float *restrict near, PetscInt found)
 {
   for (PetscInt r = 0; r < runs && found <= ROW_CAPACITY;) {
-    const PetscInt fit = PetscMin(runs, r + 1 + (ROW_CAPACITY - found) / LANES); /* the room suffices up to there */
+    const PetscInt fit = PetscMin(runs, r + 1 + (ROW_CAPACITY - found) / LANES); /* the room suffices up to this run */
 
     for (; r < fit; r++)
       found += KeepNear(sized, run[r], all, unit, own, limit, a, p, list + found, s + found, near + found);
@@ -83,10 +83,10 @@ INSTANCE PetscInt FindNeighbors(PetscBool sized, Cloud cloud, Search *search, Pe
   const PetscInt   own       = sized ? SearchLevel(cloud, a) : 0;
   const float      size      = sized ? (float)cloud->size[a] : 1;
   const Units     *units     = &search->units;
-  const int32_t    p[DIM]    = {(int32_t)Place(units, 0, x[0]), (int32_t)Place(units, 1, x[1]),
-                                (int32_t)Place(units, 2, x[2])};
+  const int32_t    p[DIM]    = {(int32_t)IntegerPosition(units, 0, x[0]), (int32_t)IntegerPosition(units, 1, x[1]),
+                                (int32_t)IntegerPosition(units, 2, x[2])};
   const float      unit[DIM] = {units->unit[0], units->unit[1], units->unit[2]}, limit = search->limit;
-  PetscInt         found = 0, block = -1; /* of the finer one of both levels */
+  PetscInt         found = 0, block = -1; /* block in the finer of both levels */
 
   for (PetscInt l = 0; l < (sized ? SEARCH_LEVELS : 1); l++) {
     const Level *level = &search->level[l];
@@ -102,10 +102,10 @@ INSTANCE PetscInt FindNeighbors(PetscBool sized, Cloud cloud, Search *search, Pe
   return found;
 }
 
-/* The factors of n padded pairs of particle a, with the weights of the neighbours, size^dim: see Cloud and RowVisitor.
-   With q = h over h_ab, the pair's W is q^dim times that of h at r q, F q^(dim + 2) times. w: NULL if not wanted. Those
-   of the Laplacian are in units of search->unit; their sum is returned. -F is largest at r = 0: none is larger than
-   sixteen bits can hold. */
+/* Computes the factors of n padded pairs of particle a, with the weights of the neighbours, size^dim: see Cloud and
+   RowVisitor. With q = h/h_ab, the pair's W is q^dim times W of h at r q, its F q^(dim + 2) times F. w may be NULL.
+   Laplacian factors are in units of search->unit; returns their sum. -F is largest at r = 0, so all fit into sixteen
+   bits. */
 INSTANCE PetscInt PairFactors(PetscBool sized, PetscBool flat, Cloud cloud, Search *search, PetscInt a, PetscInt n,
                               float *restrict w, float *restrict slope_over_r2, float *restrict slope,
                               uint16_t *restrict laplacian)
@@ -141,7 +141,7 @@ INSTANCE PetscInt PairFactors(PetscBool sized, PetscBool flat, Cloud cloud, Sear
   return sum;
 }
 
-/* All rows. */
+/* Finds all rows. */
 INSTANCE PetscErrorCode FindRows(PetscBool sized, PetscBool flat, Cloud cloud, Search *search, RowVisitor visit,
                                  void *context)
 {

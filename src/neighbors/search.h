@@ -9,9 +9,9 @@
 #define PADDING 1e4f         /* squared distance over h2, beyond any kernel */
 
 /* Positions are compared as integers, many at a time. Their unit is the same on every rank, and the box is 2^n units
-   long, n = BOX_BITS unless the box is narrow. Differences are therefore exact, and the same for both particles of a
-   pair, also across a periodic face or a mirror. The unit is a billionth of the box, so a position is as exact as the
-   single precision of the pair factors. */
+   long, n = BOX_BITS unless the box is narrow. So differences are exact, and the same for both particles of a pair,
+   also across a periodic face or a mirror. The unit is a billionth of the box, as exact as the single precision of the
+   pair factors. */
 typedef struct {
   PetscReal center[DIM], inverse[DIM]; /* m; 1/m */
   float     unit[DIM];                 /* over h */
@@ -19,42 +19,42 @@ typedef struct {
 
 /* SearchUnits - the units of a cloud. Not collective. */
 Units                   SearchUnits(Cloud cloud);
-static inline PetscReal Place(const Units *units, PetscInt d, PetscReal x)
+static inline PetscReal IntegerPosition(const Units *units, PetscInt d, PetscReal x)
 {
   return rint((x - units->center[d]) * units->inverse[d]);
 }
 
-/* A run of up to LANES candidates in one integer: where it starts in the grid's order in the lower half, its count in
-   the upper half, to halve the memory traffic. A larger count stands for more runs behind this one. */
+/* A run of up to LANES candidates in one integer: the lower half is its start in the grid's order, the upper half its
+   count. This halves the memory traffic. A larger count means that more runs follow. */
 typedef int64_t Run;
 
 #define RUN(begin, count) ((begin) + (int64_t)(count) * (UINT32_MAX + 1LL))
 #define RUN_BEGIN(run)    ((PetscInt)((run)&UINT32_MAX))
 #define RUN_COUNT(run)    (PetscMin((PetscInt)((run) >> 32), LANES))
 
-/* The lines of cells along x around a cell, up to 'reach' cells away in y and z: LINES(reach) of them, and more outside
-   to fill up the lanes. Their offsets in y and z, the offset of their cells' numbers, and, for a point at 0 to 1 of its
-   own cell, how far it is from the line along each axis: from + times point, in cells. */
+/* The lines of cells along x around a cell, up to 'reach' cells away in y and z: LINES(reach) lines, and more outside
+   to fill the lanes. y, z: offsets of the lines; cells: offset of their cells' numbers. The distance of a point from a
+   line along an axis, in cells, is from + times p, with p from 0 to 1 the position in the point's own cell. */
 #define SPLIT            4     /* cells along x in the length of a cell along y and z */
-#define SLACK            1e-3f /* of a cell along x: what single precision may miss of a chord */
+#define SLACK            1e-3f /* of a cell along x: error of a chord in single precision */
 #define LINES(reach)     ((2 * (reach) + 1) * (2 * (reach) + 1))
 #define LINES_MOST_REACH 3
-#define LINES_MOST       64 /* LINES of that, in whole vectors */
+#define LINES_MOST       64 /* LINES(LINES_MOST_REACH), in whole vectors */
 
 typedef struct {
   PetscInt y[LINES_MOST], z[LINES_MOST], cells[LINES_MOST];
   float    from_y[LINES_MOST], times_y[LINES_MOST], from_z[LINES_MOST], times_z[LINES_MOST];
 } Lines;
 
-/* LinesSet - the lines of a grid. LinesCandidates - how many candidates FindRuns may find, of cells with at most
-   'longest' points. Not collective. */
+/* LinesSet - sets the lines of a grid. LinesCandidates - largest number of candidates of FindRuns with at most
+   'longest' points in a cell. Not collective. */
 void     LinesSet(const CellGrid *grid, PetscInt reach, Lines *lines);
 PetscInt LinesCandidates(PetscInt reach, PetscInt longest);
 
-/* FindRuns - the candidates for neighbours of a point at x (m): of each line of cells around it, the cells that the
-   sphere of the radius (m) reaches. The radius is at most 'reach' cells in y and z, for which the lines are.
-   outside: the point may be anywhere, otherwise it is in the grid. Returns the number of runs. There are no
-   data-dependent branches, but for long runs. Not collective. */
+/* FindRuns - finds the candidates for neighbours of a point at x (m): of each line of cells around it, the cells that
+   intersect the sphere of the radius (m). The lines are for 'reach', and the radius is at most 'reach' cells in y and
+   z. outside: the point may be outside the grid. Returns the number of runs. There are no data-dependent branches but
+   for long runs. Not collective. */
 static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, PetscInt reach, PetscBool outside,
                                 const PetscReal x[DIM], PetscReal radius, Run run[])
 {
@@ -97,35 +97,34 @@ static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, PetscI
   return runs;
 }
 
-/* ReserveList - makes room for so many pairs. Not collective. */
+/* ReserveList - makes room in the list for so many pairs. Not collective. */
 PetscErrorCode ReserveList(Cloud cloud, PetscInt64 pairs);
-/* DropWallPairs - removes the Laplacian weights of the pairs of a wall particle with other wall particles, between
-   which nothing flows. Returns the sum of the other weights. Not collective. */
+/* DropWallPairs - sets the Laplacian weights of pairs of a wall particle with wall particles to zero, since nothing
+   flows between them. Returns the sum of the other weights. Not collective. */
 PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[], uint16_t laplacian[]);
-/* FindWeights - the cloud's weight, length and share, ghosts too. WeightRow - multiplies the factors of a row, where
-   they stand for a neighbour of full share, by its share. Not collective.
- */
+/* FindWeights - computes the cloud's weight, length and relative_weight, ghosts too. WeightRow - multiplies the factors
+   of a row, which are for a relative_weight of 1, by that of the neighbours. Not collective. */
 void FindWeights(Cloud cloud);
 void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float w[], float slope_over_r2[], float slope[]);
-/* Cells of a level's grid, SPLIT along x in one, and some more layers of them all around: the largest sizes of the
-   particles that may be in pairs with one in the cell; 0: there are none. */
+/* Blocks of a level's grid, of SPLIT cells along x, and some layers of blocks around it: the largest sizes of the
+   particles that may form pairs with a particle in the block; 0: none. */
 typedef struct {
   CellBox box;
-  /* [box.count] for a particle of the grid's level, those of this level and coarser ones; for a particle of a coarser
-     level, those of the grid's level */
+  /* [box.count] coarse: for a particle of the grid's level, sizes in this level and coarser levels; fine: for a
+     particle of a coarser level, sizes in the grid's level */
   PetscReal *coarse[SEARCH_LEVELS], *fine[SEARCH_LEVELS];
 } Blocks;
 
-/* The particles of a level in the order of its grid, with room for LANES more, which are read and not used. */
+/* The particles of a level in the order of its grid, and LANES more entries, which are read but not used. */
 typedef struct {
   PetscInt  n;
-  int32_t  *place; /* [3][n] integer positions */
-  float    *size;  /* [n] of graded particles */
-  PetscInt *index; /* [n] local indices */
+  int32_t  *position; /* [3][n] integer positions */
+  float    *size;     /* [n] of graded particles */
+  PetscInt *index;    /* [n] local indices */
 } Candidates;
 
-/* The particles of a level of sizes, ghosts too. Those of one size have one level, without what only graded ones need.
- */
+/* The particles of a level of sizes, ghosts too. Particles of one size have one level, without the parts for graded
+   particles. */
 typedef struct {
   PetscReal       largest; /* size, 1 */
   PetscInt       *point;   /* [n] local indices, of graded particles, and ... */
@@ -138,10 +137,10 @@ typedef struct {
 
 typedef struct {
   Units     units;
-  PetscReal support;     /* of the kernel, m */
-  float     limit, unit; /* support2/h2; of the Laplacian factors */
+  PetscReal support;     /* the kernel's, m */
+  float     limit, unit; /* support2/h2; unit of the Laplacian factors */
   Level     level[SEARCH_LEVELS];
-  Run      *run; /* of one row */
+  Run      *run; /* runs of one row */
   /* Of one row: r2/h2, then over h_ab2; sizes of the neighbours; h over h_ab. */
   float s[ROW_CAPACITY + LANES], size[ROW_CAPACITY + LANES], ratio[ROW_CAPACITY + LANES];
 } Search;
@@ -149,17 +148,17 @@ typedef struct {
 /* SearchCreate - sorts the particles at the positions of the cloud; search is zeroed. Not collective. */
 PetscErrorCode SearchCreate(Cloud cloud, Search *search);
 PetscErrorCode SearchDestroy(Cloud cloud, Search *search);
-/* SearchLevel - the level of particle a. SearchLevelRuns - the candidates of level l for particle a, of level 'own':
-   those near enough for a pair with the largest of them. The block is that of the finer one of both levels. Writes to
-   search->run; returns their number. Not collective. */
+/* SearchLevel - the search's level of particle a. SearchLevelRuns - writes the candidates of level l for particle a of
+   level 'own' to search->run: those near enough for a pair with the largest of them. block: of particle a in the finer
+   level. Returns the number of runs. Not collective. */
 static inline PetscInt SearchLevel(Cloud cloud, PetscInt a)
 {
   return (CloudLevel(cloud, a) + 1) / 2;
 }
 PetscInt SearchLevelRuns(Cloud cloud, const Search *search, PetscInt a, PetscInt own, PetscInt l, PetscInt block);
 
-/* Pads a row with pairs of the particle with itself that weigh nothing, so that what follows works on whole vectors.
-   The next row overwrites them. */
+/* Pads a row with pairs of the particle with itself, of weight zero, so that loops work on whole vectors. The next row
+   overwrites them. */
 static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
 {
   for (PetscInt k = n; k < n + LANES; k++) {
@@ -168,7 +167,7 @@ static inline void PadRow(PetscInt a, PetscInt n, PetscInt list[], float s[])
   }
 }
 
-/* RowCheck - refuses a row of more neighbours than a row may have. Not collective. */
+/* RowCheck - refuses a row with too many neighbours. Not collective. */
 static inline PetscErrorCode RowCheck(Cloud cloud, PetscInt a, PetscInt found)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
@@ -181,8 +180,8 @@ static inline PetscErrorCode RowCheck(Cloud cloud, PetscInt a, PetscInt found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RowEnd - closes the row of particle a, whose 'found' pairs stand behind 'used' ones with all their factors, and shows
-   it to the visitor. Returns how many pairs are used now. Not collective. */
+/* RowEnd - closes the row of particle a, whose 'found' pairs and factors follow 'used' earlier pairs, and calls the
+   visitor. Returns the number of pairs used now. Not collective. */
 static inline PetscInt64 RowEnd(Cloud cloud, PetscInt a, PetscInt64 used, PetscInt found, const float w[],
                                 const float slope_over_r2[], RowVisitor visit, void *context)
 {

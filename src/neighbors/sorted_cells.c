@@ -1,7 +1,7 @@
 #include "sorted_cells.h"
 
 #define VECTOR   8  /* numbers that are copied at once */
-#define FAR_AWAY 10 /* supports, of what fills up the last vector */
+#define FAR_AWAY 10 /* supports: position of the entries that fill the last vector */
 
 PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count, const PetscInt of[], PetscReal size,
                                 PetscReal support)
@@ -40,8 +40,8 @@ void SortedCellsLoad(SortedCells *cells, PetscInt column, PetscInt width, const 
       cells->sorted[(column + w) * cells->count + k] = field[width * cells->index[k] + w];
 }
 
-/* The lines of the cells within the radius (m) of a cell, which may be outside the grid. Returns the number of their
-   particles. */
+/* Finds the lines of the cells within the radius (m) of a cell, which may be outside the grid. Returns the number of
+   their particles. */
 static PetscInt FindLines(SortedCells *cells, const PetscInt cell[DIM], PetscReal radius)
 {
   const CellGrid *grid = &cells->grid;
@@ -96,8 +96,8 @@ PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscRea
   return PETSC_FALSE;
 }
 
-/* Functions that copy a column of the lines, less 'shift'. Each line is copied in whole vectors, of which the next one
-   overwrites the end. */
+/* Functions that copy a column of the lines, less 'shift'. Each line is copied in whole vectors; the next line
+   overwrites the surplus. */
 #define COPY_COLUMN(Name, Type)                                                                                        \
   static void Name(const SortedCells *cells, const PetscReal from[], PetscReal shift, Type *restrict to)               \
   {                                                                                                                    \

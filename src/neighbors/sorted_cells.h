@@ -1,54 +1,54 @@
-/* Some of the particles sorted into cells, and what is within a radius of a cell in columns, over which the compiler
-   can vectorise. A particle has a place in the sorted order and a local index in the cloud. */
+/* Some of the particles sorted into cells, and the particles within a radius of a cell copied into columns, over which
+   loops vectorise. A particle has a place in the sorted order and a local index in the cloud. */
 #ifndef ISPH_SORTED_CELLS_H
 #define ISPH_SORTED_CELLS_H
 
 #include "cloud.h"
 
-#define SORTED_WIDTH 10 /* columns: x, y, z, then whatever a pass sums over */
+#define SORTED_WIDTH 10 /* columns: x, y, z, then the quantities that a pass sums */
 #define SORTED_REACH 5  /* cells that lines reach at most */
 
-/* Particles that stand one behind the other in the sorted order. */
+/* A range of places in the sorted order. */
 typedef struct {
   PetscInt begin, length;
 } SortedLine;
 
-/* Begin with a zeroed one. */
+/* Must be zeroed before the first use. */
 typedef struct {
   CellGrid   grid;
   PetscInt   count, capacity, stride, single_stride;
   PetscInt  *index;   /* [count] local index of each particle, by place */
   PetscReal *sorted;  /* [SORTED_WIDTH][count] the columns of all particles, by place */
-  PetscReal  support; /* m: what is within it of a cell is collected, of a particle of size 1 */
-  PetscReal *largest; /* [cells] the supports of a cell's particles are so many times that; NULL: 1 */
-  PetscReal  radius;  /* m, for which the table is */
-  PetscInt   reach, along[SORTED_REACH + 1][SORTED_REACH + 1]; /* cells within it: see CellsWithin */
+  PetscReal  support; /* m: radius around a cell within which particles are collected, at size 1 */
+  PetscReal *largest; /* [cells] largest size of a cell's particles, a factor on the support; NULL: 1 */
+  PetscReal  radius;  /* m, radius of the table */
+  PetscInt   reach, along[SORTED_REACH + 1][SORTED_REACH + 1]; /* cells within the radius: see CellsWithin */
   PetscInt   lines;                                            /* of SortedCellsLines */
   SortedLine line[PetscSqr(2 * SORTED_REACH + 1)];             /* [lines] */
-  PetscReal *near;   /* [SORTED_WIDTH][stride] the columns of the particles that SortedCellsCollect found */
-  float     *single; /* [SORTED_WIDTH][single_stride] those that SortedCellsCollectSingle found */
+  PetscReal *near;   /* [SORTED_WIDTH][stride] columns of the particles of SortedCellsCollect */
+  float     *single; /* [SORTED_WIDTH][single_stride] columns of SortedCellsCollectSingle */
 } SortedCells;
 
-/* SortedCellsBuild - sorts the particles with the 'count' local indices 'of' into cells of at least this size (m),
-   which is at least the support (m) over SORTED_REACH - 1. SortedCellsLoad - fills 'width' columns from 'column' on
-   with the values of a field ([n_total][width]). Not collective. */
+/* SortedCellsBuild - sorts the particles with the 'count' local indices 'of' into cells of at least this size (m). size
+   is at least support (m) over SORTED_REACH - 1. SortedCellsLoad - fills 'width' columns from 'column' on with the
+   values of a field ([n_total][width]). Not collective. */
 PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count, const PetscInt of[], PetscReal size,
                                 PetscReal support);
 void           SortedCellsLoad(SortedCells *cells, PetscInt column, PetscInt width, const PetscReal field[]);
 PetscErrorCode SortedCellsReset(SortedCells *cells);
 
-/* SortedCellsCollect - copies the columns whose bits are set (COLUMNS) of all particles within the support of cell c to
-   near; there are *n of them. near has room for 'copies' times as many. SortedCellsCollectSingle - the same in single
-   precision, to 'single', positions relative to 'origin' (m); *m: how many, with those beyond all reach that fill up
-   the last vector (KERNEL_LANES). Not collective. */
+/* SortedCellsCollect - copies the columns whose bits are set (COLUMNS) of the *n particles within the support of cell c
+   to 'near', which has room for 'copies' times as many. SortedCellsCollectSingle - the same in single precision to
+   'single', with positions relative to 'origin' (m). *m: the number, including far-away entries that fill the last
+   vector (KERNEL_LANES). Not collective. */
 #define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
 PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
 PetscErrorCode SortedCellsCollectSingle(SortedCells *cells, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
                                         PetscInt *m);
 
-/* SortedCellsLines - sets the lines of the particles in cells within a radius (m), at most the support, of that of x
-   (m), which may be outside all cells. SortedCellsWithin - whether one of the particles is within that radius of x.
-   Not collective. */
+/* SortedCellsLines - sets the lines of the particles in cells within a radius (m), at most the support, of the cell of
+   x (m); x may be outside all cells. SortedCellsWithin - whether one of the particles is within the radius of x. Not
+   collective. */
 void      SortedCellsLines(SortedCells *cells, const PetscReal x[DIM], PetscReal radius);
 PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscReal radius);
 

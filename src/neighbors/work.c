@@ -1,9 +1,9 @@
-/* Arrays lent to functions for the time of a call, so that no field of the cloud has to serve as scratch. */
+/* Work arrays for functions, so that no field of the cloud serves as scratch memory. */
 #include "work.h"
 
 struct _p_WorkArray {
   PetscReal *values;
-  PetscInt   size; /* numbers it has room for */
+  PetscInt   size; /* numbers for which it has room */
   PetscBool  in_use;
   WorkArray *next;
 };
@@ -16,7 +16,7 @@ PetscErrorCode CloudGetWork(Cloud cloud, PetscInt width, PetscReal **array)
   PetscFunctionBegin;
   for (WorkArray *w = cloud->work; w; w = w->next)
     if (!w->in_use && (!work || (work->size < size ? w->size > work->size : w->size >= size && w->size < work->size)))
-      work = w; /* the smallest that is large enough, otherwise the largest */
+      work = w; /* the smallest array that is large enough, else the largest */
   if (!work) {
     PetscCall(PetscNew(&work));
     work->next  = cloud->work;

@@ -4,7 +4,7 @@
 
 #include "cloud.h"
 
-/* CloudFreeWork - frees them. Not collective. */
+/* CloudFreeWork - frees these arrays. Not collective. */
 PetscErrorCode CloudFreeWork(Cloud cloud);
 
 #endif

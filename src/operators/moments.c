@@ -75,7 +75,7 @@ PetscErrorCode OperatorsDensity(Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = cloud->share[a] * (V * self);
+    PetscReal sum = cloud->relative_weight[a] * (V * self);
 
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowEvaluate(cloud, a, &row);
@@ -147,7 +147,7 @@ static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const fl
   total = Simd3Sum(normal, sum);
   Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
   cloud->field[FIELD_DENSITY][a] =
-    cloud->rest_density[a] * V * (cloud->share[a] * scales->self + scales->scale_w * total[3]);
+    cloud->rest_density[a] * V * (cloud->relative_weight[a] * scales->self + scales->scale_w * total[3]);
   Vec4Store(scale * (total + Simd3Sum(crowding, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
   Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
   Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);

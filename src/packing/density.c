@@ -11,7 +11,7 @@ PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
   for (PetscInt k = 0; k < row->n; k++) row->W[k] *= cloud->weight[row->index[k]];
   SIMD_LOOP(reduction(+ : sum))
   for (PetscInt k = 0; k < row->n; k++) sum += row->W[k];
-  return cloud->domain->volume * (sum + cloud->share[a] * self);
+  return cloud->domain->volume * (sum + cloud->relative_weight[a] * self);
 }
 
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)

@@ -39,9 +39,9 @@ static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscRe
     const PetscInt b = row->index[k];
     PetscReal      c;
 
-    if (!CloudMeets(cloud, a, b)) continue;
-    c =
-      (own + p[b] + CloudJump(cloud, a, b, 1)) / rho - rest[b] * (own / (rho * rho) + p[b] / (density[b] * density[b]));
+    if (!CloudAcrossInterface(cloud, a, b)) continue;
+    c = (own + p[b] + CloudPressureJump(cloud, a, b, 1)) / rho -
+        rest[b] * (own / (rho * rho) + p[b] / (density[b] * density[b]));
     for (PetscInt d = 0; d < DIM; d++) out[d] += scale * c * row->f[k] * (x[DIM * b + d] - x[DIM * a + d]);
   }
 }
@@ -64,7 +64,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
     c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
   }
   SumAlong(cloud, a, row, c, out);
-  if (cloud->liquid && cloud->meets[a]) AddLiquid(pressure, a, row, scale, out);
+  if (cloud->liquid && cloud->at_interface[a]) AddLiquid(pressure, a, row, scale, out);
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
 
@@ -114,7 +114,7 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
     Simd3Add(&sum, (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k), d);
   }
   g = scale * Simd3Sum(sum, zero);
-  if (cloud->liquid && cloud->meets[a]) {
+  if (cloud->liquid && cloud->at_interface[a]) {
     PetscReal jump[DIM] = {0, 0, 0};
 
     InterfaceSum(cloud, a, row, jump);

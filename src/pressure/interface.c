@@ -1,6 +1,6 @@
-/* The pressure jumps between two immiscible liquids. For neighbours a and b on both sides (CloudMeets) b's pressure
-   counts as p_b + [p], with the jump [p] of surface tension: in the gradient at a the jump at b; in Eq. (8), where both
-   rows need one value, the jump in the middle. */
+/* The pressure jumps between two immiscible liquids. For neighbours a and b on both sides (CloudAcrossInterface) b's
+   pressure counts as p_b + [p], with the jump [p] of surface tension: in the gradient at a the jump at b; in Eq. (8),
+   where both rows need one value, the jump in the middle. */
 #include "pressure_impl.h"
 
 /* Sets the liquid that fills most of a wall particle's row, and its mean jump next to the interface. */
@@ -17,13 +17,14 @@ static void WallLiquid(Cloud cloud, PetscInt a)
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscInt b = cloud->list[k];
 
-    if (cloud->integer[INT_LAYER][b] != 0 || cloud->liquid[b] != cloud->liquid[a] || cloud->jump[b] == 0) continue;
+    if (cloud->integer[INT_LAYER][b] != 0 || cloud->liquid[b] != cloud->liquid[a] || cloud->pressure_jump[b] == 0)
+      continue;
     weight += cloud->laplacian[k];
-    jump += cloud->laplacian[k] * cloud->jump[b];
-    for (PetscInt d = 0; d < DIM; d++) slope[d] += cloud->laplacian[k] * cloud->jump_slope[DIM * b + d];
+    jump += cloud->laplacian[k] * cloud->pressure_jump[b];
+    for (PetscInt d = 0; d < DIM; d++) slope[d] += cloud->laplacian[k] * cloud->pressure_jump_slope[DIM * b + d];
   }
-  cloud->jump[a] = weight > 0 ? jump / weight : 0;
-  for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = weight > 0 ? slope[d] / weight : 0;
+  cloud->pressure_jump[a] = weight > 0 ? jump / weight : 0;
+  for (PetscInt d = 0; d < DIM; d++) cloud->pressure_jump_slope[DIM * a + d] = weight > 0 ? slope[d] / weight : 0;
 }
 
 PetscErrorCode InterfaceSetUp(Pressure pressure)
@@ -36,17 +37,18 @@ PetscErrorCode InterfaceSetUp(Pressure pressure)
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);
 
-    cloud->liquid[a] = cloud->liquid[r];
-    cloud->jump[a]   = cloud->jump[r];
-    for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = cloud->jump_slope[DIM * r + d];
+    cloud->liquid[a]        = cloud->liquid[r];
+    cloud->pressure_jump[a] = cloud->pressure_jump[r];
+    for (PetscInt d = 0; d < DIM; d++)
+      cloud->pressure_jump_slope[DIM * a + d] = cloud->pressure_jump_slope[DIM * r + d];
   }
   PetscCall(CloudUpdateIntArray(cloud, cloud->liquid));
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->jump));
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, cloud->jump_slope));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->pressure_jump));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, cloud->pressure_jump_slope));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    cloud->meets[a] = 0;
-    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->meets[a]; k++)
-      cloud->meets[a] = CloudMeets(cloud, a, cloud->list[k]);
+    cloud->at_interface[a] = 0;
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->at_interface[a]; k++)
+      cloud->at_interface[a] = CloudAcrossInterface(cloud, a, cloud->list[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -59,10 +61,10 @@ void InterfaceAdd(Pressure pressure, PetscScalar rhs[])
     const PetscInt row = a < cloud->n_rows ? a : ParentRow(pressure, a);
     PetscReal      sum = 0;
 
-    if (!cloud->meets[a]) continue;
+    if (!cloud->at_interface[a]) continue;
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
-      if (CloudMeets(cloud, a, cloud->list[k]))
-        sum += PairWeight(pressure, k) * CloudJump(cloud, a, cloud->list[k], 0.5);
+      if (CloudAcrossInterface(cloud, a, cloud->list[k]))
+        sum += PairWeight(pressure, k) * CloudPressureJump(cloud, a, cloud->list[k], 0.5);
     rhs[row] += pressure->weight_scale * sum;
   }
 }
@@ -75,8 +77,8 @@ void InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM
     const PetscInt b = row->index[k];
     PetscReal      c;
 
-    if (!CloudMeets(cloud, a, b)) continue;
-    c = CloudJump(cloud, a, b, 1) * row->f[k];
+    if (!CloudAcrossInterface(cloud, a, b)) continue;
+    c = CloudPressureJump(cloud, a, b, 1) * row->f[k];
     for (PetscInt d = 0; d < DIM; d++) sum[d] += c * (x[DIM * b + d] - x[DIM * a + d]);
   }
 }

@@ -29,7 +29,7 @@ static PetscBool OneDensity(Pressure pressure)
 static PetscErrorCode SetWeights(Pressure pressure)
 {
   Cloud            cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *share = cloud->share,
+  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *share = cloud->relative_weight,
                   *x = cloud->field[FIELD_POSITION], reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
   const PetscInt64 count = cloud->first[cloud->n_owned];
   PetscReal        scale_w, scale_f, inverse_h2;

@@ -56,8 +56,8 @@ static const OptionRow contact[] = {
    "Contact angle of the free surface on the solid, in the liquid (degrees); 0: the liquid does not wet the solid",
    "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle)},
   {"-contact_hysteresis",
-   "Advancing minus receding contact angle (degrees), half of it on either side of -contact_angle: in between contact "
-   "lines stick",
+   "Advancing minus receding contact angle (degrees), half of it on either side of -contact_angle; between them "
+   "contact lines do not move",
    "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_hysteresis)},
   {.name = NULL},
 };

@@ -57,9 +57,9 @@ static PetscBool HasAngles(Sim sim)
   return (PetscBool)(sim->tension && TensionHasAngles(sim->tension));
 }
 
-static PetscBool Sticks(Sim sim)
+static PetscBool HasHysteresis(Sim sim)
 {
-  return (PetscBool)(sim->tension && TensionSticks(sim->tension));
+  return (PetscBool)(sim->tension && TensionHasHysteresis(sim->tension));
 }
 
 #define RINGS      "-dimension axisymmetric"
@@ -90,10 +90,17 @@ static const struct {
   const char *name;
   PetscBool (*on)(Sim sim);
 } Features[] = {
-  {RINGS, Rings},          {GRADED, Graded},       {EMITTERS, Emits},
-  {MOVING, SolidsMove},    {DRIVEN, SolidsDriven}, {FREE, SolidsFree},
-  {WET, SolidsHaveAngles}, {DENSITIES, Densities}, {THINNING, ViscosityVaries},
-  {ANGLES, HasAngles},     {HYSTERESIS, Sticks},
+  {RINGS, Rings},
+  {GRADED, Graded},
+  {EMITTERS, Emits},
+  {MOVING, SolidsMove},
+  {DRIVEN, SolidsDriven},
+  {FREE, SolidsFree},
+  {WET, SolidsHaveAngles},
+  {DENSITIES, Densities},
+  {THINNING, ViscosityVaries},
+  {ANGLES, HasAngles},
+  {HYSTERESIS, HasHysteresis},
 };
 
 typedef enum { NOT_WITH, NEEDS } Relation;

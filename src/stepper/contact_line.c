@@ -4,7 +4,7 @@
 
 static PetscBool On(Stepper stepper)
 {
-  return TensionSticks(stepper->tension);
+  return TensionHasHysteresis(stepper->tension);
 }
 
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
@@ -12,7 +12,8 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   Cloud cloud = stepper->cloud;
 
   PetscFunctionBegin;
-  PetscCall(TensionHold(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
+  PetscCall(TensionApplyHysteresis(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW],
+                                   &trial->sum[SUM_TENSION_WORK]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,7 +27,7 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
     PetscReal value;
 
     if (area == 0) continue;
-    value = cloud->liquid ? capillary[a] - cloud->jump[a] : capillary[a]; /* SumInterfaceWork has the rest */
+    value = cloud->liquid ? capillary[a] - cloud->pressure_jump[a] : capillary[a]; /* SumInterfaceWork has the rest */
     trial->sum[SUM_TENSION_WORK] += value * inflow;
     trial->sum[SUM_INFLOW] += inflow;
     trial->sum[SUM_AREA] += area;
@@ -36,7 +36,7 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 }
 
 /* The same for the whole surface of each of two immiscible liquids, towards gas and the other liquid, with its part of
-   the pressure, cloud->jump. */
+   the pressure, cloud->pressure_jump. */
 static void SumInterfaceWork(Cloud cloud, PetscReal dt, StepTrial *trial)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY], *normal = cloud->field[FIELD_NORMAL];
@@ -46,14 +46,14 @@ static void SumInterfaceWork(Cloud cloud, PetscReal dt, StepTrial *trial)
     PetscReal      n[DIM], flow, area = TrialSurfaceArea(cloud, a);
 
     flow = area > 0 ? 2 * cloud->volume[a] * Dot(v + DIM * a, normal + DIM * a) : 0;
-    if (cloud->meets[a]) {
+    if (cloud->at_interface[a]) {
       TrialInterface(cloud, a, n, &flow);
       area += 2 * cloud->volume[a] * Norm(n);
     }
-    trial->sum[SUM_TENSION_WORK] += cloud->jump[a] * dt * flow;
+    trial->sum[SUM_TENSION_WORK] += cloud->pressure_jump[a] * dt * flow;
     trial->sum[at] += dt * flow;
     trial->sum[at + 1] += area;
-    trial->sum[at + 2] += cloud->jump[a] * area;
+    trial->sum[at + 2] += cloud->pressure_jump[a] * area;
   }
 }
 

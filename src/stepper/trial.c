@@ -21,7 +21,7 @@ void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
     const PetscInt  b = cloud->list[k];
     const PetscReal f = cloud->domain->volume * scale_f * cloud->slope[k];
 
-    if (cloud->integer[INT_LAYER][b] != 0 || !CloudMeets(cloud, a, b)) continue; /* a wall is no interface */
+    if (cloud->integer[INT_LAYER][b] != 0 || !CloudAcrossInterface(cloud, a, b)) continue; /* a wall is no interface */
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal part = f * (x[DIM * a + d] - x[DIM * b + d]);
 

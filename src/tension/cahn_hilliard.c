@@ -1,12 +1,12 @@
-/* Surface tension as the divergence of a capillary stress: Eqs. (5)-(7) of Kuri et al. See tension.h. The kernel is
-   wide, a thousand neighbours: they are summed in single precision, relative to a point nearby. */
+/* Surface tension as the divergence of a capillary stress: Eqs. (5)-(7) of Kuri et al. See tension.h. The kernel has a
+   thousand neighbours; sums are in single precision, relative to a point nearby. */
 #include "tension_impl.h"
 
-#define NEAR_CELLS     4         /* cells in the distance from the surface within which the model is evaluated */
-#define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over that of a particle at rest density */
+#define NEAR_CELLS     4         /* cells in the distance from the surface up to which the model is evaluated */
+#define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over the volume at rest density */
 #define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
 
-/* Adds grad phi of the walls around x: each wall face stands for a half-space full of liquid. */
+/* Adds grad phi of the walls around x: each wall is a half-space full of liquid. */
 static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], PetscReal gradient[DIM])
 {
   const PetscReal support = KernelSupport(tension->kernel);
@@ -22,7 +22,7 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
     }
 }
 
-/* Of m <= CHUNK candidates from 'begin' on: x - c_b (m) and the kernel's F without its scale. */
+/* x - c_b (m), and the kernel's F without its scale, of m <= CHUNK candidates from 'begin' on. */
 static inline void Separations(Tension tension, PetscInt begin, PetscInt m, const float x[DIM], float *restrict dx,
                                float *restrict dy, float *restrict dz, float *restrict F)
 {
@@ -43,7 +43,7 @@ static inline void Separations(Tension tension, PetscInt begin, PetscInt m, cons
   KernelSingle(tension->kernel, m, s, NULL, F);
 }
 
-/* Adds the sum of w_b grad W^H without the kernel's scale over a chunk of m candidates, whose w F is in F. */
+/* Adds the sum of w_b grad W^H, without the kernel's scale, over a chunk of m candidates. F has w F. */
 static inline void AddGradient(PetscReal scale, PetscInt m, const float dx[], const float dy[], const float dz[],
                                const float F[], PetscReal gradient[DIM])
 {
@@ -60,8 +60,8 @@ static inline void AddGradient(PetscReal scale, PetscInt m, const float dx[], co
   gradient[2] += scale * gz;
 }
 
-/* The sum of grad W^H at x over m candidates; with -tension_density summed the two of w grad W^H, w in VOLUME_COLUMN
-   and in DENSITY_COLUMN. */
+/* The sum of grad W^H at x over m candidates; with -tension_density summed the sums of w grad W^H with w in
+   VOLUME_COLUMN and in DENSITY_COLUMN. */
 static void SumGradients(Tension tension, PetscInt m, const float x[DIM], PetscReal gradient[2][DIM])
 {
   const PetscInt stride     = tension->liquid->single_stride;
@@ -132,13 +132,13 @@ static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
   S[5] = -kappa * g[1] * g[2];
 }
 
-/* Whether particle a at x is one of those that the model is evaluated for. */
+/* Whether the model is evaluated for particle a at x. */
 static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
   return (PetscBool)(a < cloud->n_owned && CellMaskHas(&tension->near, x));
 }
 
-/* With -tension_density summed: the columns that the first pass reads. */
+/* With -tension_density summed: loads the columns of the first pass. */
 static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
 {
   const PetscReal *rest = cloud->rest_density, *rho = cloud->field[FIELD_DENSITY];
@@ -155,8 +155,8 @@ static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the part of Eq. (1) with the particle's own stress, S_a/rho_a^2 sum m_b grad W^H, and turns S_a into what the
-   others take from it, S_a rho_0/rho_a^2. gradient: of the density over V_0, without walls. */
+/* Adds the part of Eq. (1) with the particle's own stress, S_a/rho_a^2 sum m_b grad W^H, and turns S_a into S_a
+   rho_0/rho_a^2, the form in the other particles' sums. gradient: of the density over V_0, without walls. */
 static void AddOwnForce(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM], PetscReal gradient[DIM],
                         PetscReal S[6])
 {
@@ -170,8 +170,8 @@ static void AddOwnForce(Tension tension, Cloud cloud, PetscInt a, const PetscRea
   for (PetscInt k = 0; k < 6; k++) S[k] *= rest / (rho * rho);
 }
 
-/* grad phi, Eq. (6), and from it the stress ([n_owned][6]) of the particles near the surface; with -tension_density
-   summed that stress times rho_0/rho^2. */
+/* Finds grad phi, Eq. (6), and the stress ([n_owned][6]) of the particles near the surface; with -tension_density
+   summed the stress times rho_0/rho^2. */
 static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[])
 {
   SortedCells    *liquid = tension->liquid;
@@ -205,7 +205,8 @@ static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[
 }
 
 /* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration. With one rest density this equals the symmetric form of
-   Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds what AddOwnForce has left of that form. */
+   Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds the rest of that form, without the part of
+   AddOwnForce. */
 static PetscErrorCode AddForce(Tension tension, Cloud cloud)
 {
   SortedCells    *liquid      = tension->liquid;
@@ -234,8 +235,8 @@ static PetscErrorCode AddForce(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Marks where the model is evaluated, near the surface particles of all ranks. A rank knows those around its own
-   particles as far as the kernel reaches, and asks the others where that is not enough. */
+/* Marks where the model is evaluated, near the surface particles of all ranks. A rank knows the surface particles
+   within the kernel's support of its own, and asks other ranks if the distance is larger. */
 static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 {
   const Domain    domain  = cloud->domain;
@@ -279,7 +280,7 @@ static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* w1(s) of W^H, for the part of phi that a wall stands for. */
+/* Tabulates w1(s) of W^H, for the part of phi from a wall. */
 static PetscErrorCode TabulateWall(Tension tension)
 {
   const PetscReal support = KernelSupport(tension->kernel);
@@ -301,11 +302,10 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
                        &tension->calibration));
   PetscCall(OptionReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)",
                        "(0, 2]", &tension->band));
-  PetscCall(
-    PetscOptionsEList("-tension_density",
-                      "density in phi and in the stress's force: summed is Eq. (4), rest keeps the force free of "
-                      "the packing's noise",
-                      "TensionSetFromOptions", densities, 2, densities[density], &density, NULL));
+  PetscCall(PetscOptionsEList(
+    "-tension_density",
+    "density in phi and in the force of the stress: summed is Eq. (4), rest keeps the packing's noise out of the force",
+    "TensionSetFromOptions", densities, 2, densities[density], &density, NULL));
   tension->summed = (PetscBool)density;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

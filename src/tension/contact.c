@@ -1,26 +1,25 @@
-/* Contact angles: the liquid and its normals go on behind walls so that the surface meets the wall under the contact
-   angle.
+/* Contact angles: images continue the liquid and its normals behind walls, so that the surface meets the wall at the
+   contact angle.
 
    A face of the box is a mirror; for solids see contact_solid.c.
 
-   A mirror reverses the slope of the surface. For each particle near a wall the images are therefore moved along the
-   wall, by 2 s cot(angle) out of the liquid: then a surface that meets the wall under the contact angle goes on
-   straight behind it (ContactSlant). Of acute angles this would need particles that are too far away; there the images
-   are moved by 2 s SLANT_MOST at most, and grad phi has the rest of the cotangent as a part normal to the wall
-   (SumMirrored in curvature.c). Normals of images are such that their mean with that of the particle has the contact
-   angle.
+   A mirror reverses the slope of the surface. So for each particle near a wall the images are moved along the wall, by
+   2 s cot(angle) out of the liquid: a surface that meets the wall at the contact angle then continues straight behind
+   the wall (ContactTilt). For small angles this would need particles that are too far away. So images are moved by 2 s
+   TILT_MOST at most, and the residual of the cotangent becomes a part of grad phi normal to the wall (SumMirrored in
+   curvature.c). The mean of the normals of a particle and its image has the contact angle.
 
-   An image may be nearer than its particle, and what is known of particles beyond the support depends on cells and
-   ranks: images of those are left out. */
+   An image may be nearer than its particle. Which particles beyond the support are known depends on cells and ranks, so
+   their images are left out. */
 #include "tension_impl.h"
 
-/* A surface ends at a wall if the part of its normal along the wall is at least this, times sin of the contact angle.
- */
+/* A surface ends at a wall if the part of its normal along the wall is at least this times the sine of the contact
+   angle. */
 #define PARALLEL    0.5
-#define SLANT_MOST  0.58 /* cot 60 degrees */
+#define TILT_MOST   0.58 /* cot 60 degrees */
 #define ANGLE_LEAST 20.  /* degrees: contact angles nearer to 0 or 180 were not tried */
 
-/* 'hysteresis': by how much the advancing angle is above the receding one, around 'degrees'. */
+/* hysteresis: advancing angle less receding angle, around 'degrees'. */
 static ContactAngle FromDegrees(PetscReal degrees, PetscReal hysteresis)
 {
   const PetscReal angle   = degrees * (PETSC_PI / 180);
@@ -29,13 +28,14 @@ static ContactAngle FromDegrees(PetscReal degrees, PetscReal hysteresis)
   if (hysteresis > 0) {
     const PetscReal half = 0.5 * hysteresis * (PETSC_PI / 180);
 
-    contact       = FromDegrees(degrees == 90 ? 90 : acos(contact.cosine * PetscCosReal(half)) * (180 / PETSC_PI), 0);
-    contact.stick = PetscSinReal(angle) * PetscSinReal(half);
+    contact = FromDegrees(degrees == 90 ? 90 : acos(contact.cosine * PetscCosReal(half)) * (180 / PETSC_PI), 0);
+    contact.hysteresis_force = PetscSinReal(angle) * PetscSinReal(half);
     return contact;
   }
   if (degrees == 90 || degrees == 0) return contact;
-  contact.slant = PetscMin(SLANT_MOST, 1 / contact.rest);
-  contact.rest  = 1 / contact.rest > SLANT_MOST ? 1 / (1 / contact.rest - SLANT_MOST) : PETSC_MAX_REAL;
+  contact.image_tilt = PetscMin(TILT_MOST, 1 / contact.residual_tan);
+  contact.residual_tan =
+    1 / contact.residual_tan > TILT_MOST ? 1 / (1 / contact.residual_tan - TILT_MOST) : PETSC_MAX_REAL;
   return contact;
 }
 
@@ -57,7 +57,7 @@ PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene)
     const Body body = SceneSolid(scene, s);
 
     solid->angle[s] = FromDegrees(BodyContactAngle(body), BodyContactHysteresis(body));
-    if (solid->angle[s].stick > 0) tension->sticks = PETSC_TRUE;
+    if (solid->angle[s].hysteresis_force > 0) tension->hysteresis = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -68,7 +68,7 @@ PetscErrorCode ContactDestroy(Tension tension)
   PetscCall(PetscFree(tension->solid.angle));
   PetscCall(PetscFree(tension->images.parent));
   PetscCall(PetscFree(tension->images.origin));
-  PetscCall(PetscFree(tension->images.share));
+  PetscCall(PetscFree(tension->images.volume));
   PetscCall(SortedCellsReset(&tension->solid.dummies));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -81,30 +81,30 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscCall(OptionReal("-wall_contact_angle",
                        "angle in the liquid at which the free surface meets the walls of the box (degrees)", "(0, 180)",
                        &common));
-  PetscCall(OptionReal("-wall_contact_hysteresis",
-                       "the advancing angle less the receding one, around that angle, between which lines stick there "
-                       "(degrees)",
-                       "[0, 180)", &hysteresis));
+  PetscCall(OptionReal(
+    "-wall_contact_hysteresis",
+    "advancing angle less receding angle, around the contact angle; between them contact lines do not move (degrees)",
+    "[0, 180)", &hysteresis));
   for (PetscInt f = tension->rings ? 1 : 0; f < 2 * tension->dim; f++) {
     const PetscInt d = f / 2, side = f % 2;
     char           option[64];
     PetscReal      angle = common;
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_angle", "xyz"[d], side ? "max" : "min"));
-    PetscCall(OptionReal(option, "that of this wall, if it differs (degrees)", "(0, 180)", &angle));
+    PetscCall(OptionReal(option, "contact angle of this wall, if it differs (degrees)", "(0, 180)", &angle));
     PetscCheckUser(angle == common || tension->face[d][side] == FACE_WALL, tension->comm,
                    "%s: the face is %s; only a wall has a contact angle", option, FaceTypes[tension->face[d][side]]);
     PetscCheckUser(
       0.5 * hysteresis < PetscMin(angle, 180 - angle), tension->comm,
-      "-wall_contact_hysteresis %g: half of it below and above the contact angle, %g, must stay in (0, 180)",
+      "-wall_contact_hysteresis %g: half of it below and half above the contact angle, %g, must be in (0, 180)",
       (double)hysteresis, (double)angle);
     tension->contact[d][side] = FromDegrees(angle, hysteresis);
-    if (tension->face[d][side] == FACE_WALL && hysteresis > 0) tension->sticks = PETSC_TRUE;
-    if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].slant != 0) tension->slanted = PETSC_TRUE;
+    if (tension->face[d][side] == FACE_WALL && hysteresis > 0) tension->hysteresis = PETSC_TRUE;
+    if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].image_tilt != 0) tension->tilted = PETSC_TRUE;
   }
   for (PetscInt s = 0; s < tension->solid.count; s++)
-    if (tension->solid.angle[s].slant != 0) tension->slanted = PETSC_TRUE;
-  tension->images.used = (PetscBool)(tension->slanted || tension->solid.count > 0);
+    if (tension->solid.angle[s].image_tilt != 0) tension->tilted = PETSC_TRUE;
+  tension->images.used = (PetscBool)(tension->tilted || tension->solid.count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,23 +115,23 @@ static PetscErrorCode Warn(const ContactAngle *contact, const char what[], Petsc
   PetscFunctionBegin;
   if (angle == 0 || PetscMin(angle, 180 - angle) >= ANGLE_LEAST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   "warning: the contact angle %g of %s is in degrees, and was tried from %g to %g "
-                                   "only; %g radians are %.4g degrees\n",
+                                   "warning: the contact angle of %g degrees of %s is outside %g to %g, where angles "
+                                   "were tried; %g radians are %.4g degrees\n",
                                    (double)angle, what, ANGLE_LEAST, 180 - ANGLE_LEAST, (double)angle,
                                    (double)(angle * 180 / PETSC_PI)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One angle, or the receding and the advancing one between which the line sticks; first: nothing is said before it. */
+/* Prints one angle, or the receding and the advancing angle; first: nothing was printed before. */
 static PetscErrorCode ViewAngle(const ContactAngle *contact, const char where[], PetscBool *first, PetscViewer viewer)
 {
-  const PetscReal degrees = 180 / PETSC_PI, receding = degrees * acos(contact->cosine + contact->stick),
-                  advancing = degrees * acos(contact->cosine - contact->stick);
+  const PetscReal degrees = 180 / PETSC_PI, receding = degrees * acos(contact->cosine + contact->hysteresis_force),
+                  advancing = degrees * acos(contact->cosine - contact->hysteresis_force);
 
   PetscFunctionBegin;
   PetscCall(
     PetscViewerASCIIPrintf(viewer, "%s %s %.4g", *first ? "Contact angles in degrees:" : ",", where, (double)receding));
-  if (contact->stick > 0) PetscCall(PetscViewerASCIIPrintf(viewer, " to %.4g", (double)advancing));
+  if (contact->hysteresis_force > 0) PetscCall(PetscViewerASCIIPrintf(viewer, " to %.4g", (double)advancing));
   *first = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -176,14 +176,14 @@ const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt
 {
   const SolidContact *solid = &tension->solid;
   const PetscReal    *n     = image->contact ? image->inward : solid->meeting + DIM * a;
-  const PetscInt      index = image->contact ? 0 : (PetscInt)solid->place[DIM * a + 2];
+  const PetscInt      index = image->contact ? 0 : (PetscInt)solid->mirror[DIM * a + 2];
 
   for (PetscInt d = 0; d < DIM; d++) inward[d] = n[d];
   return image->contact ? image->contact : index < 0 ? NULL : &solid->angle[index];
 }
 
-/* How far (m) from a wall a particle of a cell and a neighbour may be together, if its image is to be within the
-   support of the first. */
+/* Largest sum of the distances (m) from a wall of a particle of a cell and a neighbour whose image is within the
+   particle's support. */
 static PetscReal ImageReach(const SortedCells *liquid, PetscInt cell)
 {
   return SortedRadius(liquid, cell) + liquid->grid.size;
@@ -201,8 +201,8 @@ static PetscBool NearWall(Tension tension, Domain domain, PetscInt cell, const P
   return near;
 }
 
-/* The normal of the image behind a wall: one whose mean with the original has the contact angle. False if the surface
-   is too close to parallel to the wall to end there. */
+/* The normal of the image behind a wall: its mean with the original has the contact angle. False if the surface is too
+   nearly parallel to the wall to end there. */
 static PetscBool MirrorNormal(const ContactAngle *contact, const PetscReal inward[DIM], const PetscReal normal[DIM],
                               PetscReal image[DIM])
 {
@@ -220,8 +220,8 @@ static PetscBool MirrorNormal(const ContactAngle *contact, const PetscReal inwar
   return PETSC_TRUE;
 }
 
-/* Copies what has been collected of candidate k to the place 'to', with the normal of an image (columns as in
-   AddImages) and the same position. False: it has no image. */
+/* Copies the columns of candidate k to the place 'to', with the normal of an image (columns as in AddImages) and the
+   same position. False: no image. */
 static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const PetscReal inward[DIM], PetscInt width,
                            PetscInt k, PetscInt to)
 {
@@ -240,9 +240,9 @@ static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const P
   return PETSC_TRUE;
 }
 
-/* Adds the images in one wall (m, its place along the axis) of the n collected candidates within 'reach' (m) of it
-   behind them, with their first 'width' columns and that of the weight; columns 3 to 5 hold normals if width says that
-   there are any. Returns the new number; 'real' ones of the n are no images. */
+/* Appends the images in one wall (m, its position along the axis) of the n collected candidates within 'reach' (m) of
+   the wall, with the weight and the first 'width' columns; columns 3 to 5 are normals if width > 3. Returns the new
+   number. The first 'real' of the n candidates are particles, the others images. */
 static PetscInt AddImages(Tension tension, PetscReal wall, PetscReal reach, PetscInt axis, const WallImages *image,
                           PetscInt width, PetscInt real, PetscInt n)
 {
@@ -258,15 +258,15 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscReal reach, Pets
     if (images->used) {
       images->parent[copies] = k;
       images->origin[copies] = k < real ? k : images->origin[k];
-      images->share[copies]  = k < real ? 1 : images->share[k];
+      images->volume[copies] = k < real ? 1 : images->volume[k];
     }
     copies++;
   }
   return copies;
 }
 
-/* The same of the images in solids. Those that are further than the support from all points of the cell of x, wherever
-   they are moved along the solid, are left out. */
+/* The same for images in solids. Leaves out images that are beyond the support of all points of the cell of x, wherever
+   they are moved along the solid. */
 static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt cell, PetscInt width, PetscInt n)
 {
   const SolidContact *solid  = &tension->solid;
@@ -277,26 +277,26 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
   PetscInt            copies = n;
 
   for (PetscInt k = 0; k < n; k++) {
-    const PetscInt      a     = (PetscInt)liquid->near[SOLID_COLUMN * stride + k];
-    const PetscReal    *place = solid->place + DIM * a, *normal = solid->normal + DIM * a;
+    const PetscInt      a      = (PetscInt)liquid->near[SOLID_COLUMN * stride + k];
+    const PetscReal    *mirror = solid->mirror + DIM * a, *normal = solid->normal + DIM * a;
     const ContactAngle *contact;
     PetscReal           away[DIM];
 
-    if (place[2] < 0 || place[1] == 0) continue;
-    contact = &solid->angle[(PetscInt)place[2]];
-    for (PetscInt d = 0; d < DIM; d++) away[d] = liquid->near[d * stride + k] - 2 * place[0] * normal[d] - x[d];
-    if (Norm(away) > reach + 2 * PetscAbsReal(contact->slant * place[0])) continue;
+    if (mirror[2] < 0 || mirror[1] == 0) continue;
+    contact = &solid->angle[(PetscInt)mirror[2]];
+    for (PetscInt d = 0; d < DIM; d++) away[d] = liquid->near[d * stride + k] - 2 * mirror[0] * normal[d] - x[d];
+    if (Norm(away) > reach + 2 * PetscAbsReal(contact->image_tilt * mirror[0])) continue;
     if (!CopyImage(tension, contact, solid->meeting + DIM * a, width, k, copies)) continue;
     for (PetscInt d = 0; d < DIM; d++) liquid->near[d * stride + copies] = x[d] + away[d];
-    images->parent[copies]  = k;
-    images->origin[copies]  = k;
-    images->share[copies++] = (float)place[1];
+    images->parent[copies]   = k;
+    images->origin[copies]   = k;
+    images->volume[copies++] = (float)mirror[1];
   }
   return copies;
 }
 
-/* Puts the images of a group where they are for a particle, moved by 'slant' times their distance from the wall. */
-static void MoveImages(Tension tension, const WallImages *image, const PetscReal slant[DIM])
+/* Moves the images of a group to their positions for a particle: 'tilt' times their distance from the wall. */
+static void MoveImages(Tension tension, const WallImages *image, const PetscReal tilt[DIM])
 {
   const SolidContact *solid  = &tension->solid;
   const PetscInt      stride = tension->liquid->stride;
@@ -310,43 +310,43 @@ static void MoveImages(Tension tension, const WallImages *image, const PetscReal
     if (image->contact)
       s = (x[image->axis * stride + from] - image->wall) * normal[image->axis];
     else {
-      s      = solid->place[DIM * (PetscInt)index[from]];
+      s      = solid->mirror[DIM * (PetscInt)index[from]];
       normal = solid->normal + DIM * (PetscInt)index[from];
     }
-    x[k] = x[from] + s * (slant[0] - 2 * normal[0]);
-    y[k] = y[from] + s * (slant[1] - 2 * normal[1]);
-    z[k] = z[from] + s * (slant[2] - 2 * normal[2]);
+    x[k] = x[from] + s * (tilt[0] - 2 * normal[0]);
+    y[k] = y[from] + s * (tilt[1] - 2 * normal[1]);
+    z[k] = z[from] + s * (tilt[2] - 2 * normal[2]);
   }
 }
 
-void ContactSlant(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full)
+void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full)
 {
-  for (PetscInt g = 0; g < around->images && tension->slanted; g++) {
-    PetscReal           inward[DIM], slant[DIM] = {0, 0, 0}, flat[DIM], into, length;
+  for (PetscInt g = 0; g < around->images && tension->tilted; g++) {
+    PetscReal           inward[DIM], tilt[DIM] = {0, 0, 0}, flat[DIM], into, length;
     const ContactAngle *contact = ContactOf(tension, &around->image[g], a, inward);
 
     if (contact) {
       into = Dot(outward, inward);
       for (PetscInt d = 0; d < DIM; d++) flat[d] = outward[d] - into * inward[d];
       length = PetscMax(Norm(flat), PARALLEL * contact->sine * full);
-      for (PetscInt d = 0; d < DIM; d++) slant[d] = 2 * contact->slant * flat[d] / length;
+      for (PetscInt d = 0; d < DIM; d++) tilt[d] = 2 * contact->image_tilt * flat[d] / length;
     }
-    MoveImages(tension, &around->image[g], slant);
+    MoveImages(tension, &around->image[g], tilt);
   }
 }
 
-float ContactShare(Tension tension, PetscInt k, const PetscReal x[DIM])
+float ContactVolume(Tension tension, PetscInt k, const PetscReal x[DIM])
 {
   const Images    *images = &tension->images;
   const PetscInt   stride = tension->liquid->stride;
   const PetscReal *from   = tension->liquid->near + images->origin[k],
                   r[DIM]  = {from[0] - x[0], from[stride] - x[1], from[2 * stride] - x[2]};
 
-  return Dot(r, r) < PetscSqr(tension->size * tension->liquid->support) ? images->share[k] : 0;
+  return Dot(r, r) < PetscSqr(tension->size * tension->liquid->support) ? images->volume[k] : 0;
 }
 
-/* Continues the collected candidates in solids and behind all walls within the support of the cell of x. An image may
-   have an image in the next wall. */
+/* Appends the images of the collected candidates in solids and in all walls within the support of the cell of x. An
+   image may have an image in the next wall. */
 static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, Around *around)
 {
   const PetscReal reach = ImageReach(tension->liquid, around->cell);
@@ -370,7 +370,7 @@ static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], Petsc
     }
 }
 
-/* Makes room for what is known of each collected image. */
+/* Makes room for the data of each collected image. */
 static PetscErrorCode GrowImages(Images *images, PetscInt capacity)
 {
   PetscFunctionBegin;
@@ -378,10 +378,10 @@ static PetscErrorCode GrowImages(Images *images, PetscInt capacity)
   images->capacity = capacity;
   PetscCall(PetscFree(images->parent));
   PetscCall(PetscFree(images->origin));
-  PetscCall(PetscFree(images->share));
+  PetscCall(PetscFree(images->volume));
   PetscCall(PetscMalloc1(capacity, &images->parent));
   PetscCall(PetscMalloc1(capacity, &images->origin));
-  PetscCall(PetscMalloc1(capacity, &images->share));
+  PetscCall(PetscMalloc1(capacity, &images->volume));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,28 +1,27 @@
-/* Where the particles near solids have their images.
+/* Images of particles in solids.
 
    A solid mirrors each particle at the point of its surface that is nearest to it: at the distance s, n the unit vector
    out of the solid, the image is at x - 2 s n. With div n = k at that point and d dimensions, the volume of the image
-   is (1 - s k/(1 + s k/(d - 1)))^2 of the particle's, which is what mapping one side of a curved surface to the other
-   does to volumes; behind a convex edge it is 0. An image that is not in a solid, because this is thinner than the
-   kernel reaches, is left out.
+   is (1 - s k/(1 + s k/(d - 1)))^2 of the particle's, as for a map of one side of a curved surface to the other; behind
+   a convex edge it is 0. An image outside the solid is left out: the solid is thinner than the kernel's support.
 
-   Normals are mirrored with the n at the place where the surface next to the particle is. n differs in the liquid
-   behind that, by depth over radius, and the contact angle would be wrong by that much.
+   Normals are mirrored with n at the free surface next to the particle. In the liquid below the surface n differs by
+   depth over radius, and the contact angle would have this error.
 
-   Dummy particles fill a solid on the box's lattice, so that its surface is up to half a spacing away from that of its
-   shape, and the liquid with it. Images are made at the former (Offset). */
+   Dummy particles fill a solid on the box's lattice. So their surface, and the liquid at it, is up to half a spacing
+   away from the surface of the shape. Images are mirrored in the surface of the dummy particles (Offset). */
 #include "tension_impl.h"
 
-#define BEND_STEP 0.5 /* spacings: of the differences that give div n */
-/* Spacings from a solid: up to the one the offset of its dummy particles is followed in full, from the other on not at
-   all. A rank knows all of them around the foot of a particle that is no further from it. */
+#define DIVERGENCE_STEP 0.5 /* spacings, of the finite differences of div n */
+/* Distances from a solid, spacings: up to OFFSET_ALL the offset of its dummy particles counts in full, beyond
+   OFFSET_NONE not at all. Within OFFSET_NONE a rank knows all dummy particles around the foot of a particle. */
 #define OFFSET_ALL   1.25
 #define OFFSET_NONE  2.25
-#define LENGTH_LEAST 0.5 /* a particle nearer to the centre of a hollow than half its radius has no image */
+#define LENGTH_LEAST 0.5 /* a particle nearer to the centre of a hollow than half of its radius has no image */
 #define NO_SOLID     -1. /* in place of the index of a solid */
 
-/* div n (1/m) at a point y (m) of the surface of a solid. */
-static PetscReal Bend(Scene scene, PetscInt dim, PetscReal step, const PetscReal y[DIM])
+/* div n (1/m) of a solid's surface at its point y (m). */
+static PetscReal SurfaceDivergence(Scene scene, PetscInt dim, PetscReal step, const PetscReal y[DIM])
 {
   const PetscReal s   = SceneSolidDistance(scene, y, NULL);
   PetscReal       sum = 0;
@@ -52,7 +51,7 @@ static PetscErrorCode SortDummies(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How much of the kernel at x (m) dummy particles fill. */
+/* The fraction of the kernel at x (m) that dummy particles fill. */
 static PetscReal Filled(Tension tension, PetscReal volume, const PetscReal x[DIM])
 {
   SortedCells     *dummies = &tension->solid.dummies;
@@ -78,29 +77,29 @@ static PetscReal Filled(Tension tension, PetscReal volume, const PetscReal x[DIM
   return sum;
 }
 
-/* How far (m) the surface of a solid as its dummy particles fill it is above that of its shape, around a point that is
-   s (m) from it; its div n is bend (1/m). */
-static PetscReal Offset(Tension tension, PetscReal volume, PetscReal s, const PetscReal foot[DIM], PetscReal bend)
+/* The height (m) of the surface of a solid's dummy particles above that of its shape, below a point at the distance s
+   (m) from the shape. div_n (1/m): of the shape at 'foot'. */
+static PetscReal Offset(Tension tension, PetscReal volume, PetscReal s, const PetscReal foot[DIM], PetscReal div_n)
 {
   const PetscReal near = (OFFSET_NONE - s / tension->spacing) / (OFFSET_NONE - OFFSET_ALL);
   PetscReal       filled, offset;
 
   if (near <= 0) return 0;
-  filled = Filled(tension, volume, foot) + 0.5 * bend * SHEET_CORE * tension->moment;
+  filled = Filled(tension, volume, foot) + 0.5 * div_n * SHEET_CORE * tension->moment;
   offset = (filled - 0.5) * SHEET_CORE / tension->plane;
   return PetscMin(1, near) * PetscMax(-0.5, PetscMin(0.5, offset / tension->spacing)) * tension->spacing;
 }
 
-/* Finds place and normal (see SolidContact) of the particle at x (m) from the solids within 'reach' (m). */
-static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], PetscReal reach, PetscReal place[DIM],
+/* Finds mirror and normal (see SolidContact) of the particle at x (m) for solids within 'reach' (m). */
+static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], PetscReal reach, PetscReal mirror[DIM],
                       PetscReal normal[DIM])
 {
   const SolidContact *solid   = &tension->solid;
   PetscInt            nearest = 0;
   const PetscReal     s       = SceneSolidDistance(cloud->scene, x, &nearest);
-  PetscReal           image[DIM], foot[DIM], bend, length;
+  PetscReal           image[DIM], foot[DIM], div_n, length;
 
-  place[2] = NO_SOLID;
+  mirror[2] = NO_SOLID;
   if (s > reach || solid->angle[nearest].angle == 0) return;
   SceneSolidNormal(cloud->scene, x, normal);
   if (Norm(normal) == 0) return;
@@ -108,12 +107,13 @@ static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], Pets
     foot[d]  = x[d] - s * normal[d];
     image[d] = x[d] - 2 * s * normal[d];
   }
-  bend     = Bend(cloud->scene, tension->dim, BEND_STEP * tension->spacing, foot);
-  place[0] = s - Offset(tension, cloud->domain->volume, s, foot, bend);
-  place[2] = (PetscReal)nearest;
+  div_n     = SurfaceDivergence(cloud->scene, tension->dim, DIVERGENCE_STEP * tension->spacing, foot);
+  mirror[0] = s - Offset(tension, cloud->domain->volume, s, foot, div_n);
+  mirror[2] = (PetscReal)nearest;
   if (SceneSolidDistance(cloud->scene, image, NULL) > 0) return;
-  length   = 1 + s * bend / (tension->dim - 1); /* of the surface at the particle over that at its foot */
-  place[1] = length > LENGTH_LEAST ? PetscSqr(PetscMax(0, 1 - s * bend / length)) : 0;
+  length =
+    1 + s * div_n / (tension->dim - 1); /* length along the parallel surface at the particle over that at its foot */
+  mirror[1] = length > LENGTH_LEAST ? PetscSqr(PetscMax(0, 1 - s * div_n / length)) : 0;
 }
 
 PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
@@ -123,17 +123,17 @@ PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   if (solid->count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SortDummies(tension, cloud));
-  PetscCall(CloudGetWork(cloud, DIM, &solid->place));
+  PetscCall(CloudGetWork(cloud, DIM, &solid->mirror));
   PetscCall(CloudGetWork(cloud, DIM, &solid->normal));
   PetscCall(CloudGetWork(cloud, DIM, &solid->meeting));
   PetscCall(CloudGetWork(cloud, 1, &solid->index));
-  PetscCall(PetscArrayzero(solid->place, DIM * cloud->n_total));
+  PetscCall(PetscArrayzero(solid->mirror, DIM * cloud->n_total));
   PetscCall(PetscArrayzero(solid->normal, DIM * cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     FindSolid(tension, cloud, cloud->field[FIELD_POSITION] + DIM * a,
-              tension->size_most * KernelSupport(tension->kernel), solid->place + DIM * a, solid->normal + DIM * a);
+              tension->size_most * KernelSupport(tension->kernel), solid->mirror + DIM * a, solid->normal + DIM * a);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, solid->normal));
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_SCALAR, solid->place));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_SCALAR, solid->mirror));
   PetscCall(PetscArraycpy(solid->meeting, solid->normal, DIM * cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_total; a++) solid->index[a] = (PetscReal)a;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,7 +149,7 @@ PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal 
     const PetscReal  y[DIM] = {x[0] + depth[a] * n[0], x[1] + depth[a] * n[1], x[2] + depth[a] * n[2]};
     PetscReal        meeting[DIM];
 
-    if (solid->place[DIM * a + 2] < 0 || Norm(n) == 0) continue;
+    if (solid->mirror[DIM * a + 2] < 0 || Norm(n) == 0) continue;
     SceneSolidNormal(cloud->scene, y, meeting);
     for (PetscInt d = 0; d < DIM && Norm(meeting) > 0; d++) solid->meeting[DIM * a + d] = meeting[d];
   }
@@ -166,6 +166,6 @@ PetscErrorCode ContactRestore(Tension tension, Cloud cloud)
   PetscCall(CloudRestoreWork(cloud, &solid->index));
   PetscCall(CloudRestoreWork(cloud, &solid->meeting));
   PetscCall(CloudRestoreWork(cloud, &solid->normal));
-  PetscCall(CloudRestoreWork(cloud, &solid->place));
+  PetscCall(CloudRestoreWork(cloud, &solid->mirror));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

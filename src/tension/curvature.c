@@ -1,43 +1,41 @@
 /* Surface tension as a pressure on the free surface, sigma times its curvature.
 
-   The outward normal is n = -grad phi/|grad phi| of phi = sum V W^H over the liquid. Where |grad phi| shows that the
-   surface is near, the curvature tensor K = grad n is the slope of a weighted linear fit, intercept included, to the
-   normals around that point to the same side of the liquid. It is projected onto the tangent plane. Its eigenvalues k
-   belong to a parallel surface at the fit's mean depth s below the free surface, and are carried to the free surface by
-   k/(1 + s k). The mean of sigma (k1 + k2) over the neighbours is FIELD_CAPILLARY. The pressure solver puts it on the
-   free surface in place of p = 0: a drop of constant curvature is then at rest exactly, because both closure and
-   gradient see only p - sigma kappa. The depth follows from phi = F(s) of a half-space, which a curved surface lowers
-   by kappa/2 int x^2 W dA.
+   The outward normal is n = -grad phi/|grad phi| of phi = sum V W^H over the liquid. Near the surface, where |grad phi|
+   is large, the curvature tensor K = grad n is the slope of a weighted linear fit, with intercept, to the normals
+   nearby that point to the same side of the liquid. K is projected onto the tangent plane. Its eigenvalues k are those
+   of a parallel surface at the fit's mean depth s below the free surface; k/(1 + s k) are those of the free surface.
+   FIELD_CAPILLARY is the mean of sigma (k1 + k2) over the neighbours. The pressure solver uses it on the free surface
+   in place of p = 0. A drop of constant curvature is then at rest exactly, because closure and gradient depend on p -
+   sigma kappa only. The depth follows from phi = F(s) of a half-space; a curved surface lowers phi by kappa/2 int x^2 W
+   dA.
 
-   Of a surface that is the same all around an axis, the planar fit gives one principal curvature. The other is n_r/r,
-   the slope of n_r on the line through the axis that fits the normals best, weighted like the planar fit. Rings weigh
-   as much as their volume, at the middle between two: W A |r_a + r_b|/2.
+   For a surface of revolution the planar fit gives one principal curvature. The other is n_r/r: the slope of the line
+   through the axis that fits n_r best, with the weights of the planar fit. Rings are weighted with their volume, at the
+   middle between the two rings: W A |r_a + r_b|/2.
 
-   Walls are mirrors: the liquid and its normals go on behind them (contact.c) so that the surface meets the wall under
-   the contact angle. */
+   Walls are mirrors: images continue the liquid and its normals behind them (contact.c), so that the surface meets the
+   wall at the contact angle. */
 #include <float.h>
 
 #include "../base/simd.h"
 #include "tension_impl.h"
 
-/* |grad phi| H from which on the surface is near and a particle has a normal; 0.9 H deep below a flat surface. No
-   reference. */
+/* Least |grad phi| H of a particle with a normal: 0.9 H below a flat surface. No reference. */
 #define THRESHOLD 0.2
-/* n_a . n_b from which on two normals belong to the same side of the liquid: a sheet's other side is left out. No
-   reference. */
+/* Least n_a . n_b of normals on the same side of the liquid, which excludes the other side of a sheet. No reference. */
 #define SAME_SIDE 0.2
-/* The least 1 + s k with which a curvature is carried over the depth s to the surface. No reference. */
+/* Least 1 + s k with which a curvature at the depth s is carried to the surface. No reference. */
 #define THINNEST 0.3
-/* A fit needs so many normals, one more than it has coefficients. */
+/* Least number of normals of a fit: one more than it has coefficients. */
 #define FEWEST_NORMALS (DIM + 2)
 /* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
 #define REGULARITY 1e-6
-/* No particle counts as further outside the liquid than this, in spacings. */
+/* Largest distance of a particle outside the liquid, spacings. */
 #define LARGEST_OUTSIDE 0.5
-/* A chunk, whose last vector may go beyond its end. */
+/* Room for a chunk, whose last vector may go beyond its end. */
 #define ROOM      (CHUNK + WIDE)
 #define BELOW_ONE (1 - 1e-9)
-/* With half of this drops, threads, sheets and contact lines do the same, in up to twice the steps. */
+/* With half of this limit drops, threads, sheets and contact lines behave the same, in up to twice the steps. */
 #define STEP_LIMIT 0.5
 
 /* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
@@ -56,7 +54,8 @@ static PetscErrorCode CurvatureSetUp(Tension tension)
   tension->moment = 0;
   for (PetscInt k = 0; k < WALL_TABLE; k++)
     tension->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
-  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* depth[k]: where a half-space fills (1 + k/WALL_TABLE)/2 */
+  for (PetscInt k = 0, m = 0; k <= WALL_TABLE;
+       k++) { /* depth[k]: depth at which a half-space fills (1 + k/WALL_TABLE)/2 */
     const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
 
     while (m < WALL_TABLE && next < wanted) {
@@ -80,22 +79,22 @@ static PetscReal FlatDepth(Tension tension, PetscReal phi)
   return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
 }
 
-/* Of a chunk of what is collected around a particle, which serves all particles of its cell, a quarter to a half is
-   within the support: these are the neighbours, for which alone the kernel is evaluated. */
+/* The neighbours of a particle in a chunk of the collected candidates. The candidates serve all particles of a cell; a
+   quarter to a half of them is within a particle's support, and the kernel is evaluated for these alone. */
 typedef struct {
-  int32_t place[ROOM];        /* among what is collected, in ascending order */
+  int32_t place[ROOM];        /* among the collected candidates, ascending */
   float   s[ROOM];            /* |x - c|^2/H^2 */
   float   W[CHUNK], F[CHUNK]; /* of the kernel */
 } Neighbors;
 
-/* Finds those of the m <= CHUNK collected candidates from 'begin' on, with distances s ([ROOM]), that are within the
-   support. Returns their number. */
+/* Finds the neighbours among the m <= CHUNK collected candidates from 'begin' on, with distances s ([ROOM]). Returns
+   their number. */
 static PetscInt FindNeighbors(Tension tension, PetscInt begin, PetscInt m, float s[], Neighbors *near)
 {
   const Wide limit = WideSet((float)PetscSqr(KernelSupport(tension->kernel) / KernelSmoothingLength(tension->kernel)));
   PetscInt   n     = 0;
 
-  for (PetscInt k = m; k < m + WIDE; k++) s[k] = FLT_MAX; /* what fills up the last vector */
+  for (PetscInt k = m; k < m + WIDE; k++) s[k] = FLT_MAX; /* fills the last vector */
   for (PetscInt k = 0; k < m; k += WIDE) {
     const Wide     wide = WideLoad(s + k);
     const WideKept kept = WideKeep(WideBelow(wide, limit), WIDE);
@@ -107,7 +106,7 @@ static PetscInt FindNeighbors(Tension tension, PetscInt begin, PetscInt m, float
   return n;
 }
 
-/* W, and F if wanted, of n neighbours with the volumes of graded particles and of images. */
+/* Evaluates W, and F if wanted, of n neighbours, times the relative volumes of graded particles and images. */
 static void EvaluateNeighbors(Tension tension, const Around *around, PetscInt n, const PetscReal x[DIM],
                               PetscBool wants_f, Neighbors *near)
 {
@@ -121,14 +120,14 @@ static void EvaluateNeighbors(Tension tension, const Around *around, PetscInt n,
     if (wants_f) near->F[k] *= v;
   }
   for (PetscInt k = n - 1; k >= 0 && near->place[k] >= around->real && tension->images.used; k--) {
-    const float share = ContactShare(tension, near->place[k], x);
+    const float image = ContactVolume(tension, near->place[k], x);
 
-    near->W[k] *= share;
-    if (wants_f) near->F[k] *= share;
+    near->W[k] *= image;
+    if (wants_f) near->F[k] *= image;
   }
 }
 
-/* Multiplies W of n neighbours by the distances from the axis of the middles to a particle at x (m). */
+/* Multiplies W of n neighbours by the distance from the axis of the middle between them and a particle at x (m). */
 static void WeighMiddles(Tension tension, PetscInt n, const PetscReal x[DIM], Neighbors *near)
 {
   const PetscReal *r = tension->liquid->near;
@@ -172,10 +171,10 @@ static void SumPhase(Tension tension, const Around *around, PetscInt first, Pets
   gradient[2] += scale_f * gz;
 }
 
-/* phi and grad phi at x, the place of particle a, of all that is collected around, without V. 'full': |grad phi| of a
-   particle near the surface. Images that continue the surface with another slope than that of the contact angle have
-   their part of grad phi along the normal of the wall replaced by that of a surface which goes on straight, as far as
-   they differ: 1/rest times the part along the wall. */
+/* phi and grad phi at the position x of particle a, from all collected candidates, without V. full: |grad phi| of a
+   particle near the surface. Images moved by less than the contact angle requires do not continue the surface straight.
+   So their part of grad phi normal to the wall is corrected to that of a straight surface: by 1/residual_tan times
+   their part along the wall. */
 static void SumMirrored(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM], PetscReal full,
                         PetscReal *phi, PetscReal g[DIM])
 {
@@ -184,7 +183,7 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
   *phi = g[0] = g[1] = g[2] = 0;
   SumPhase(tension, around, 0, around->real, x, phi, g);
   for (PetscInt d = 0; d < DIM; d++) outward[d] = -g[d];
-  ContactSlant(tension, around, a, outward, full);
+  ContactTilt(tension, around, a, outward, full);
   for (PetscInt k = 0; k < around->images; k++) {
     of[k][0] = of[k][1] = of[k][2] = 0;
     SumPhase(tension, around, around->image[k].begin, around->image[k].end, x, phi, of[k]);
@@ -196,7 +195,7 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
 
     for (PetscInt d = 0; d < DIM; d++) flat[d] = g[d] - into * inward[k][d];
     along   = Dot(of[k], flat);
-    turn[k] = contact && along > 0 ? 2 * along / (Norm(flat) * contact->rest) : 0;
+    turn[k] = contact && along > 0 ? 2 * along / (Norm(flat) * contact->residual_tan) : 0;
   }
   for (PetscInt k = 0; k < around->images; k++)
     for (PetscInt d = 0; d < DIM && turn[k] != 0; d++) g[d] -= turn[k] * inward[k][d];
@@ -205,15 +204,15 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
 /* Weighted sums over the collected normals that point to the same side as n at x. */
 typedef struct {
   PetscInt  kept;           /* neighbours */
-  PetscReal count, w;       /* of normals; of weights */
-  PetscReal x[DIM], n[DIM]; /* positions relative to x; normals */
+  PetscReal count, w;       /* number of normals; sum of weights */
+  PetscReal x[DIM], n[DIM]; /* sums of positions relative to x; of normals */
   PetscReal s;              /* depths */
-  PetscReal xx[6];          /* products of positions: xx yy zz xy xz yz */
-  PetscReal nx[DIM][DIM];   /* products of normals and positions */
+  PetscReal xx[6];          /* of products of positions: xx yy zz xy xz yz */
+  PetscReal nx[DIM][DIM];   /* of products of normals and positions */
 } Moments;
 
-/* weight, place: [around->n] of the neighbours whose normals point to the same side, out->kept of them. The loop is
-   long because all sums must share it. */
+/* weight, place: [around->n] of the out->kept neighbours whose normals point to the same side. The loop is long because
+   all sums share it. */
 static void SumNormals(Tension tension, const Around *around, const PetscReal x[DIM], const PetscReal n[DIM],
                        float *restrict weight, int32_t *restrict place, Moments *out)
 {
@@ -315,14 +314,14 @@ static void PrepareFit(Tension tension, const Moments *m, NormalFit *fit)
   }
 }
 
-/* Carries the principal curvatures k1 and k2 (1/m) of a surface at 'depth' (m) to the parallel free surface; their sum.
- */
+/* Carries the principal curvatures k1 and k2 (1/m) of a surface at 'depth' (m) to the parallel free surface; returns
+   their sum. */
 static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth)
 {
   return k1 / PetscMax(1 + depth * k1, THINNEST) + k2 / PetscMax(1 + depth * k2, THINNEST);
 }
 
-/* The slope of n_r on the line through the axis that fits the normals around a particle at r (m), 1/m. */
+/* The slope (1/m) of the line through the axis that fits n_r around a particle at r (m). */
 static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 {
   const PetscReal square = m->xx[0] + 2 * r * m->x[0] + r * r * m->w;
@@ -331,7 +330,7 @@ static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 }
 
 /* kappa (1/m) of the free surface from the sums around a particle at x (m) with normal n; at most that of a drop of one
-   spacing. loose: of a ring that is a row of drops. */
+   spacing. loose: the ring counts as a row of drops. */
 static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal x[DIM],
                            const PetscReal n[DIM], PetscBool loose)
 {
@@ -360,7 +359,7 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   k1    = 0.5 * trace + root;
   k2    = 0.5 * trace - root;
   depth = m->s / m->w;
-  if (tension->rings) { /* phi is a sum over the plane, which k2 does not lower */
+  if (tension->rings) { /* phi is a sum over the plane, so k2 does not lower it */
     k1    = trace;
     k2    = loose ? 0 : HoopCurvature(m, x[0]);
     kappa = CarryToSurface(tension, k1, 0, depth);
@@ -422,7 +421,7 @@ static inline PetscReal Sigma(Tension tension, Cloud cloud, PetscInt a)
 #define COLUMNS_TOTAL (VALUE_COLUMN + 1)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
-   zero elsewhere. slope: NULL, or sigma times SheetSlope times share of all owned particles in the band; share
+   zero elsewhere. slope: NULL, or sigma times SheetSlope times share of the owned particles near the surface; share
    ([n_owned]): SheetShare. */
 static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, PetscReal normal[], PetscReal depth[],
                                   PetscReal slope[], PetscReal share[])
@@ -455,7 +454,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes room for so many weights and places of neighbours. */
+/* Makes room for 'count' weights and places of neighbours. */
 static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
 {
   PetscFunctionBegin;
@@ -466,9 +465,8 @@ static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds sigma kappa ([n_owned], Pa) of the owned particles of a level that have a normal, and keeps the fits, weights
-   and places of their neighbours for TakeMean, behind 'used' ones. The depth is in its column. share: how far a
-   particle is one of a thin sheet. */
+/* Finds sigma kappa ([n_owned], Pa) of the owned particles of a level with a normal; keeps fits, weights and places of
+   their neighbours for TakeMean, behind 'used' earlier entries. The depth is in its column. share: see SheetShare. */
 static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
                                     const PetscReal share[], PetscReal capillary[], PetscInt64 *used)
 {
@@ -487,18 +485,18 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
     PetscCall(ReserveWeights(tension, *used + around.n));
     tension->size = cloud->size[a];
-    ContactSlant(tension, &around, a, normal + DIM * a, 1);
+    ContactTilt(tension, &around, a, normal + DIM * a, 1);
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, tension->place + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
     capillary[a] =
       Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a));
-    capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull pulls already: see sheet.c */
+    capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull has this force: see sheet.c */
     *used += m.kept;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* TakeMean for the particles of a level, whose weights stand behind 'used' ones. */
+/* TakeMean for the particles of a level, whose weights follow 'used' earlier ones. */
 static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
                                       const PetscReal value[], PetscReal mean[], PetscReal slope[], PetscInt64 *used)
 {
@@ -520,7 +518,7 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL, &around));
     mean[a] = WeightedMean(tension, weight, place, fit);
     if (slope) {
-      ContactSlant(tension, &around, a, normal + DIM * a, 1);
+      ContactTilt(tension, &around, a, normal + DIM * a, 1);
       WeightedSlope(tension, weight, place, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
     *used += fit->count;
@@ -528,8 +526,8 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the mean over the neighbours of a value ([n_total], Pa), of which the ghosts are current, and its slope ([3] a
-   particle; NULL: not wanted), of owned particles with a normal. After FindCurvature, with the same particles. */
+/* Computes, for owned particles with a normal, the mean of a value ([n_total], Pa; ghosts current) over the neighbours,
+   and its slope ([n_owned][3], may be NULL). After FindCurvature, with the same particles. */
 static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[],
                                PetscReal mean[], PetscReal slope[])
 {
@@ -542,12 +540,12 @@ static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal nor
 }
 
 /* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = value ([n_total], Pa), ghosts current before and
-   after. It gives back what normals, fit and mean have smoothed away of a curvature that varies over a few H; done
-   before the mean or behind it, it is the same. With c = 2 the period of a drop's second mode is right to 3 % at
-   R/d0 = 8; without, it is 15 to 20 % too long. */
+   after. It restores variations of the curvature over a few H that normals, fit and mean have smoothed; before or after
+   the mean makes no difference. With c = 2 the period of a drop's second mode is right to 3 % at R/d0 = 8; without, it
+   is 15 to 20 % too long. */
 static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal value[])
 {
-  PetscReal *mean = cloud->field[FIELD_CAPILLARY]; /* of owned particles without a normal it is zero, as the value is */
+  PetscReal *mean = cloud->field[FIELD_CAPILLARY]; /* zero for owned particles without a normal, like the value */
 
   PetscFunctionBegin;
   PetscCall(TakeMean(tension, cloud, normal, value, mean, NULL));
@@ -556,7 +554,7 @@ static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal norm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sorts the particles that have a normal, ghosts too, with normal and depth in their columns. */
+/* Sorts the particles with a normal, ghosts too, and loads the columns of normal and depth. */
 static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
 {
   unsigned char *keep;
@@ -581,8 +579,8 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The normals of the particles near the surface, ghosts too; adds the forces of thin sheets, of which share ([n_owned])
-   tells. */
+/* Finds the normals of the particles near the surface, ghosts too; adds the forces of thin sheets. share: [n_owned]
+   SheetShare. */
 static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[],
                                            PetscReal share[])
 {
@@ -636,16 +634,15 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-tension_sheets", "surface tension of sheets and threads that are too thin for a normal",
+  PetscCall(PetscOptionsBool("-tension_sheets", "surface tension of sheets and threads too thin for a normal",
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
   PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
                        &tension->sharpening));
   if (tension->rings || HelpWanted())
-    PetscCall(
-      OptionReal("-tension_slender",
-                 "radius of a ring in flight over that of its section above which it is a row of drops, without "
-                 "a pull around the axis (1); 0: none is",
-                 "[0, inf)", &tension->slender));
+    PetscCall(OptionReal("-tension_slender",
+                         "radius of a ring in flight, over that of its section, above which it counts as a row of "
+                         "drops without a pull towards the axis (1); 0: no ring does",
+                         "[0, inf)", &tension->slender));
   PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,18 +1,18 @@
-/* The tension of the interface between two liquids that do not mix, as jumps of the pressure.
+/* The tension of the interface between two immiscible liquids, as jumps of the pressure.
 
-   Of liquids A and B beside gas, each pair's tension is the sum of two parts, sigma_AB = s_A + s_B, sigma_A = s_A + s_G
-   and sigma_B = s_B + s_G (Smith, Solis and Chopp 2002). So each of the three has one tension all over its boundary,
-   and lines where all three meet need nothing of their own: the parts pull with their own corners, and they balance at
-   the angles of Neumann's triangle. The boundary of A has the curvature that the free surface of A alone would have,
-   and that is how it is found (curvature.c), for A, for B, and for both together, whose surface is that of the gas.
+   The tension of each pair of A, B and gas is the sum of two parts, sigma_AB = s_A + s_B, sigma_A = s_A + s_G and
+   sigma_B = s_B + s_G (Smith, Solis and Chopp 2002). So each of the three has one tension along its whole boundary, and
+   triple lines need no treatment: the corners of the three boundaries balance at the angles of Neumann's triangle. The
+   curvature of the boundary of A is that of the free surface of A alone (curvature.c). The same holds for B, and for
+   both together, whose boundary is that of the gas.
 
-   The pressure of A is raised by s_A kappa_A (the cloud's jump), that of B by s_B kappa_B; the gas has minus s_G
-   kappa_AB, kappa_AB the curvature of both together. Two neighbours of different liquids see each other's pressure less
-   their jumps, and the missing neighbours at a free surface have the pressure jump + s_G kappa_AB. A drop of constant
-   curvature is then at rest exactly, as one of a single liquid is. */
+   The pressure of A is raised by s_A kappa_A (the cloud's pressure_jump), that of B by s_B kappa_B; the gas has -s_G
+   kappa_AB, with kappa_AB the curvature of both together. Sums over neighbours in different liquids use pressures less
+   their jumps, and missing neighbours at a free surface have the pressure pressure_jump + s_G kappa_AB. A drop of
+   constant curvature is then at rest exactly, like a drop of a single liquid. */
 #include "tension_impl.h"
 
-/* The bits of all particles, and which of the fluid meet the other liquid, ghosts too. */
+/* Finds the bits of all particles, and which fluid particles are at the interface, ghosts too. */
 static PetscErrorCode FindLiquids(Tension tension, Cloud cloud)
 {
   PetscFunctionBegin;
@@ -21,11 +21,11 @@ static PetscErrorCode FindLiquids(Tension tension, Cloud cloud)
     tension->phases[a] = (unsigned char)(cloud->liquid[a] < 0 ? 0 : 1 << cloud->liquid[a]);
   }
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    cloud->meets[a] = 0;
-    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->meets[a]; k++)
-      cloud->meets[a] = CloudMeets(cloud, a, cloud->list[k]);
+    cloud->at_interface[a] = 0;
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->at_interface[a]; k++)
+      cloud->at_interface[a] = CloudAcrossInterface(cloud, a, cloud->list[k]);
   }
-  PetscCall(CloudUpdateIntArray(cloud, cloud->meets));
+  PetscCall(CloudUpdateIntArray(cloud, cloud->at_interface));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -42,33 +42,33 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscInt bits, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles of the one liquid that see the other from too deep for a normal take its curvature. */
+/* Particles at the interface that are too deep for a normal take the curvature of the other liquid. */
 static PetscErrorCode CompleteJumps(Cloud cloud, const PetscReal part[3])
 {
   PetscReal *added;
 
   PetscFunctionBegin;
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->jump));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->pressure_jump));
   PetscCall(CloudGetWork(cloud, 1, &added));
   PetscCall(PetscArrayzero(added, cloud->n_fluid));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal other = part[1 - cloud->liquid[a]];
     PetscReal       sum = 0, weights = 0;
 
-    if (!cloud->meets[a] || cloud->jump[a] != 0 || other == 0) continue;
+    if (!cloud->at_interface[a] || cloud->pressure_jump[a] != 0 || other == 0) continue;
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       const PetscInt b = cloud->list[k];
 
-      if (!CloudMeets(cloud, a, b) || cloud->jump[b] == 0) continue;
-      sum += cloud->laplacian[k] * cloud->jump[b];
+      if (!CloudAcrossInterface(cloud, a, b) || cloud->pressure_jump[b] == 0) continue;
+      sum += cloud->laplacian[k] * cloud->pressure_jump[b];
       weights += cloud->laplacian[k];
     }
     if (weights > 0) added[a] = -sum / weights * part[cloud->liquid[a]] / other;
   }
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->jump[a] += added[a];
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->pressure_jump[a] += added[a];
   PetscCall(CloudRestoreWork(cloud, &added));
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->jump));
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, cloud->jump_slope));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, cloud->pressure_jump));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, cloud->pressure_jump_slope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,17 +80,17 @@ PetscErrorCode InterfaceApply(Tension tension, Cloud cloud)
   SceneTensions(cloud->scene, part);
   PetscCall(PetscMalloc1(cloud->n_total, &tension->phases));
   PetscCall(FindLiquids(tension, cloud));
-  PetscCall(PetscArrayzero(cloud->jump, cloud->n_total));
-  PetscCall(PetscArrayzero(cloud->jump_slope, DIM * cloud->n_total));
+  PetscCall(PetscArrayzero(cloud->pressure_jump, cloud->n_total));
+  PetscCall(PetscArrayzero(cloud->pressure_jump_slope, DIM * cloud->n_total));
   for (PetscInt l = 0; l < 2; l++) {
-    PetscCall(Pass(tension, cloud, 1 << l, part[l], cloud->meets));
-    for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->jump[a] += capillary[a];
-    for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->jump_slope[k] += slope[k];
+    PetscCall(Pass(tension, cloud, 1 << l, part[l], cloud->at_interface));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->pressure_jump[a] += capillary[a];
+    for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->pressure_jump_slope[k] += slope[k];
   }
   PetscCall(CompleteJumps(cloud, part));
   PetscCall(Pass(tension, cloud, 3, part[2], NULL));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) capillary[a] += cloud->jump[a];
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] += cloud->jump_slope[k];
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) capillary[a] += cloud->pressure_jump[a];
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] += cloud->pressure_jump_slope[k];
   tension->phase = 0;
   tension->also  = NULL;
   PetscCall(PetscFree(tension->phases));

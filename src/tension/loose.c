@@ -1,13 +1,13 @@
-/* Rings in flight. A piece of rings that has come off and touches nothing stands for a torus. A fat torus contracts
-   onto the axis, pulled by its own curvature around it; a slender one becomes a row of drops before (the growth of its
-   waves takes 17 sqrt(rho a^3/sigma) from nothing, 7 from a rim that is as corrugated as a crown's, its contraction R
-   sqrt(2 rho a/sigma), with R its radius and a that of its section), and drops have no pull towards the axis. So a
-   slender piece keeps the curvature of its section, which holds it together, and loses that around the axis. */
+/* Rings in flight. An isolated piece of rings is a torus. A fat torus contracts onto the axis by its curvature around
+   the axis. A slender torus becomes a row of drops first: with R its radius and a that of its section, its waves grow
+   in 17 sqrt(rho a^3/sigma) from a smooth surface, in 7 from a rim as corrugated as a crown's, and it would contract in
+   R sqrt(2 rho a/sigma). Drops have no pull towards the axis. So a slender piece keeps the curvature of its section,
+   which holds it together, and loses the curvature around the axis. */
 #include "tension_impl.h"
 
-#define CONNECTION 1.5 /* spacings: chains with wider gaps are broken */
+#define CONNECTION 1.5 /* spacings: a wider gap separates pieces */
 
-/* Numbers of a piece, of which the least is looked for. */
+/* Quantities of a piece whose smallest value is sought. */
 enum { LEAST_R, LEAST_MINUS_R, LEAST_Z, LEAST_MINUS_Z, LEAST_FREE, LEAST_COUNT = 6 }; /* ghosts know 1, 3 or 6 */
 
 /* Whether a ring touches a wall or a solid, or an emitter holds it. */

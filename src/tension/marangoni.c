@@ -1,13 +1,13 @@
-/* Where liquids of different tension share a surface it is pulled along itself, towards the larger tension, by grad_s
-   sigma. Without that the forces on a piece of liquid have a sum: int sigma kappa n dA is not zero, its difference to
-   int (sigma kappa n + grad_s sigma) dA. A particle on the surface has the area 2 V |n| of it, n = sum V grad W, as the
-   pressure sigma kappa does (gradient.c). */
+/* The force grad_s sigma along a surface that liquids of different tension share, towards the larger tension. Without
+   it the forces on a piece of liquid would not add up to zero: int sigma kappa n dA is not zero, int (sigma kappa n +
+   grad_s sigma) dA is. A particle has the area 2 V |n| of the surface, n = sum V grad W, as for the pressure sigma
+   kappa (gradient.c). */
 #include "../neighbors/pairs.h"
 #include "tension_impl.h"
 
-#define INSIDE 0.1 /* h |n| of disorder, up to which a particle has no surface */
+#define INSIDE 0.1 /* h |n| due to disorder: up to this a particle has no surface */
 
-/* The tension (N/m) of each body; whether they differ. */
+/* Finds the tension (N/m) of each body; returns whether they differ. */
 static PetscBool Tensions(Scene scene, PetscReal sigma[SCENE_MAX_BODIES])
 {
   PetscBool differ = PETSC_FALSE;

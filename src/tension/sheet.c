@@ -1,58 +1,55 @@
 /* Tension of sheets too thin for normals.
 
-   The two sides of a sheet of one or two particles cancel in grad phi, and its edge looks like a flat surface. There
-   the surface S that a particle has follows from phi itself: a sheet of thickness t fills phi = t w1(0) at its middle
-   and has the surface 2 V/t a particle, so S' = dS/dphi = -2 V w1(0)/phi^2. From the energy sum_b sigma S(phi_b)
-   follows
+   The two sides of a sheet of one or two particles cancel in grad phi, and its edge looks like a flat surface. The
+   surface S of a particle in it follows from phi itself: a sheet of thickness t has phi = t w1(0) in its middle and the
+   surface 2 V/t for each particle, so S' = dS/dphi = -2 V w1(0)/phi^2. The energy sum_b sigma S(phi_b) gives
 
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
    which is pairwise and central. A sheet of one particle pulls its edge back with 2 sigma per unit of length
-   (cases/retracting_sheet). Four limits:
-   - Where curvature.c sees the sides, nothing may be added. There phi is that of the flat surface which |grad phi|
-   tells of, and S' fades out with what phi lacks to that.
-   - Where S' is in full, curvature.c sees nothing in a sheet without displacements. With the smallest of them the
-   normals at its edge turn from one side to the other within a particle: a curvature of 1/H, whose pressure would pull
-   the edge a second time. It is left out by the fourth power of the share that S' has, so that sheets of two particles,
-   where both share the work, keep theirs.
-   - Below THICKNESS_SPRAY, where particles are nearly alone, S' stays as it is there.
-   - In threads there is no S'. phi does not tell a thread from a thinner sheet, whose pull is half as much again, and
-   with that pull threads would not break (Rayleigh). There is no reference for this; forces from a function of the
-   density are those of many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
+   (cases/retracting_sheet). Four limits: - Where curvature.c resolves the sides, nothing may be added. phi is then that
+   of a flat surface with the same |grad phi|, and S' fades out as phi approaches that value. - Where S' acts in full,
+   curvature.c finds no normals in an even sheet. With the smallest displacements the normals at its edge turn from one
+   side to the other within a particle: a curvature of 1/H, whose pressure would pull the edge a second time. This
+   pressure is reduced by the fourth power of the share of S', so that it remains in sheets of two particles, where both
+   act. - Below THICKNESS_SPRAY, where particles are nearly isolated, S' is constant. - In threads there is no S'. phi
+   does not distinguish a thread from a thinner sheet, whose pull is 1.5 times as large, and with that pull threads
+   would not break (Rayleigh). There is no reference for this; forces from a function of the density are those of
+   many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
 
    Particles of different sizes: phi_b has the H of particle b and the volumes of its neighbours, and S_b its volume.
-   The pair's force is V_a times b's part, so b feels V_a/V_b of the acceleration.
+   The force of a pair is V_a times b's part, so b has V_a/V_b of the acceleration.
 
-   Rings: S of particle b is that of its whole ring, so a neighbour a feels b's part times the length of b's ring over
-   that of its own, and phi_b falls as ring a grows: sigma S'_a phi_a/(V rho r) towards the axis, the pull of a hoop. A
-   ring that is alone has none of it, for in flight it is a row of droplets; with the part of phi that is due to others,
-   over that in a row of rings one spacing apart, it sets in.
+   Rings: S_b is that of the whole ring, so neighbour a has b's part times the length of ring b over the length of ring
+   a. And phi_a falls as ring a grows, which gives sigma S'_a phi_a/(V rho r) towards the axis, the pull of a hoop. An
+   isolated ring has no hoop pull, since in flight it is a row of droplets; the pull grows with the part of phi due to
+   other rings, over that in a row of rings one spacing apart.
 
-   By itself this force tears sheets: where particles crowd over less than the kernel's length, phi rises less than
-   their number. With w(k) the transform of W^H over the plane, 1 at k = 0, a wave dn/n of their number has the energy 2
-   sigma (w^2 - w) (dn/n)^2 per area. That is negative, and the wave grows e-fold in 0.5 ms at a thickness of 0.25 mm.
-   So particles repel each other at a shorter range. With W_c, of SHEET_CORE H and the same integral over the plane, in
+   By itself this force tears sheets: where particles crowd over less than the kernel's length, phi grows less than
+   their number density. With w(k) the transform of W^H over the plane, 1 at k = 0, a wave dn/n of the number density
+   has the energy 2 sigma (w^2 - w) (dn/n)^2 per area. That is negative, and the wave grows by a factor e in 0.5 ms at a
+   thickness of 0.25 mm. So particles repel each other at a shorter range. With W_c, the kernel with SHEET_CORE H and
+   the same integral over the plane, in
 
      grad W^H + P (grad W^H - grad W_c)
 
    instead of grad W^H, the energy becomes 2 sigma (w^2 - w + (w_c - w)) (dn/n)^2. Its minimum is -0.03 sigma instead of
-   -0.5 sigma, and the crown of the drop impact holds. The pull of the edge stays, but for what sums over a lattice of
-   that spacing differ from integrals (2 % of W_c). P projects onto the plane of the sheet, that of the thin particle of
-   the pair: repulsion along the line between two particles would push those out of the plane that have left it, and a
-   row of particles would zigzag and break within a millisecond. Momentum is kept exactly, angular momentum as well as
-   the sheet is flat. */
+   -0.5 sigma, and the crown of the drop impact stays whole. The pull of the edge does not change but for the difference
+   of sums over a lattice to integrals (2 % of W_c). P projects onto the plane of the sheet at the thin particle of the
+   pair: repulsion along the line between two particles would push particles out that have left the plane, and a row of
+   particles would zigzag and break within a millisecond. Momentum is conserved exactly, angular momentum in a flat
+   sheet. */
 #include "tension_impl.h"
 
-/* Chosen for this model, no reference. */
-#define THICKNESS_SPRAY                                                                                                \
-  0.41                    /* over the spacing; a thinner sheet would have more surface than the particles as spheres */
-#define LACK_NONE    0.2  /* what phi lacks to the flat surface that grad phi tells of: below this no S', ... */
-#define LACK_ALL     0.65 /* ... and above this all of it */
-#define FLAT_NONE    0.2  /* second over largest moment of the neighbours: below this a thread, no S', ... */
-#define FLAT_ALL     0.5  /* ... and above this a sheet, all of it */
-#define MOMENT_LEAST 1e-4 /* added to the moments, relative to their trace, so that an even plane has a normal */
+/* No references: chosen for this model. */
+#define THICKNESS_SPRAY 0.41 /* in spacings; a thinner sheet would have more surface than its particles as spheres */
+#define LACK_NONE       0.2  /* phi of a flat surface with this |grad phi|, less phi: below this no S', ... */
+#define LACK_ALL        0.65 /* ... and above this all of it */
+#define FLAT_NONE       0.2  /* second over largest moment of the neighbours: below this a thread, no S', ... */
+#define FLAT_ALL        0.5  /* ... and above this a sheet, all of it */
+#define MOMENT_LEAST    1e-4 /* added to the moments, relative to their trace, so that an even plane has a normal */
 
-/* 0 for x below 'none', 1 above 'all', a line between. Both factors below are the smooth step 3 t^2 - 2 t^3 of it. */
+/* 0 for x below 'none', 1 above 'all', linear between. The factors SheetShare and Flatness are 3 t^2 - 2 t^3 of it. */
 static PetscReal Ramp(PetscReal none, PetscReal all, PetscReal x)
 {
   return PetscMin(1, PetscMax(0, (x - none) / (all - none)));
@@ -80,7 +77,7 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
 {
   const Domain    domain = cloud->domain;
   const PetscReal V = domain->volume, self = V * KernelSelf(tension->kernel),
-                  others = (phi - cloud->share[a] * self) / (tension->plane * tension->spacing - self),
+                  others = (phi - cloud->relative_weight[a] * self) / (tension->plane * tension->spacing - self),
                   r      = cloud->length[a] / (2 * PETSC_PI);
 
   cloud->field[FIELD_ACCELERATION][DIM * a] +=
@@ -124,8 +121,8 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
   M[5] = yz;
 }
 
-/* How flat a neighbourhood with the second moments M is: from the second over the largest eigenvalue, which is 1 in a
-   sheet and at its edge and small in a thread. 0 for threads, 1 for sheets. */
+/* The flatness of a neighbourhood with the second moments M, 0 for threads, 1 for sheets: from the ratio of the second
+   to the largest eigenvalue, which is 1 in a sheet and at its edge and small in a thread. */
 static PetscReal Flatness(PetscInt dim, const PetscReal M[6])
 {
   PetscReal opposite[6], largest, t;
@@ -133,7 +130,7 @@ static PetscReal Flatness(PetscInt dim, const PetscReal M[6])
   if (dim == 2) return 1;
   for (PetscInt d = 0; d < 6; d++) opposite[d] = -M[d];
   largest = -SymmetricSmallestEigenvalue(DIM, opposite);
-  if (largest <= 0) return 0; /* it is alone */
+  if (largest <= 0) return 0; /* an isolated particle */
   t = (M[0] + M[1] + M[2] - SymmetricSmallestEigenvalue(DIM, M) - largest) / largest;
   t = Ramp(FLAT_NONE, FLAT_ALL, t);
   return t * t * (3 - 2 * t);
@@ -156,8 +153,8 @@ static void SheetPlane(PetscInt dim, const PetscReal M[6], PetscReal P[6])
   for (PetscInt d = 0; d < 6; d++) P[d] -= inverse[d] / trace;
 }
 
-/* Adds the pull 'pull' of thin particle b on its neighbour a, over their weights, to its acceleration; what a gives to
-   b over 1/rho to sum. */
+/* Adds the pull of thin particle b on its neighbour a (pull: over their weights) to a's acceleration; adds a's reaction
+   on b, times rho, to 'sum'. */
 static void PullPair(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[DIM], PetscReal sum[DIM])
 {
   const PetscReal on_a = cloud->weight[b] * cloud->length[b] / (cloud->length[a] * cloud->rest_density[a]);
@@ -168,8 +165,8 @@ static void PullPair(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[D
   }
 }
 
-/* Adds the pull of the thin particle at place p, whose sigma S' is slope and whose sheet lies in the plane P, on all n
-   collected candidates, and theirs on it. Column 3 holds the local indices. */
+/* Adds the pull of the thin particle at place p on all n collected candidates, and their reactions. slope: sigma S'; P:
+   see SheetPlane. Column 3 has the local indices. */
 static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope, const PetscReal P[6])
 {
   const SortedCells *liquid = tension->liquid;
@@ -233,7 +230,7 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sorts the liquid around the thin particles of a level, ghosts too: *count is their number. */
+/* Sorts the liquid around the thin particles of a level, ghosts too. *count: their number. */
 static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[], PetscInt *count)
 {
   PetscInt      *thin;

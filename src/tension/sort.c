@@ -1,17 +1,17 @@
-/* Which particles have sums made for them, and the liquid that these sums need, sorted into cells. Each level of sizes
-   of graded particles has cells of its own, and looks at the liquid around its own particles only. */
+/* Selects the particles for which sums are computed, and sorts the liquid of these sums into cells. Each level of sizes
+   of graded particles has its own cells, with the liquid around its own particles. */
 #include "tension_impl.h"
 
-/* Length of a cell, spacings: so small that the cells around a particle are not much more than its sphere, so large
-   that the particles of a cell share the work of collecting what is around it. A support is 2 to 4 cells, of graded
-   particles at least 3, because more are around the larger ones. */
+/* Length of a cell, spacings: small enough that the cells around a particle are not much more than its support, large
+   enough that many particles of a cell share the collected neighbourhood. A support is 2 to 4 cells, with graded
+   particles at least 3, because a large particle has more particles around it. */
 #define CELL         1.6
 #define CELLS_LEAST  2
 #define CELLS_GRADED 3
 #define CELLS_MOST   4
 #define AROUND_CELLS 2 /* cells in the radius of LiquidAround */
 
-/* Whether a particle is of the liquid whose surface is looked at, and its keep flag is set. */
+/* Whether a particle is of the liquid being evaluated and has its keep flag set. */
 static inline PetscBool Counts(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt a)
 {
   return (PetscBool)(cloud->integer[INT_LAYER][a] == 0 && (!keep || keep[a]) &&

@@ -1,8 +1,8 @@
-/* The class: the registered models, the options and tables they share. */
+/* The class Tension: the registered models, their common options and tables. */
 #include "tension_impl.h"
 
 #define SLENDER    5    /* default of -tension_slender: see loose.c */
-#define STEP_LIMIT 0.25 /* with twice this a capillary wave of cahn_hilliard grows */
+#define STEP_LIMIT 0.25 /* with twice this limit a capillary wave of cahn_hilliard grows */
 
 static PetscFunctionList TensionList = NULL;
 
@@ -68,7 +68,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A TypeReader of surface tension models: takes over the model's functions and reads its options. */
+/* A TypeReader of tension models: sets the model's functions and reads its options. */
 static PetscErrorCode ReadModel(void *object, const char type[])
 {
   Tension tension = (Tension)object;
@@ -78,7 +78,7 @@ static PetscErrorCode ReadModel(void *object, const char type[])
   PetscFunctionBegin;
   PetscCall(ListNames(TensionList, names));
   PetscCall(PetscFunctionListFind(TensionList, type, &create));
-  PetscCheckUser(create, tension->comm, "-tension_type %s is not a surface tension model; there are %s", type, names);
+  PetscCheckUser(create, tension->comm, "-tension_type %s does not exist; choose from %s", type, names);
   tension->step_limit = STEP_LIMIT;
   PetscCall(create(tension));
   if (tension->setfromoptions) {
@@ -127,7 +127,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  CloudWrote(cloud, FIELD_CAPILLARY); /* and its slope */
+  CloudWrote(cloud, FIELD_CAPILLARY); /* and FIELD_CAPILLARY_SLOPE */
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));

@@ -1,15 +1,15 @@
 /* Floor 5: surface tension as a registered type.
 
-   curvature (default): the pressure solver puts sigma times the curvature on the free surface; see curvature.c for how
-   the curvature is found, sheet.c what sheets of one or two particles have instead. A drop's pressure is 2 sigma/R to
-   0.1 % at R/d0 = 8 (sigma/R to 0.5 % in 2-d). Momentum is conserved as well as the curvature is known, not exactly.
-   Walls and solids have contact angles. Two liquids that do not mix have a tension between them, too (interface.c). All
-   of it but that of sheets is in FIELD_CAPILLARY.
+   curvature (default): the pressure solver puts sigma times the curvature on the free surface. curvature.c finds the
+   curvature; sheet.c treats sheets of one or two particles. A drop's pressure is 2 sigma/R to 0.1 % at R/d0 = 8
+   (sigma/R to 0.5 % in 2-d). The error of momentum is that of the curvature. Walls and solids have contact angles. Two
+   immiscible liquids may have interface tension (interface.c). FIELD_CAPILLARY has all of the tension but that of
+   sheets.
 
    cahn_hilliard: Eqs. (5)-(7) of Kuri et al. with a longer kernel W^H. The divergence of S uses the same kernel as grad
-   phi: the paper's mixture (W^h outside) makes a resting drop roughen, because only with one kernel does S_a . grad
-   phi_a = 0 remove the particle's own term. For the same reason the symmetric pair form and the one-sided sum_b V_b S_b
-   grad W^H are identical; the one-sided form is evaluated. */
+   phi: with the paper's two kernels (W^h for the divergence) the surface of a drop at rest becomes rough, because S_a .
+   grad phi_a = 0 removes the particle's own term with one kernel only. For the same reason the symmetric pair form and
+   the one-sided sum_b V_b S_b grad W^H are identical; the one-sided form is evaluated. */
 #ifndef ISPH_TENSION_H
 #define ISPH_TENSION_H
 
@@ -21,29 +21,29 @@ typedef struct _p_Tension *Tension;
 #define TENSION_CURVATURE     "curvature"
 #define TENSION_NONE          "none"
 
-/* TensionCreate - for the bodies of a scene; nothing is borrowed beyond the calls. Collective. */
+/* TensionCreate - creates the tension of a scene's bodies. Borrows nothing beyond the call. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
 /* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -tension_sheets,
-   -wall_contact_angle and that of a face, -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard:
-   -tension_calibration (kappa/(sigma H)), -tension_band. Collective. */
+   -wall_contact_angle, -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard: -tension_calibration
+   (kappa/(sigma H)), -tension_band. Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);
-/* TensionReach - how far (m) the model looks for neighbours; 0 if there is no tension in the scene. Not collective. */
+/* TensionReach - the range (m) in which the model needs neighbours; 0 without tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);
-/* TensionOnSurface - whether there is tension and all of it acts as FIELD_CAPILLARY on the free surface, see
-   TensionApply. Not collective. */
+/* TensionOnSurface - whether there is tension and all of it is in FIELD_CAPILLARY: see TensionApply. Not collective. */
 PetscBool TensionOnSurface(Tension tension);
-/* TensionStepLimit - largest time step over sqrt(rho h^3/(2 pi sigma)) in a scheme with forces at the middle of the
+/* TensionStepLimit - largest time step over sqrt(rho h^3/(2 pi sigma)) for a scheme with forces at the middle of the
    step. Not collective. */
 PetscReal TensionStepLimit(Tension tension);
-/* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to
-   FIELD_ACCELERATION or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero
-   otherwise). Only near a surface particle is anything evaluated. Collective. */
+/* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to FIELD_ACCELERATION
+   or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero otherwise). Evaluates
+   particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
-/* TensionHold - what contact lines that stick (-wall_contact_hysteresis) take in dt (s) from the velocities v
-   ([n_fluid][3], m/s) after the pressure has acted; adds its work (J) to *work. TensionSticks - whether any does.
-   TensionHasAngles - whether any is not of 90 degrees, or sticks. Not collective. */
-PetscErrorCode TensionHold(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
-PetscBool      TensionSticks(Tension tension);
+/* TensionApplyHysteresis - reduces the velocities v ([n_fluid][3], m/s) after the pressure by the resistance of contact
+   lines
+   (-wall_contact_hysteresis) in dt (s); adds its work (J) to *work. TensionHasHysteresis - whether a wall or solid has
+   hysteresis. TensionHasAngles - whether some contact angle is not 90 degrees or has hysteresis. Not collective. */
+PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
+PetscBool      TensionHasHysteresis(Tension tension);
 PetscBool      TensionHasAngles(Tension tension);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);

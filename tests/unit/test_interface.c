@@ -44,7 +44,7 @@ static PetscErrorCode TestCircle(void)
 
     count[2]++;
     if (PetscAbsReal(r - 8) > 1) continue;
-    sum[l] += s.cloud->jump[a];
+    sum[l] += s.cloud->pressure_jump[a];
     count[l]++;
   }
   for (PetscInt k = 0; k < 3; k++) {
@@ -71,10 +71,11 @@ static PetscErrorCode TestBalance(const char options[], const char name[])
   PetscFunctionBegin;
   PetscCall(Open(options, &s));
   cloud = s.cloud;
-  for (PetscInt a = 0; a < cloud->n_total; a++) cloud->jump[a] = cloud->liquid[a] < 0 ? 0 : part[cloud->liquid[a]];
-  PetscCall(PetscArrayzero(cloud->jump_slope, DIM * cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    cloud->pressure_jump[a] = cloud->liquid[a] < 0 ? 0 : part[cloud->liquid[a]];
+  PetscCall(PetscArrayzero(cloud->pressure_jump_slope, DIM * cloud->n_total));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->field[FIELD_CAPILLARY][a] = 2 + cloud->jump[a];
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->field[FIELD_CAPILLARY][a] = 2 + cloud->pressure_jump[a];
   PetscCall(PressureSetUp(s.pressure, DT));
   for (PetscInt a = 0; a < cloud->n_owned; a++)
     cloud->field[FIELD_PRESSURE][a] = 2 + (cloud->liquid[a] < 0 ? 0 : part[cloud->liquid[a]]);
@@ -113,10 +114,10 @@ static PetscErrorCode TestUnequal(void)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscInt l = cloud->liquid[a];
 
-    if (!cloud->meets[a]) continue;
+    if (!cloud->at_interface[a]) continue;
     count[l]++;
-    sum[l] += cloud->jump[a] / due[l];
-    worst[l] = PetscMax(worst[l], PetscAbsReal(cloud->jump[a] / due[l] - 1));
+    sum[l] += cloud->pressure_jump[a] / due[l];
+    worst[l] = PetscMax(worst[l], PetscAbsReal(cloud->pressure_jump[a] / due[l] - 1));
   }
   for (PetscInt l = 0; l < 2; l++) {
     PetscCall(PetscSNPrintf(label, sizeof(label), "part_%" PetscInt_FMT "_of_unequal_liquids", l));
@@ -128,9 +129,9 @@ static PetscErrorCode TestUnequal(void)
   PetscCall(Open(OPEN "-a_tension 1 -b_tension 2 ", &s)); /* 1 + 2 N/m: nothing is left for gas */
   cloud = s.cloud;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    differs = PetscMax(differs, PetscAbsReal(cloud->field[FIELD_CAPILLARY][a] - cloud->jump[a]));
+    differs = PetscMax(differs, PetscAbsReal(cloud->field[FIELD_CAPILLARY][a] - cloud->pressure_jump[a]));
     for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal own = cloud->jump_slope[DIM * a + d];
+      const PetscReal own = cloud->pressure_jump_slope[DIM * a + d];
 
       slope   = PetscMax(slope, PetscAbsReal(own));
       differs = PetscMax(differs, PetscAbsReal(cloud->field[FIELD_CAPILLARY_SLOPE][DIM * a + d] - own));
@@ -159,16 +160,16 @@ static PetscErrorCode TestEllipse(void)
          &s));
   cloud = s.cloud;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *slope = cloud->jump_slope + DIM * a,
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *slope = cloud->pressure_jump_slope + DIM * a,
                     t = atan2(x[1] / 8, x[0] / 12), c = PetscCosReal(t), i = PetscSinReal(t),
                     g = PetscSqrtReal(144 * i * i + 64 * c * c), part = cloud->liquid[a] ? -1.5 : 1.5,
                     due = -part * 3 * 96 * 80 * i * c / PetscPowReal(g, 6), curved = part * 96 / (g * g * g);
 
-    if (!cloud->meets[a] || cloud->jump[a] == 0) continue;
+    if (!cloud->at_interface[a] || cloud->pressure_jump[a] == 0) continue;
     sum[0] += due * due;
     sum[1] += due * (-12 * i * slope[0] + 8 * c * slope[1]) / g;
     sum[2] += curved * curved;
-    sum[3] += curved * cloud->jump[a];
+    sum[3] += curved * cloud->pressure_jump[a];
   }
   CHECK_CLOSE(SetupSum(sum[3]) / SetupSum(sum[2]), 1, 0.03, "jump_of_an_ellipse");
   CHECK_CLOSE(SetupSum(sum[1]) / SetupSum(sum[0]), 1, 0.05, "slope_of_the_jump_of_an_ellipse");
@@ -192,8 +193,8 @@ static PetscErrorCode TestSlopes(void)
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt l = cloud->liquid[a];
 
-    cloud->jump[a] = part[l] + Dot(g[l], cloud->field[FIELD_POSITION] + DIM * a);
-    for (PetscInt d = 0; d < DIM; d++) cloud->jump_slope[DIM * a + d] = g[l][d];
+    cloud->pressure_jump[a] = part[l] + Dot(g[l], cloud->field[FIELD_POSITION] + DIM * a);
+    for (PetscInt d = 0; d < DIM; d++) cloud->pressure_jump_slope[DIM * a + d] = g[l][d];
   }
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
@@ -201,10 +202,10 @@ static PetscErrorCode TestSlopes(void)
   PetscCall(
     PetscMalloc4(cloud->n_rows, &p, cloud->n_rows, &both, cloud->n_rows, &none, DIM * cloud->n_fluid, &acceleration));
   PetscCall(PressureCapillary(s.pressure, both));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_PRESSURE][a] = cloud->jump[a];
+  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_PRESSURE][a] = cloud->pressure_jump[a];
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscCall(PressureAcceleration(s.pressure, acceleration));
-  PetscCall(PetscArrayzero(cloud->jump_slope, DIM * cloud->n_total));
+  PetscCall(PetscArrayzero(cloud->pressure_jump_slope, DIM * cloud->n_total));
   PetscCall(PressureCapillary(s.pressure, none));
   for (PetscInt k = 0; k <= DIM; k++) PetscCall(PetscMalloc1(cloud->n_rows, &row[k]));
   for (PetscInt l = 0; l < 2; l++) {
@@ -249,9 +250,9 @@ static PetscErrorCode TestWalls(void)
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt l = cloud->liquid[a];
 
-    cloud->jump[a]                 = l < 0 ? 0 : part[l];
-    cloud->jump_slope[DIM * a]     = l < 0 ? 0 : g[l];
-    cloud->jump_slope[DIM * a + 1] = cloud->jump_slope[DIM * a + 2] = 0;
+    cloud->pressure_jump[a]                 = l < 0 ? 0 : part[l];
+    cloud->pressure_jump_slope[DIM * a]     = l < 0 ? 0 : g[l];
+    cloud->pressure_jump_slope[DIM * a + 1] = cloud->pressure_jump_slope[DIM * a + 2] = 0;
   }
   PetscCall(PressureSetUp(s.pressure, DT));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
@@ -261,7 +262,8 @@ static PetscErrorCode TestWalls(void)
     if (x[1] < 0 && PetscAbsReal(PetscAbsReal(x[0]) - PetscSqrtReal(64 - 16)) < 2) continue; /* where both are near */
     known[l]++;
     wrong += cloud->liquid[a] != l;
-    jumps = PetscMax(jumps, PetscAbsReal(cloud->jump[a] - part[l]) + PetscAbsReal(cloud->jump_slope[DIM * a] - g[l]));
+    jumps = PetscMax(jumps, PetscAbsReal(cloud->pressure_jump[a] - part[l]) +
+                              PetscAbsReal(cloud->pressure_jump_slope[DIM * a] - g[l]));
   }
   CHECK(SetupSum(known[0]) > 10 && SetupSum(known[1]) > 50, "walls_of_both_liquids");
   CHECK_CLOSE(SetupSum(wrong), 0, 0, "the_liquid_of_a_wall");

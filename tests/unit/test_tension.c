@@ -570,8 +570,8 @@ static PetscErrorCode TestHold(const char options[], const char name[])
     fast[k] = s.scene && SceneSolidCount(s.scene) ? along[k % DIM] : k % DIM == 0;
     slow[k] = 1e-12 * fast[k];
   }
-  PetscCall(TensionHold(s.tension, s.cloud, dt, fast, &work[0]));
-  PetscCall(TensionHold(s.tension, s.cloud, dt, slow, &work[1]));
+  PetscCall(TensionApplyHysteresis(s.tension, s.cloud, dt, fast, &work[0]));
+  PetscCall(TensionApplyHysteresis(s.tension, s.cloud, dt, slow, &work[1]));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     const PetscReal speed = Norm(fast + DIM * a);
 
