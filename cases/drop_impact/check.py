@@ -55,7 +55,7 @@ def drop_liquid(folder):
 
 def secondary(folder):
     """What has come off the pool by 15 ms, in the computed part of the box: particles above 1 mm below the level that
-    do not hang together with the rest by steps of two spacings; their share of the kinetic energy."""
+    are not connected with the rest by steps of two spacings; their share of the kinetic energy."""
     results = []
     for t, head, f in physics.snapshots(folder):
         if abs(t - 15e-3) > 0.6e-3:

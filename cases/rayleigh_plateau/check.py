@@ -39,7 +39,7 @@ def growth(x):
 
 
 def pieces(x, share, reach, up):
-    """(share of the volume, number) of the sets of particles that hang together by steps below reach (m), periodic in
+    """(share of the volume, number) of the sets of particles that are connected by steps below reach (m), periodic in
     the direction up, the largest first."""
     free, sizes = np.ones(len(x), dtype=bool), []
     while free.any():

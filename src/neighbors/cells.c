@@ -194,9 +194,7 @@ PetscErrorCode CellMaskCreate(MPI_Comm comm, PetscInt dim, const PetscReal origi
     while (mark) {
       const unsigned char *last = mark, *next = mark;
 
-      while (next &&
-             next - last <=
-               JOIN) { /* each cell marks at least one neighbour along x, so a gap of JOIN - 1 is marked anyway */
+      while (next && next - last <= JOIN) { /* a gap of JOIN - 1 is marked anyway */
         last = next;
         next = (const unsigned char *)memchr(last + 1, 1, (size_t)(end - last - 1));
       }

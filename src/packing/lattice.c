@@ -20,8 +20,7 @@ void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice)
     const PetscReal length = domain->upper[d] - domain->lower[d];
     const PetscBool below  = (PetscBool)(domain->face[d][0] != FACE_OPEN);
     const PetscBool above  = (PetscBool)(domain->face[d][1] != FACE_OPEN);
-    const PetscBool fitted =
-      (PetscBool)(below && above); /* fitted: the nearest number of points; else the points inside the box */
+    const PetscBool fitted = (PetscBool)(below && above); /* the nearest number of points; else those in the box */
 
     if (d >= domain->dim) { /* the plane z = 0 */
       lattice->n[d]      = 1;
@@ -174,8 +173,7 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   PetscFunctionBegin;
   *shells = (Shells){.bound = PETSC_MAX_REAL};
   for (PetscInt d = 0; d < domain->dim; d++) shells->bound = PetscMin(shells->bound, LEVEL_MAX * lattice->pitch[d]);
-  shells->bound *=
-    1 - POINT_TOLERANCE; /* less than the depth of the outermost points of a body that fits the lattice */
+  shells->bound *= 1 - POINT_TOLERANCE; /* below the depth of the outermost points of a fitting body */
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &near));
   for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
     PetscReal x[DIM], placed[DIM], s, solid, *kept, length, share;

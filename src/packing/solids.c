@@ -6,9 +6,8 @@ PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context)
 {
   const Cloud     cloud  = ((const Dummies *)source)->cloud;
   const Domain    domain = cloud->domain;
-  const PetscReal fine =
-    domain->graded ? 0.5 * (1 + DomainSizeMax(domain)) : 1; /* a fine particle beside the coarsest */
-  const PetscReal depth = ((const Dummies *)source)->layers * domain->spacing * fine;
+  const PetscReal fine   = domain->graded ? 0.5 * (1 + DomainSizeMax(domain)) : 1; /* fine beside coarsest */
+  const PetscReal depth  = ((const Dummies *)source)->layers * domain->spacing * fine;
   Lattice         box;
   PetscInt        number = 0, solid = 0;
 

@@ -14,8 +14,8 @@ PetscErrorCode MonitorSetFromOptions(Sim sim)
 
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Monitor", "Sim");
-  PetscCall(PetscOptionsViewer("-monitor", "every step: ascii, ascii:file, ascii:file:ascii_csv or draw", "MonitorStep",
-                               &sim->monitor, &format, &set));
+  PetscCall(PetscOptionsViewer("-monitor", "output of every step: ascii, ascii:file, ascii:file:ascii_csv or draw",
+                               "MonitorStep", &sim->monitor, &format, &set));
   PetscOptionsEnd();
   if (!set || !sim->monitor) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscObjectTypeCompare((PetscObject)sim->monitor, PETSCVIEWERDRAW, &sim->monitor_draw));

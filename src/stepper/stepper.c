@@ -139,13 +139,14 @@ static PetscErrorCode SetTrialFromOptions(Stepper s)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Checks of a step", "Stepper");
-  PetscCall(OptionReal("-displacement_max", "displacement in a step that rolls it back (spacings)", "(0, inf)",
+  PetscCall(OptionReal("-displacement_max",
+                       "largest displacement in a step; a larger one rolls the step back (spacings)", "(0, inf)",
                        &s->trial.displacement));
-  PetscCall(OptionReal("-density_max", "summed density over rest density that rolls a step back (1)", "(1, inf)",
-                       &s->trial.density));
+  PetscCall(OptionReal("-density_max", "largest summed density over rest density; a larger one rolls the step back (1)",
+                       "(1, inf)", &s->trial.density));
   PetscCall(OptionReal("-energy_max",
-                       "kinetic energy, over the most that the scene's speeds, falls and surfaces can give, that stops "
-                       "the run (1); 0: no limit",
+                       "largest kinetic energy, over the most that the scene's speeds, falls and surfaces can give; "
+                       "more stops the run (1); 0: no limit",
                        "[0, inf)", &s->trial.energy));
   PetscCall(OptionReal("-density_ratio_max",
                        "largest ratio of the densities of two bodies; a denser drop than 4 times its film is unstable "

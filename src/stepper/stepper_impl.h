@@ -158,8 +158,7 @@ struct _p_Stepper {
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
   PetscReal force_time;       /* when forces act, in steps from the start of the step */
-  PetscBool
-    keeps_pressure; /* implicit steps keep a share of the former pressure in the velocity; StepKick removes it */
+  PetscBool keeps_pressure;   /* implicit steps keep a share of the former pressure; StepKick removes it */
 };
 
 /* StepTooFar - whether the trial has moved a particle farther than a step may. Then a neighbour search is useless, and

@@ -111,8 +111,7 @@ static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], Pets
   mirror[0] = s - Offset(tension, cloud->domain->volume, s, foot, div_n);
   mirror[2] = (PetscReal)nearest;
   if (SceneSolidDistance(cloud->scene, image, NULL) > 0) return;
-  length =
-    1 + s * div_n / (tension->dim - 1); /* length along the parallel surface at the particle over that at its foot */
+  length    = 1 + s * div_n / (tension->dim - 1); /* of the parallel surface at x over that at the foot */
   mirror[1] = length > LENGTH_LEAST ? PetscSqr(PetscMax(0, 1 - s * div_n / length)) : 0;
 }
 

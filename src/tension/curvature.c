@@ -54,8 +54,7 @@ static PetscErrorCode CurvatureSetUp(Tension tension)
   tension->moment = 0;
   for (PetscInt k = 0; k < WALL_TABLE; k++)
     tension->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
-  for (PetscInt k = 0, m = 0; k <= WALL_TABLE;
-       k++) { /* depth[k]: depth at which a half-space fills (1 + k/WALL_TABLE)/2 */
+  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* depth[k]: half-space fills (1 + k/WALL_TABLE)/2 */
     const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
 
     while (m < WALL_TABLE && next < wanted) {
@@ -636,8 +635,8 @@ static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-tension_sheets", "surface tension of sheets and threads too thin for a normal",
                              "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
-  PetscCall(OptionReal("-tension_sharpening", "how much of the smoothing of the curvature is undone (1)", "[0, 4]",
-                       &tension->sharpening));
+  PetscCall(OptionReal("-tension_sharpening", "factor of the deconvolution that sharpens the curvature (1); 0: none",
+                       "[0, 4]", &tension->sharpening));
   if (tension->rings || HelpWanted())
     PetscCall(OptionReal("-tension_slender",
                          "radius of a ring in flight, over that of its section, above which it counts as a row of "

@@ -7,21 +7,23 @@
      V rho dv_a/dt = -sum_b (sigma_a S'_a + sigma_b S'_b) V grad W^H_ab,
 
    which is pairwise and central. A sheet of one particle pulls its edge back with 2 sigma per unit of length
-   (cases/retracting_sheet). Four limits: - Where curvature.c resolves the sides, nothing may be added. phi is then that
-   of a flat surface with the same |grad phi|, and S' fades out as phi approaches that value. - Where S' acts in full,
-   curvature.c finds no normals in an even sheet. With the smallest displacements the normals at its edge turn from one
-   side to the other within a particle: a curvature of 1/H, whose pressure would pull the edge a second time. This
-   pressure is reduced by the fourth power of the share of S', so that it remains in sheets of two particles, where both
-   act. - Below THICKNESS_SPRAY, where particles are nearly isolated, S' is constant. - In threads there is no S'. phi
-   does not distinguish a thread from a thinner sheet, whose pull is 1.5 times as large, and with that pull threads
-   would not break (Rayleigh). There is no reference for this; forces from a function of the density are those of
-   many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
+   (cases/retracting_sheet). Four limits:
+   - Where curvature.c resolves the sides, nothing may be added. phi is then that of a flat surface with the same
+   |grad phi|, and S' fades out as phi approaches that value.
+   - Where S' acts in full, curvature.c finds no normals in an even sheet. With the smallest displacements the normals
+   at its edge turn from one side to the other within a particle: a curvature of 1/H, whose pressure would pull the edge
+   a second time. This pressure is reduced by the fourth power of the share of S', so that it remains in sheets of two
+   particles, where both act.
+   - Below THICKNESS_SPRAY, where particles are nearly isolated, S' is constant.
+   - In threads there is no S'. phi does not distinguish a thread from a thinner sheet, whose pull is 1.5 times as
+   large, and with that pull threads would not break (Rayleigh). There is no reference for this; forces from a function
+   of the density are those of many-body dissipative particle dynamics (Pagonabarraga and Frenkel 2001).
 
    Particles of different sizes: phi_b has the H of particle b and the volumes of its neighbours, and S_b its volume.
    The force of a pair is V_a times b's part, so b has V_a/V_b of the acceleration.
 
    Rings: S_b is that of the whole ring, so neighbour a has b's part times the length of ring b over the length of ring
-   a. And phi_a falls as ring a grows, which gives sigma S'_a phi_a/(V rho r) towards the axis, the pull of a hoop. An
+   a. And phi_b falls as ring a grows, which gives sigma S'_a phi_a/(V rho r) towards the axis, the pull of a hoop. An
    isolated ring has no hoop pull, since in flight it is a row of droplets; the pull grows with the part of phi due to
    other rings, over that in a row of rings one spacing apart.
 

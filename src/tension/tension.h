@@ -39,9 +39,9 @@ PetscReal TensionStepLimit(Tension tension);
    particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 /* TensionApplyHysteresis - reduces the velocities v ([n_fluid][3], m/s) after the pressure by the resistance of contact
-   lines
-   (-wall_contact_hysteresis) in dt (s); adds its work (J) to *work. TensionHasHysteresis - whether a wall or solid has
-   hysteresis. TensionHasAngles - whether some contact angle is not 90 degrees or has hysteresis. Not collective. */
+   lines (-wall_contact_hysteresis) in dt (s); adds its work (J) to *work. TensionHasHysteresis - whether a wall or
+   solid has hysteresis. TensionHasAngles - whether some contact angle is not 90 degrees or has hysteresis. Not
+   collective. */
 PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
 PetscBool      TensionHasHysteresis(Tension tension);
 PetscBool      TensionHasAngles(Tension tension);

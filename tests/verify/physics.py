@@ -234,7 +234,7 @@ def semi_axes(position):
 
 
 def components(position, reach, size=None):
-    """Label of each particle: particles that hang together by steps below reach (m), times the mean of their sizes,
+    """Label of each particle: particles that are connected by steps below reach (m), times the mean of their sizes,
     have the same. Cells of the largest reach and a breadth-first walk; labels count from 0, the largest set first."""
     cells, label = {}, np.full(len(position), -1)
     size = np.ones(len(position)) if size is None else size
