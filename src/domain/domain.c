@@ -4,13 +4,16 @@
 
 #define NAME_LENGTH 64
 /* Of the partition: METIS takes 0.04 s for 60 k cells, and every rank stores the owners of all cells. */
-#define CELLS_MAX        200000
-#define CELL_GROWTH      1.05  /* factor by which the cell size grows until there are at most CELLS_MAX cells */
-#define LENGTH_ROUNDING  1e-12 /* relative; a box exactly as wide as the reach of the kernel is allowed */
-#define DUMMY_LAYERS_MAX 20    /* layers of dummy particles, on both sides of the box together */
-#define COARSE_RATIO_MAX 4     /* of the coarse to the fine spacing: larger ratios are untested */
-#define DEFAULT_GROWTH   0.1
+#define CELLS_MAX          200000
+#define CELL_GROWTH        1.05  /* factor by which the cell size grows until there are at most CELLS_MAX cells */
+#define LENGTH_ROUNDING    1e-12 /* relative; a box exactly as wide as the reach of the kernel is allowed */
+#define DUMMY_LAYERS_MAX   20    /* layers of dummy particles, on both sides of the box together */
+#define COARSE_RATIO_MAX   4     /* of the coarse to the fine spacing: larger ratios are untested */
+#define DEFAULT_GROWTH     0.1
+#define DEFAULT_BAND       4 /* spacings */
+#define DEFAULT_PER_RADIUS 4 /* a drop of eight spacings across is fine all over */
 
+const char *const        FollowTypes[]     = {"none", "surface", "curvature", "FollowType", "FOLLOW_", NULL};
 const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
 static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
@@ -192,6 +195,38 @@ static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObjec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* -spacing_follow and its numbers, after -spacing. */
+static PetscErrorCode ReadFollowing(Domain domain, OptionItems PetscOptionsObject)
+{
+  PetscReal band               = DEFAULT_BAND;
+  char      value[NAME_LENGTH] = "";
+  PetscBool found, same = PETSC_FALSE;
+  PetscInt  type;
+
+  PetscFunctionBegin;
+  domain->per_radius = DEFAULT_PER_RADIUS;
+  PetscCall(PetscOptionsString("-spacing_follow",
+                               "What the spacing follows (one of) none surface curvature: it is -spacing at free "
+                               "surfaces, or where they are curved, and grows to -spacing_coarse away from them",
+                               "DomainSetFromOptions", FollowTypes[FOLLOW_NONE], value, sizeof(value), &found));
+  for (type = FOLLOW_NONE; found && type <= FOLLOW_CURVATURE; type++) {
+    PetscCall(PetscStrcasecmp(value, FollowTypes[type], &same));
+    if (same) break;
+  }
+  PetscCheckUser(!found || same, domain->comm, "-spacing_follow is %s; it must be none, surface or curvature", value);
+  if (found) domain->follow = (FollowType)type;
+  PetscCall(OptionReal("-spacing_band",
+                       "With -spacing_follow: distance from the surface over which the spacing does not grow, in "
+                       "units of -spacing (1)",
+                       "[0, 20]", &band));
+  PetscCall(OptionReal("-spacing_curvature",
+                       "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the "
+                       "sum of both principal curvatures (1)",
+                       "[1, 100]", &domain->per_radius));
+  domain->band = band * domain->spacing;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* -spacing_coarse and -spacing_growth, after -spacing. */
 static PetscErrorCode ReadGrading(Domain domain, OptionItems PetscOptionsObject)
 {
@@ -201,10 +236,11 @@ static PetscErrorCode ReadGrading(Domain domain, OptionItems PetscOptionsObject)
   PetscFunctionBegin;
   domain->growth = DEFAULT_GROWTH;
   PetscCall(OptionReal("-spacing_coarse",
-                       "Largest particle spacing (m), far from the regions of -fine; 0: -spacing everywhere",
+                       "Largest particle spacing (m), far from the regions of -fine and from what -spacing_follow "
+                       "follows; 0: -spacing everywhere",
                        "[0, inf)", &coarse));
   PetscCall(OptionReal("-spacing_growth",
-                       "Increase of the spacing per distance from the regions of -fine (1); 0.05 makes less noise if "
+                       "Increase of the spacing per distance from what is fine (1); 0.05 makes less noise if "
                        "the spacing grows along a free surface",
                        "(0, 0.2]", &domain->growth));
   domain->graded         = (PetscBool)(coarse > 0);
@@ -228,6 +264,7 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscCheckUser(domain->spacing > 0, comm,
                  "-spacing is missing%s: the particle spacing (m) must be given and positive", OptionMeant("-spacing"));
   PetscCall(ReadGrading(domain, PetscOptionsObject));
+  PetscCall(ReadFollowing(domain, PetscOptionsObject));
   PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
                                 "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
                                 &has_lower));

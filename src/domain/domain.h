@@ -9,7 +9,9 @@
 #define POINT_TOLERANCE 1e-6
 
 typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
-extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
+typedef enum { FOLLOW_NONE, FOLLOW_SURFACE, FOLLOW_CURVATURE } FollowType;
+extern const char *const FollowTypes[]; /* "none", "surface", "curvature" and PETSc's two trailing strings */
+extern const char *const FaceTypes[];   /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
 
 /* The box. In two dimensions its third extent is [-spacing/2, spacing/2] and the faces there are open. Only
    DomainPartition changes the box after DomainSetUp.
@@ -21,19 +23,22 @@ extern const char *const FaceTypes[]; /* "open", "periodic", "wall", "symmetry" 
 
    Graded spacing (-spacing_coarse): the spacing grows from 'spacing' to 'spacing_coarse' with the distance from the
    regions of -fine (SceneSpacing). A particle keeps its initial volume s^dim and smoothing length (in spacings)
-   wherever it moves. Rings join and split, so a ring keeps its smoothing length only. */
+   wherever it moves. Rings join and split, so a ring keeps its smoothing length only. With -spacing_follow the spacing
+   grows with the distance from free surfaces, too, and all particles join and split (resampling.h). */
 typedef struct {
-  MPI_Comm  comm;
-  PetscInt  dim;                        /* 2 or 3 */
-  PetscBool rings;                      /* dim is 2, particles are rings about x = 0 */
-  PetscReal spacing;                    /* particle spacing d0, m */
-  PetscReal volume;                     /* of a particle of spacing d0, d0^dim, m^dim; of rings the initial ring area */
-  PetscBool graded;                     /* the spacing is graded */
-  PetscReal spacing_coarse, growth;     /* largest spacing, m, = spacing if not graded; its increase per distance, 1 */
-  PetscReal lower[DIM];                 /* m */
-  PetscReal upper[DIM];                 /* m */
-  FaceType  face[DIM][2];               /* lower and upper face of each direction */
-  PetscReal wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
+  MPI_Comm   comm;
+  PetscInt   dim;                    /* 2 or 3 */
+  PetscBool  rings;                  /* dim is 2, particles are rings about x = 0 */
+  PetscReal  spacing;                /* particle spacing d0, m */
+  PetscReal  volume;                 /* of a particle of spacing d0, d0^dim, m^dim; of rings the initial ring area */
+  PetscBool  graded;                 /* the spacing is graded */
+  PetscReal  spacing_coarse, growth; /* largest spacing, m, = spacing if not graded; its increase per distance, 1 */
+  FollowType follow;                 /* what the spacing follows */
+  PetscReal  band, per_radius;       /* m, around a free surface; spacings per radius of curvature, 1 */
+  PetscReal  lower[DIM];             /* m */
+  PetscReal  upper[DIM];             /* m */
+  FaceType   face[DIM][2];           /* lower and upper face of each direction */
+  PetscReal  wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
   /* Partition: a grid of cells over the box, each owned by one rank. */
   PetscInt     cells[DIM];     /* number of cells a direction */
   PetscReal    cell_size[DIM]; /* m */

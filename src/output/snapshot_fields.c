@@ -46,7 +46,8 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscCall(PetscOptionsStringArray(
     "-snapshot_fields",
     "Fields of a snapshot besides position, id and body: velocity, pressure, density, lambda, volume (of rings), size "
-    "(of graded rings), viscosity (if it varies), surface, layer (of walls); or none; default: all",
+    "(of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface, layer (of walls); or none; "
+    "default: all",
     "OutputStep", content->name, &content->names, NULL));
   for (PetscInt d = 0; d < DIM; d++) {
     content->corner[0][d] = domain->lower[d];
@@ -94,10 +95,12 @@ static PetscErrorCode CheckFields(Output output)
       found = (PetscBool)(found && Present(output, f));
       if (found) content->fields |= 1U << f;
     }
-    PetscCheckUser(found, output->comm,
-                   "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
-                   "differs), size (of graded rings), viscosity (if it varies), surface and layer, or none.",
-                   content->name[k]);
+    PetscCheckUser(
+      found, output->comm,
+      "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
+      "differs), size (of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface and "
+      "layer, or none.",
+      content->name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,7 +18,8 @@ static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define FINE_MARGIN 3. /* fine spacings by which a fine region must extend beyond solids and emitters */
+#define WALL_COARSEST 2  /* fine spacings: dummy particles serve liquid of any size beside them that comes later */
+#define FINE_MARGIN   3. /* fine spacings by which a fine region must extend beyond solids and emitters */
 
 /* Whether the spacing is fine within FINE_MARGIN of x (m) along the axes. */
 static PetscBool IsFine(Domain domain, Scene scene, const PetscReal x[DIM])
@@ -116,14 +117,15 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
   const Body               body   = SceneBody(packing->cloud->scene, b);
   const unsigned long long seed   = (unsigned long long)packing->seed;
   const PetscReal          jitter = LatticeJitter(packing);
-  Region                   region = {.packing = packing, .dim = domain->dim, .body = b, .level = level};
-  PetscReal                stretch;
+  Region                   region = {
+                      .packing = packing, .dim = domain->dim, .body = b, .level = level, .coarsest = domain->spacing_coarse};
+  PetscReal stretch;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++) region.along[d] = PETSC_TRUE;
   BodyBounds(body, region.lower, region.upper);
   LatticeOfBody(domain, domain->spacing, body, &region.fine);
-  LatticeOfBody(domain, domain->spacing_coarse, body, &region.coarse);
+  LatticeOfBody(domain, region.coarsest, body, &region.coarse);
   PetscCall(CheckPitch(packing, &region));
   PetscCall(RegionFill(&region));
   stretch = Stretch(&region, ring_length * region.fine.pitch[0] * region.fine.pitch[1]);
@@ -152,10 +154,10 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
 }
 
 /* Adds the column behind a point of a corner: a block of layers^outward particles. */
-static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const RegionPoint *point, PetscReal s,
+static PetscErrorCode AddColumn(const Region *region, const Corner *corner, const RegionPoint *point, PetscReal s,
                                 PetscInt layers, PetscSegBuffer samples, PetscInt *number)
 {
-  const Domain   domain = packing->cloud->domain;
+  const Domain   domain = region->packing->cloud->domain;
   PetscInt       first[DIM], last[DIM], step[DIM];
   const PetscInt parent = *number; /* the first particle of the block */
 
@@ -168,7 +170,7 @@ static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const Reg
     Sample sample = {.body = BODY_WALL, .id = (*number)++, .parent = parent};
 
     sample.area = point->measure * PetscPowRealInt(s, (int)corner->outward) / domain->volume;
-    sample.size = SceneSpacing(packing->cloud->scene, point->x) / domain->spacing;
+    sample.size = RegionSpacing(region, point->x) / domain->spacing;
     for (PetscInt d = 0; d < DIM; d++) {
       sample.x[d]  = point->x[d] + (corner->side[d] == 0 ? 0 : corner->side[d] == 1 ? -1 : 1) * (step[d] - 0.5) * s;
       sample.layer = PetscMax(sample.layer, step[d]);
@@ -180,6 +182,16 @@ static PetscErrorCode AddColumn(Packing packing, const Corner *corner, const Reg
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How many dummy particles of spacing s (m) a column has: as many as its liquid sees, with -spacing_follow as the
+   coarsest liquid sees that may come. */
+static PetscInt ColumnLayers(Cloud cloud, PetscReal s)
+{
+  const PetscReal largest = cloud->domain->follow ? cloud->domain->spacing_coarse : s;
+
+  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing * 0.5 * (largest + s) / s -
+                                 POINT_TOLERANCE);
+}
+
 /* Adds the dummy particles behind a part of the box: a face (outward 1), an edge (2) or a corner (3). */
 static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegBuffer samples, PetscInt *number)
 {
@@ -189,7 +201,9 @@ static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegB
 
   PetscFunctionBegin;
   LatticeOfBox(domain, domain->spacing, &region.fine);
-  LatticeOfBox(domain, domain->spacing_coarse, &region.coarse);
+  region.coarsest =
+    domain->follow ? PetscMin(WALL_COARSEST * domain->spacing, domain->spacing_coarse) : domain->spacing_coarse;
+  LatticeOfBox(domain, region.coarsest, &region.coarse);
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal face = corner->side[d] == 1 ? domain->lower[d] : domain->upper[d];
 
@@ -204,10 +218,9 @@ static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegB
   PetscCall(RegionFill(&region));
   for (PetscInt k = 0; k < region.n; k++) {
     const RegionPoint *point = &region.point[k];
-    const PetscReal    s =
-      region.dim ? PetscPowReal(point->measure, 1. / region.dim) : SceneSpacing(cloud->scene, point->x);
+    const PetscReal s = region.dim ? PetscPowReal(point->measure, 1. / region.dim) : RegionSpacing(&region, point->x);
 
-    PetscCall(AddColumn(packing, corner, point, s, PackingWallLayers(cloud), samples, number));
+    PetscCall(AddColumn(&region, corner, point, s, ColumnLayers(cloud, s), samples, number));
   }
   PetscCall(PetscFree(region.point));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -111,7 +111,7 @@ typedef struct {
 } Dummies;
 PetscErrorCode WallVisit(void *source, SampleVisitor visitor, void *context);
 PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context);
-/* A part of space to be filled with particles of the spacing SceneSpacing: a body, or a face, edge or corner of the
+/* A part of space to be filled with particles of the spacing RegionSpacing: a body, or a face, edge or corner of the
    box, behind which the walls continue it. */
 typedef struct {
   PetscReal x[DIM], measure; /* m; m^dim of the region */
@@ -124,11 +124,18 @@ typedef struct {
   PetscReal        lower[DIM], upper[DIM]; /* m */
   PetscInt         body;                   /* -1: the block from lower to upper */
   const PetscReal *level;                  /* of LatticeFit */
+  PetscReal        coarsest;               /* largest spacing, m */
   Lattice          fine, coarse;           /* with one point in other directions */
   PetscInt         n;
   RegionPoint     *point; /* [n] */
 } Region;
-/* RegionFill - makes the points of the region: on the fine lattice where SceneSpacing is fine, on the coarse lattice
+/* RegionSpacing - the spacing (m) of the region's particles at x (m): SceneSpacing, at most the coarsest. Not
+   collective. */
+static inline PetscReal RegionSpacing(const Region *region, const PetscReal x[DIM])
+{
+  return PetscMin(region->coarsest, SceneSpacing(region->packing->cloud->scene, x));
+}
+/* RegionFill - makes the points of the region: on the fine lattice where RegionSpacing is fine, on the coarse lattice
    where it is coarse, between them at that spacing. The caller frees 'point' with PetscFree. The same on every rank.
    Collective. */
 PetscErrorCode RegionFill(Region *region);

@@ -22,11 +22,11 @@ static PetscReal LatticeMeasure(const Region *region, const Lattice *lattice)
    region. */
 static PetscBool CoarseEnough(const Region *region, const PetscReal x[DIM])
 {
-  const Domain    domain = region->packing->cloud->domain;
-  const Scene     scene  = region->packing->cloud->scene;
-  const PetscReal least  = (1 - POINT_TOLERANCE) * domain->spacing_coarse;
+  const Scene     scene = region->packing->cloud->scene;
+  const PetscReal least = (1 - POINT_TOLERANCE) * region->coarsest;
 
-  if (domain->spacing_coarse <= (1 + POINT_TOLERANCE) * domain->spacing || SceneSpacing(scene, x) < least)
+  if (region->coarsest <= (1 + POINT_TOLERANCE) * region->packing->cloud->domain->spacing ||
+      RegionSpacing(region, x) < least)
     return PETSC_FALSE;
   for (PetscInt corner = 0; corner < 1 << DIM && region->body >= 0; corner++) {
     PetscReal y[DIM] = {x[0], x[1], x[2]};
@@ -132,7 +132,7 @@ static PetscErrorCode AddFine(const Region *region, PetscSegBuffer points, const
     }
     *left += cell;
     if (Covered(region, taken, x)) continue;
-    if (SceneSpacing(packing->cloud->scene, x) <= (1 + POINT_TOLERANCE) * domain->spacing) {
+    if (RegionSpacing(region, x) <= (1 + POINT_TOLERANCE) * domain->spacing) {
       PetscCall(AddPoint(points, x, own, PETSC_TRUE));
       *left -= cell;
       continue;
@@ -150,14 +150,13 @@ static PetscErrorCode AddFine(const Region *region, PetscSegBuffer points, const
 static PetscErrorCode Thin(const Region *region, PetscInt n, Candidate candidate[], PetscReal left,
                            PetscSegBuffer points)
 {
-  const Scene     scene = region->packing->cloud->scene;
   const PetscReal cell = LatticeMeasure(region, &region->fine), scale = n ? left / (n * cell) : 0;
   PetscReal       sum = 0.5;
 
   PetscFunctionBegin;
   if (n) qsort(candidate, (size_t)n, sizeof(*candidate), CompareCandidates);
   for (PetscInt k = 0; k < n; k++) {
-    const PetscReal s     = SceneSpacing(scene, candidate[k].x);
+    const PetscReal s     = RegionSpacing(region, candidate[k].x);
     const PetscReal share = scale * cell / PetscPowRealInt(s, (int)region->dim), before = PetscFloorReal(sum);
 
     sum += share;
@@ -175,15 +174,14 @@ static PetscErrorCode Thin(const Region *region, PetscInt n, Candidate candidate
 /* Divides the measure left (m^dim) among the points that are not fixed, by their spacings. */
 static void ShareMeasure(Region *region, PetscReal left)
 {
-  const Scene scene = region->packing->cloud->scene;
-  PetscReal   sum   = 0;
+  PetscReal sum = 0;
 
   for (PetscInt k = 0; k < region->n; k++)
-    if (!region->point[k].fixed) sum += PetscPowRealInt(SceneSpacing(scene, region->point[k].x), (int)region->dim);
+    if (!region->point[k].fixed) sum += PetscPowRealInt(RegionSpacing(region, region->point[k].x), (int)region->dim);
   for (PetscInt k = 0; k < region->n; k++)
     if (!region->point[k].fixed)
       region->point[k].measure =
-        left / sum * PetscPowRealInt(SceneSpacing(scene, region->point[k].x), (int)region->dim);
+        left / sum * PetscPowRealInt(RegionSpacing(region, region->point[k].x), (int)region->dim);
 }
 
 static int ComparePoints(const void *left, const void *right)
@@ -197,8 +195,7 @@ static int ComparePoints(const void *left, const void *right)
 /* Fills a gap of an edge, from low to high (m) along direction d, with points at equal steps of the integral of 1/s. */
 static PetscErrorCode FillGap(const Region *region, PetscInt d, PetscReal low, PetscReal high, PetscSegBuffer points)
 {
-  const Scene     scene = region->packing->cloud->scene;
-  const PetscReal step  = (high - low) / GAP_POINTS;
+  const PetscReal step = (high - low) / GAP_POINTS;
   PetscReal       x[DIM], whole = 0, sum = 0, last = low;
   PetscInt        n, done = 0;
 
@@ -206,7 +203,7 @@ static PetscErrorCode FillGap(const Region *region, PetscInt d, PetscReal low, P
   for (PetscInt e = 0; e < DIM; e++) x[e] = region->lower[e];
   for (PetscInt k = 0; k < GAP_POINTS; k++) {
     x[d] = low + (k + 0.5) * step;
-    whole += step / SceneSpacing(scene, x);
+    whole += step / RegionSpacing(region, x);
   }
   if (whole < LEAST_GAP) PetscFunctionReturn(PETSC_SUCCESS);
   n = PetscMax(1, (PetscInt)PetscFloorReal(whole + 0.5));
@@ -215,7 +212,7 @@ static PetscErrorCode FillGap(const Region *region, PetscInt d, PetscReal low, P
     PetscReal       add;
 
     x[d] = at;
-    add  = step / SceneSpacing(scene, x) * n / whole;
+    add  = step / RegionSpacing(region, x) * n / whole;
     while (done < n && (sum + add >= done + 1 || k == GAP_POINTS - 1)) { /* the end of particle number 'done' */
       const PetscReal end = done == n - 1 ? high : low + (k + (done + 1 - sum) / add) * step;
 

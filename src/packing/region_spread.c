@@ -229,7 +229,7 @@ static void Move(Spread *p)
       y[d] = p->x[DIM * a + d] + force[d] * PetscMin(1, FARTHEST * p->s[a] / PetscMax(length, PETSC_SMALL * p->s[a]));
     if (!MayBe(p, p->x + DIM * a, y, p->s[a])) continue;
     for (PetscInt d = 0; d < DIM; d++) p->x[DIM * a + d] = y[d];
-    p->s[a] = SceneSpacing(p->scene, y);
+    p->s[a] = RegionSpacing(p->region, y);
   }
 }
 
@@ -245,7 +245,7 @@ PetscErrorCode RegionSpread(Region *region)
     const RegionPoint *point = &region->point[a];
 
     PetscCall(PetscArraycpy(p.x + DIM * a, point->x, DIM));
-    p.s[a] = point->fixed ? PetscPowReal(point->measure, 1. / region->dim) : SceneSpacing(p.scene, point->x);
+    p.s[a] = point->fixed ? PetscPowReal(point->measure, 1. / region->dim) : RegionSpacing(region, point->x);
   }
   for (PetscInt round = 0; round < ROUNDS; round++) {
     if (round % LIST_ROUNDS == 0) PetscCall(FindNear(&p));

@@ -69,6 +69,7 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
     if (arrays.real[FIELD_VOLUME])
       arrays.real[FIELD_VOLUME][next] =
         sample[k].area * domain->volume * DomainRingLength(domain, sample[k].x, SampleSize(&sample[k]));
+    if (arrays.real[FIELD_COLOUR]) arrays.real[FIELD_COLOUR][next] = sample[k].body == 0 ? 1 : 0;
     arrays.integer[INT_ID][next]     = first_id + sample[k].id;
     arrays.integer[INT_PARENT][next] = first_id + sample[k].parent;
     arrays.integer[INT_BODY][next]   = sample[k].body;

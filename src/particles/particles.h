@@ -27,7 +27,9 @@ typedef enum {
   X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the particle or the whole ring; stored if volumes differ")    \
   X(SIZE, "size", 1, PARITY_SCALAR, "1", "spacing over the finest spacing; stored for graded rings")                   \
   X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, "Pa s",                                                                  \
-    "viscosity in the last step; stored if the viscosity of a body depends on the shear rate")
+    "viscosity in the last step; stored if the viscosity of a body depends on the shear rate")                         \
+  X(COLOUR, "colour", 1, PARITY_SCALAR, "1",                                                                           \
+    "part of the volume that was of the first body at the start; stored if bodies mix (-spacing_follow)")
 
 #define STORED_INTS(X)                                                                                                 \
   X(ID, "id", "identity, unique and permanent")                                                                        \
@@ -90,7 +92,7 @@ typedef struct {
 
 /* ParticlesHave - whether the swarm stores field f < FIELD_STORED_COUNT. It stores volumes if they differ; else every
    particle has the domain's volume. It stores sizes of graded rings; the size of other graded particles follows from
-   their volume. It stores viscosities if they vary. Not collective. */
+   their volume. It stores viscosities if they vary, and colours with -spacing_follow. Not collective. */
 PetscBool ParticlesHave(Particles particles, PetscInt f);
 
 /* ParticleVolume - volume of particle a, m3 (m2 in two dimensions). Not collective. */

@@ -1,14 +1,13 @@
-/* Joining. A ring with too small an area proposes to its nearest neighbour; a graded particle without others of its
-   size proposes to its nearest larger neighbour. A particle accepts the nearest proposer, unless it has proposed to a
-   third particle. If two particles propose to each other, the smaller id stays. Ids and positions decide, so all ranks
-   agree. */
+/* Joining. A particle with too small a share proposes to its nearest neighbour; at fixed spacings a graded particle
+   without others of its size proposes to its nearest larger neighbour. A particle accepts the nearest proposer, unless
+   it has proposed to a third particle. If two particles propose to each other, the smaller id stays. Ids and positions
+   decide, so all ranks agree. */
 #include "resampling_impl.h"
 
 #define NOBODY      (-1)
-#define LEAST       0.6  /* ring area over spacing^2: a smaller ring joins */
-#define JOINED_MOST 1.3  /* largest ring area over spacing^2 after joining */
-#define REACH       1.25 /* spacings, largest distance of two rings that join */
-#define PATH        0.45 /* spacings, largest distance times the smaller area: 0.75 spacings for an area of 0.6 */
+#define JOINED_MOST 1.3  /* largest share after joining */
+#define REACH       1.25 /* spacings, largest distance of two particles that join */
+#define PATH        0.45 /* spacings, largest distance times the smaller share: 0.75 spacings for a share of 0.6 */
 #define LARGER      1.5  /* ratio of sizes from which a neighbour is larger */
 #define TOUCHES     1.5  /* mean spacings of a pair: largest distance of graded particles that join */
 
@@ -32,20 +31,22 @@ static PetscReal Distance2(Cloud cloud, PetscInt a, PetscInt b)
   return Dot(r, r);
 }
 
-/* The size of a and b joined: the mean of their sizes, weighted by volume. */
-static PetscReal JoinedSize(Cloud cloud, PetscInt a, PetscInt b)
+/* The mean of a value of a and b, weighted by volume. */
+static PetscReal Mean(Cloud cloud, const PetscReal value[], PetscInt a, PetscInt b)
 {
-  const PetscReal *V = cloud->volume, *size = cloud->size;
+  const PetscReal *V = cloud->volume;
 
-  return (V[a] * size[a] + V[b] * size[b]) / (V[a] + V[b]);
+  return (V[a] * value[a] + V[b] * value[b]) / (V[a] + V[b]);
 }
 
-/* The ring area of a and b joined, over V_0. */
-static PetscReal JoinedArea(Cloud cloud, const PetscReal area[], PetscInt a, PetscInt b)
+/* The share of a and b joined. */
+static PetscReal JoinedShare(Cloud cloud, const Change *change, PetscInt a, PetscInt b)
 {
-  const PetscReal *size = cloud->size;
+  const PetscReal *unit = change->unit, *share = change->share;
+  const int        dim = (int)cloud->domain->dim;
 
-  return (area[a] * PetscSqr(size[a]) + area[b] * PetscSqr(size[b])) / PetscSqr(JoinedSize(cloud, a, b));
+  return (share[a] * PetscPowRealInt(unit[a], dim) + share[b] * PetscPowRealInt(unit[b], dim)) /
+         PetscPowRealInt(Mean(cloud, unit, a, b), dim);
 }
 
 /* Whether the bodies k and l are the same liquid. */
@@ -60,16 +61,20 @@ static PetscBool SameLiquid(Scene scene, PetscInt k, PetscInt l)
                      SceneLiquid(scene, k) == SceneLiquid(scene, l) && !SceneViscosityVaries(scene));
 }
 
-/* Whether the rings a and b may join: they belong to one body, are close, and make no ring that is too large. d2:
-   square of their distance, m2. */
-static PetscBool RingsFit(Cloud cloud, const Resampling *resampling, const PetscReal area[], PetscInt a, PetscInt b,
-                          PetscReal d2)
+/* Whether a and b may join by their shares: their liquids may mix, they are close, and they make no particle that is
+   too large. One colour tells the liquid of the first body only, so other bodies do not mix with each other. d2: square
+   of their distance, m2. */
+static PetscBool SharesFit(Cloud cloud, const Change *change, PetscInt a, PetscInt b, PetscReal d2)
 {
-  const PetscReal spacing = cloud->size[a] * cloud->domain->spacing;
+  const Domain    domain  = cloud->domain;
+  const PetscReal spacing = change->unit[a] * domain->spacing, *share = change->share;
+  const PetscInt  k = cloud->integer[INT_BODY][a], l = cloud->integer[INT_BODY][b];
 
-  return (PetscBool)(d2 <= PetscSqr(REACH * spacing) && cloud->integer[INT_BODY][a] == cloud->integer[INT_BODY][b] &&
-                     JoinedArea(cloud, area, a, b) <= JOINED_MOST &&
-                     PetscMin(area[a], area[b]) * PetscSqrtReal(d2) <= PATH * spacing);
+  return (PetscBool)(d2 <= PetscSqr(REACH * spacing) &&
+                     (k == l || (domain->follow && (k == 0 || l == 0) && SameLiquid(cloud->scene, k, l))) &&
+                     JoinedShare(cloud, change, a, b) <= JOINED_MOST &&
+                     (domain->rings || DomainSize(domain, cloud->volume[a] + cloud->volume[b]) <= cloud->size_most) &&
+                     PetscMin(share[a], share[b]) * PetscSqrtReal(d2) <= PATH * spacing);
 }
 
 /* Whether the graded particles a and b, no rings, may join. */
@@ -85,8 +90,7 @@ static PetscBool SizesFit(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
 
 /* Local index of the nearest neighbour that may join a, or NOBODY. At equal distances the smaller id decides. proposal:
    [n_total], the neighbour must have proposed to a; NULL: any neighbour. */
-static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscReal area[], PetscInt a,
-                        const PetscInt proposal[])
+static PetscInt Nearest(Cloud cloud, const Change *change, PetscInt a, const PetscInt proposal[])
 {
   const PetscInt *id    = cloud->integer[INT_ID];
   PetscReal       least = PETSC_MAX_REAL;
@@ -98,7 +102,7 @@ static PetscInt Nearest(Cloud cloud, const Resampling *resampling, const PetscRe
 
     if (d2 > least || (d2 == least && id[b] > id[best])) continue;
     if (id[b] == id[a] || !MayJoin(cloud, b) || (proposal && proposal[b] != id[a])) continue;
-    if (!(cloud->domain->rings ? RingsFit(cloud, resampling, area, a, b, d2) : SizesFit(cloud, a, b, d2))) continue;
+    if (!(ByShare(cloud->domain) ? SharesFit(cloud, change, a, b, d2) : SizesFit(cloud, a, b, d2))) continue;
     least = d2;
     best  = b;
   }
@@ -130,7 +134,14 @@ static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
       change->arrays.real[f][k] = of_b * cloud->field[f][k] + of_a * cloud->field[f][Fields[f].width * a + c];
     }
   change->arrays.real[FIELD_VOLUME][b] = sum;
-  if (change->arrays.real[FIELD_SIZE]) change->arrays.real[FIELD_SIZE][b] = JoinedSize(cloud, a, b);
+  if (change->arrays.real[FIELD_SIZE]) change->arrays.real[FIELD_SIZE][b] = ShareSize(cloud, change, b, sum / V[b]);
+  if (change->arrays.real[FIELD_COLOUR]) {
+    const PetscReal colour = Mean(cloud, cloud->field[FIELD_COLOUR], a, b);
+    PetscInt       *body   = &change->arrays.integer[INT_BODY][b];
+
+    change->arrays.real[FIELD_COLOUR][b] = colour;
+    *body = colour >= 0.5 ? 0 : PetscMax(cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]);
+  }
   change->changed[b] = PETSC_TRUE;
   report->energy += 0.5 * cloud->rest_density[b] * sum * of_a * of_b * Dot(dv, dv);
 }
@@ -146,15 +157,16 @@ PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *chan
     PetscBool small = PETSC_FALSE;
 
     if (a < cloud->n_fluid && MayJoin(cloud, a))
-      small = cloud->domain->rings ? (PetscBool)(change->area[a] < LEAST) : IsAlone(cloud, resampling, a);
-    chosen[a]   = small ? Nearest(cloud, resampling, change->area, a, NULL) : NOBODY;
+      small =
+        ByShare(cloud->domain) ? (PetscBool)(change->share[a] < resampling->least) : IsAlone(cloud, resampling, a);
+    chosen[a]   = small ? Nearest(cloud, change, a, NULL) : NOBODY;
     proposal[a] = chosen[a] == NOBODY ? NOBODY : id[chosen[a]];
   }
   PetscCall(CloudUpdateIntArray(cloud, proposal));
   for (PetscInt b = 0; b < cloud->n_owned; b++) {
     PetscInt a = NOBODY;
 
-    if (b < cloud->n_fluid && MayJoin(cloud, b)) a = Nearest(cloud, resampling, change->area, b, proposal);
+    if (b < cloud->n_fluid && MayJoin(cloud, b)) a = Nearest(cloud, change, b, proposal);
     if (a != NOBODY && proposal[b] != NOBODY && (proposal[b] != id[a] || id[b] > id[a])) a = NOBODY;
     accepted[b] = a == NOBODY ? NOBODY : id[a];
     if (a != NOBODY) Absorb(cloud, b, a, change, report);

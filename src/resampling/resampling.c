@@ -1,22 +1,32 @@
 /* Resampling: options, the time of a resampling, and the change of the swarm. */
 #include "resampling_impl.h"
 
-#define INTERVAL 10
-#define AT_ONCE  2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
-#define ALONE    0.125 /* about nine particles in three dimensions */
+#define INTERVAL   10
+#define BISECTIONS 20
+#define AT_ONCE    2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
+#define ALONE      0.125 /* about nine particles in three dimensions */
 
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
   PetscFunctionBegin;
-  *r = (Resampling){.interval = INTERVAL, .alone = ALONE};
-  PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of rings, joining of graded particles", "Resampling");
+  *r = (Resampling){.interval = INTERVAL, .alone = ALONE, .least = LEAST, .most = MOST};
+  if (cloud->domain->follow) {
+    r->least = LEAST_FOLLOW;
+    r->most  = MOST_FOLLOW;
+  }
+  PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of particles", "Resampling");
   if (cloud->domain->rings || cloud->domain->graded || HelpWanted())
     PetscCall(OptionInt("-resampling_interval",
                         "steps between two resamplings, sooner if a ring grows too large (1); 0: never", "[0, inf)",
                         &r->interval));
   else
     r->interval = 0;
-  if ((cloud->domain->graded && !cloud->domain->rings) || HelpWanted())
+  if (cloud->domain->follow || HelpWanted())
+    PetscCall(OptionInt("-particles_most",
+                        "with -spacing_follow: particles of liquid that the spacing may ask for; more, and it is "
+                        "coarser everywhere (1); 0: no bound",
+                        "[0, inf)", &r->particles_most));
+  if ((cloud->domain->graded && !ByShare(cloud->domain)) || HelpWanted())
     PetscCall(OptionReal("-resampling_alone",
                          "a graded particle joins a larger neighbour if liquid of its own size fills less than this "
                          "part of its support (1); 0: never",
@@ -38,18 +48,72 @@ PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
   return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > AT_ONCE * MOST));
 }
 
-static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
+/* The particles of liquid, of all ranks, that a target 'factor' times as coarse asks for. */
+static PetscErrorCode CountWanted(Cloud cloud, const PetscReal unit[], PetscReal factor, PetscReal *count)
+{
+  const Domain domain = cloud->domain;
+  PetscReal    sum    = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    sum += cloud->weight[a] /
+           PetscPowRealInt(PetscMin(factor * unit[a], domain->spacing_coarse / domain->spacing), (int)domain->dim);
+  PetscCallMPI(MPI_Allreduce(&sum, count, 1, MPIU_REAL, MPI_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the target coarser until it asks for no more than -particles_most. */
+static PetscErrorCode BoundCount(Cloud cloud, const Resampling *resampling, PetscReal unit[])
+{
+  const PetscReal coarsest = cloud->domain->spacing_coarse / cloud->domain->spacing;
+  PetscReal       low = 1, high = coarsest, count;
+
+  PetscFunctionBegin;
+  if (!resampling->particles_most) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CountWanted(cloud, unit, low, &count));
+  if (count <= resampling->particles_most) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < BISECTIONS; k++) {
+    const PetscReal middle = 0.5 * (low + high);
+
+    PetscCall(CountWanted(cloud, unit, middle, &count));
+    if (count > resampling->particles_most)
+      low = middle;
+    else
+      high = middle;
+  }
+  for (PetscInt a = 0; a < cloud->n_total; a++) unit[a] = PetscMin(high * unit[a], coarsest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The unit and the share of each particle, ghosts too: the unit is its size, or what -spacing_follow wants there. */
+static PetscErrorCode FindShares(Cloud cloud, const Resampling *resampling, Change *change)
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x      = cloud->field[FIELD_POSITION];
+
+  PetscFunctionBegin;
+  if (domain->follow) PetscCall(TargetFind(cloud));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    change->unit[a] = domain->follow ? SceneSpacing(cloud->scene, x + DIM * a) / domain->spacing : cloud->size[a];
+  if (domain->follow) PetscCall(BoundCount(cloud, resampling, change->unit));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    change->share[a] = cloud->volume[a] / (DomainRingLength(domain, x + DIM * a, change->unit[a]) * domain->volume) /
+                       PetscPowRealInt(change->unit[a], (int)domain->dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ChangeCreate(Cloud cloud, const Resampling *resampling, Change *change)
 {
   PetscFunctionBegin;
   *change = (Change){.split = 0};
-  PetscCall(
-    PetscMalloc3(cloud->n_owned, &change->keep, cloud->n_owned, &change->changed, cloud->n_total, &change->area));
+  PetscCall(PetscMalloc2(cloud->n_owned, &change->keep, cloud->n_owned, &change->changed));
+  PetscCall(PetscMalloc2(cloud->n_total, &change->unit, cloud->n_total, &change->share));
   PetscCall(PetscMalloc2(cloud->n_fluid, &change->parent, DIM * cloud->n_fluid, &change->at));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     change->keep[a]    = PETSC_TRUE;
     change->changed[a] = PETSC_FALSE;
   }
-  for (PetscInt a = 0; a < cloud->n_total && cloud->domain->rings; a++) change->area[a] = ResamplingArea(cloud, a);
+  PetscCall(FindShares(cloud, resampling, change));
   PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -109,7 +173,8 @@ static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, c
     arrays.real[FIELD_DENSITY][b]  = cloud->field[FIELD_DENSITY][a];
     arrays.real[FIELD_LAMBDA][b]   = cloud->field[FIELD_LAMBDA][a];
     arrays.real[FIELD_VOLUME][b]   = 0.5 * cloud->volume[a];
-    if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][b] = cloud->size[a];
+    if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][b] = ShareSize(cloud, change, a, 0.5);
+    if (arrays.real[FIELD_COLOUR]) arrays.real[FIELD_COLOUR][b] = cloud->field[FIELD_COLOUR][a];
     arrays.integer[INT_ID][b] = arrays.integer[INT_PARENT][b] = id[k];
     arrays.integer[INT_BODY][b]                               = cloud->integer[INT_BODY][a];
     arrays.integer[INT_SURFACE][b]                            = cloud->integer[INT_SURFACE][a];
@@ -144,9 +209,12 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   *report = (ResamplingReport){.joined = 0};
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-  PetscCall(ChangeCreate(cloud, &change));
+  if (ParticlesHave(cloud->particles, FIELD_COLOUR)) PetscCall(CloudUpdate(cloud, FIELD_COLOUR));
+  PetscCall(ChangeCreate(cloud, resampling, &change));
+  for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)
+    change.arrays.real[FIELD_SIZE][a] = ShareSize(cloud, &change, a, 1);
   PetscCall(JoinSmall(cloud, resampling, &change, report));
-  if (cloud->domain->rings) PetscCall(SplitLarge(cloud, resampling, &change, report));
+  if (ByShare(cloud->domain)) PetscCall(SplitLarge(cloud, resampling, &change, report));
   PetscCall(ParticlesClose(cloud->particles, &change.arrays));
   done[0] = report->joined;
   done[1] = report->split;
@@ -154,9 +222,13 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->energy, 1, MPIU_REAL, MPI_SUM, cloud->comm));
   report->joined = done[0];
   report->split  = done[1];
-  if (done[0] + done[1] > 0) PetscCall(Apply(cloud, &change));
+  /* sizes that have changed are new to the ghosts, too */
+  if (done[0] + done[1] > 0 || (cloud->domain->follow && ParticlesHave(cloud->particles, FIELD_SIZE)))
+    PetscCall(Apply(cloud, &change));
+  if (done[0] + done[1] > 0 && cloud->domain->follow) PetscCall(SmoothDisorder(cloud));
   PetscCall(PetscFree2(change.parent, change.at));
-  PetscCall(PetscFree3(change.keep, change.changed, change.area));
+  PetscCall(PetscFree2(change.keep, change.changed));
+  PetscCall(PetscFree2(change.unit, change.share));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_RESAMPLING), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

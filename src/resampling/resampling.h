@@ -3,10 +3,13 @@
    shrinks in a crown and grows in a jet. At an interval
      a ring with too small an area joins its nearest neighbour, and
      a ring with too large an area splits, in the direction of the widest gap between its neighbours.
+   With -spacing_follow all particles do the same with their volume over that of the target spacing at their place,
+   their share (target.c), and those that stand unevenly after it move a little (smooth.c).
    Other graded particles keep their volumes, but a splash throws small particles among large particles. These push a
    small particle about like a molecule and accelerate it: a small particle without others of its size joins its nearest
    larger neighbour.
-   Mass of each liquid, momentum and centre of mass are kept to round-off. A report counts the loss of kinetic energy.
+   Mass of each liquid, momentum and centre of mass are kept to round-off; the liquid of the first body is kept as the
+   colour of particles that have joined across bodies. A report counts the loss of kinetic energy.
    Distances and ids decide, so the result is the same on any number of ranks. */
 #ifndef ISPH_RESAMPLING_H
 #define ISPH_RESAMPLING_H
@@ -14,8 +17,10 @@
 #include "../operators/operators.h"
 
 typedef struct {
-  PetscInt  interval; /* steps between two resamplings; 0: never */
-  PetscReal alone;    /* a graded particle joins if liquid of its size fills less than this part of its support */
+  PetscInt  interval;       /* steps between two resamplings; 0: never */
+  PetscReal alone;          /* a graded particle joins if liquid of its size fills less than this part of its support */
+  PetscReal least, most;    /* shares below which a particle joins, and above which it splits */
+  PetscInt  particles_most; /* of all ranks: a target that needs more is made coarser; 0: no bound */
 } Resampling;
 
 typedef struct {

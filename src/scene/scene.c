@@ -54,6 +54,7 @@ PetscErrorCode SceneDestroy(Scene *scene)
   for (PetscInt b = 0; b < (*scene)->count; b++) PetscCall(BodyDestroy(&(*scene)->body[b]));
   for (PetscInt b = 0; b < (*scene)->solids; b++) PetscCall(BodyDestroy(&(*scene)->solid[b]));
   for (PetscInt b = 0; b < (*scene)->fine_regions; b++) PetscCall(BodyDestroy(&(*scene)->fine[b]));
+  PetscCall(SceneTargetDestroy(*scene));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -185,14 +186,14 @@ static PetscErrorCode CheckRings(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses -fine without -spacing_coarse and the reverse. */
+/* Refuses -fine and -spacing_follow without -spacing_coarse and the reverse. */
 static PetscErrorCode CheckGrading(Scene scene)
 {
   const Domain domain = scene->domain;
 
   PetscFunctionBegin;
-  PetscCheckUser(domain->graded == (PetscBool)(scene->fine_regions > 0), domain->comm,
-                 "-spacing_coarse and -fine belong together: %s is missing%s",
+  PetscCheckUser(domain->graded == (PetscBool)(scene->fine_regions > 0 || domain->follow), domain->comm,
+                 "-spacing_coarse belongs to -fine or -spacing_follow: %s is missing%s",
                  domain->graded ? "-fine, the names of the regions of the fine spacing," : "-spacing_coarse (m)",
                  OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -251,6 +252,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
   if (!scene->overlap) PetscCall(SceneCheckOverlap(scene));
+  if (domain->follow) PetscCall(SceneTargetBodies(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -310,16 +312,6 @@ const char *SceneName(Scene scene, PetscInt index)
   const PetscInt solid = index - scene->count, region = solid - scene->solids;
 
   return solid < 0 ? scene->body[index]->name : region < 0 ? scene->solid[solid]->name : scene->fine[region]->name;
-}
-
-PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM])
-{
-  const Domain domain = scene->domain;
-  PetscReal    least  = domain->spacing_coarse;
-
-  for (PetscInt b = 0; b < scene->fine_regions; b++)
-    least = PetscMin(least, domain->spacing + domain->growth * PetscMax(0, BodyDistance(scene->fine[b], x)));
-  return least;
 }
 
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest)

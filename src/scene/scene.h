@@ -20,7 +20,7 @@
    Functions about solids refer to the time of the last SceneMoveSolids unless they have an argument 'time'.
 
    -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: the particle spacing is -spacing in these regions
-   and grows to -spacing_coarse outside (SceneSpacing).
+   and grows to -spacing_coarse outside (SceneSpacing). With -spacing_follow it is fine near free surfaces, too.
 
    Shapes and their sizes (m):
    box         _lower, _upper (default: the simulation box)
@@ -152,8 +152,22 @@ PetscBool  SceneDriven(Scene scene);
 void       SceneSave(Scene scene);
 void       SceneRestore(Scene scene);
 /* SceneSpacing - the graded particle spacing (m) at x (m): -spacing plus -spacing_growth times the distance from the
-   regions of -fine, at most -spacing_coarse. */
+   regions of -fine, at most -spacing_coarse; with -spacing_follow the target, too. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
+/* The target of -spacing_follow: SceneTargetClear forgets its sources. SceneTargetAdd adds a source at x (m), whose
+   spacing (m) holds over -spacing_band around it; a source that wants hardly less than the coarse spacing counts for
+   nothing. SceneTargetSolids adds solids, where they are now, and emitters.
+   SceneTargetSpread finishes the target; only the sources of this rank need to have been added, and it is collective.
+   SceneTargetFill - tells that there is liquid at x (m), a particle of this spacing (m); SceneTargetFilled, collective,
+   ends that. SceneSurfaceSpacing - after it, the spacing (m) wanted at a point x (m) of the liquid's surface with this
+   sum of the principal curvatures (1/m); into: unit vector into the liquid. */
+void           SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing);
+PetscErrorCode SceneTargetFilled(Scene scene);
+PetscErrorCode SceneTargetClear(Scene scene);
+void           SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing);
+void           SceneTargetSolids(Scene scene);
+PetscErrorCode SceneTargetSpread(Scene scene);
+PetscReal      SceneSurfaceSpacing(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal curvature);
 /* SceneNames, SceneName - count and names of the bodies, then the solids, then the regions of -fine. */
 PetscInt    SceneNames(Scene scene);
 const char *SceneName(Scene scene, PetscInt index);

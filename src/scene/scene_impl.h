@@ -67,6 +67,14 @@ struct _p_Body {
   struct _p_Free     *free;               /* of a free body; else NULL */
 };
 
+/* The spacing that -spacing_follow wants, in cells over the box: see spacing.c. */
+typedef struct {
+  PetscInt       n[DIM], count;    /* of cells */
+  PetscReal      lower[DIM], size; /* m */
+  float         *value;            /* [count] m; NULL: nothing is followed */
+  unsigned char *liquid;           /* [count] 1: there is liquid in the cell */
+} SpacingTarget;
+
 struct _p_Scene {
   Domain        domain; /* borrowed */
   PetscInt      count;
@@ -74,7 +82,8 @@ struct _p_Scene {
   PetscInt      solids;
   Body          solid[SCENE_MAX_BODIES];
   PetscInt      fine_regions;
-  Body          fine[SCENE_MAX_BODIES];             /* regions of -fine; they have a shape only */
+  Body          fine[SCENE_MAX_BODIES]; /* regions of -fine; they have a shape only */
+  SpacingTarget target;
   PetscBool     overlap;                            /* see SceneBodiesOverlap */
   PetscReal     interface_tension;                  /* N/m; 0: the liquids mix */
   PetscInt      liquid[SCENE_MAX_BODIES];           /* 0 or 1, see SceneLiquid */
@@ -100,6 +109,10 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
+/* SceneTargetBodies - makes the target of -spacing_follow for the bodies at the start. Collective.
+   SceneTargetDestroy - frees it. */
+PetscErrorCode SceneTargetBodies(Scene scene);
+PetscErrorCode SceneTargetDestroy(Scene scene);
 /* LiquidsSetFromOptions - reads -interface_tension and -interface_bodies, after the bodies' options. Refuses
    (UserError) bodies that do not make two liquids. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);

@@ -132,7 +132,7 @@ static const struct {
   {"-shifting_conserved", NOT_WITH, GRADED, " yet"},
   {"-bodies_overlap", NOT_WITH, GRADED, " yet"},
   {INTERFACE, NOT_WITH, GRADED, " yet"},
-  {MOVING, NOT_WITH, GRADED, " yet: it would leave the fine region"},
+  {MOVING, NOT_WITH, "-fine", " yet: it would leave the fine region; -spacing_follow can"},
   {THINNING, NOT_WITH, GRADED, " yet"},
   {PHASES, NOT_WITH, GRADED, ": its sums are for particles of one size; " TENSION_CURVATURE " can"},
   {POISSON, NOT_WITH, GRADED,

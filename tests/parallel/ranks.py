@@ -61,6 +61,10 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2 -time_step 4e-5
  -resampling_interval 3 -resampling_alone 0.9 """
+# The spacing follows surfaces: particles of both bodies split and join.
+FOLLOWING = (GRADED.split("-fine")[0] + "-spacing_growth 0.2 -spacing_follow curvature -spacing_curvature 6 -time_step 4e-5 "
+             "-resampling_interval 3 ")
+FOLLOWING_TORI = TORI + "-spacing_coarse 2e-3 -spacing_growth 0.2 -spacing_follow surface "
 # A drop that wets the floor, is repelled by a wall that has an angle of its own, and by a ball that moves.
 WETTED = """-spacing 0.8e-3 -box_lower 0,0,0 -box_upper 12e-3,9.6e-3,8e-3 -box_x wall -box_y periodic -box_zmin wall
  -wall_contact_angle 60 -box_xmin_contact_angle 110 -gravity 0,0,-9.81 -bodies drop -drop_shape sphere
@@ -95,7 +99,8 @@ def compare(name, scene, ranks, spacing, velocity, tolerance):
 
 SCENES = {"splash": (SPLASH, (2, 3, 4), 0.8e-3, 3), "splash_paper": (PAPER, (2, 3), 0.8e-3, 3),
           "rings": (RINGS, (2, 4), 0.8e-3, 3), "tori": (TORI, (2, 4), 1e-3, 3), "graded": (GRADED, (2, 4), 1e-3, 3),
-          "graded_tori": (GRADED_TORI, (2, 4), 1e-3, 3), "periodic_2d": (PERIODIC_2D, (2, 3, 4), 0.02, 4),
+          "graded_tori": (GRADED_TORI, (2, 4), 1e-3, 3), "following": (FOLLOWING, (2, 4), 1e-3, 3),
+          "following_tori": (FOLLOWING_TORI, (2, 4), 1e-3, 3), "periodic_2d": (PERIODIC_2D, (2, 3, 4), 0.02, 4),
           "floating": (FLOATING, (2, 3, 4), 0.02, 1), "wetted": (WETTED, (2, 4), 0.8e-3, 1),
           "lens": (LENS, (2, 3, 4), 0.8e-3, 1), "lonely": (LONELY, (2, 4), 1e-3, 1)}
 for part in runs.parts(*SCENES):

@@ -52,6 +52,10 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2
  -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4
  -resampling_interval 3 -resampling_alone 0.9 """
+# The spacing follows surfaces.
+FOLLOWING = GRADED.replace("-fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3",
+                           "-spacing_follow curvature -spacing_curvature 6").replace("-resampling_alone 0.9", "")
+FOLLOWING_TORI = TORI + "-spacing_coarse 2e-3 -spacing_growth 0.2 -spacing_follow surface "
 # A lens of one liquid on another.
 LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81
  -bodies drop,bath -bodies_overlap -drop_shape sphere -drop_radius 3e-3 -drop_center 5e-3,5e-3 -drop_density 700
@@ -176,7 +180,8 @@ def clock():
 
 SCENES = {"impact": (IMPACT, 1e-3, 1, []), "impact_parallel": (IMPACT, 1e-3, 2, [1, 3]), "plane": (PLANE, 0.02, 1, [2]),
           "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]), "tori": (TORI, 1e-3, 1, [3]),
-          "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1])}
+          "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1]),
+          "following": (FOLLOWING, 1e-3, 2, [1]), "following_tori": (FOLLOWING_TORI, 1e-3, 1, [2])}
 ALONE = {"inside": inside, "clock": clock}
 for part in runs.parts(*SCENES, *ALONE):
     if part in ALONE:

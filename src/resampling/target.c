@@ -1,0 +1,115 @@
+/* The sources of -spacing_follow: particles of the free surface, each with the spacing that its curvature asks for. */
+#include "../neighbors/pairs.h"
+#include "resampling_impl.h"
+
+#define THIN      0.4 /* lambda below which liquid is too thin for a curvature: it keeps its spacing */
+#define SAME_SIDE 0.2 /* least cosine of two normals on the same side of the liquid, as in tension/curvature.c */
+
+/* The neighbours of surface particle a on the same side of the surface, [n] places in its row, which is loaded with
+   their weights. */
+static PetscInt SameSide(Cloud cloud, PetscInt a, PairRow *row, PetscInt place[])
+{
+  const PetscReal *g = cloud->field[FIELD_NORMAL], *n = g + DIM * a, length = Norm(n);
+  PetscInt         count = 0;
+
+  PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
+  PairRowEvaluate(cloud, a, row);
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscInt   b  = row->index[k];
+    const PetscReal *nb = g + DIM * b, of_b = Norm(nb);
+
+    if (cloud->integer[INT_LAYER][b] == 0 && cloud->integer[INT_SURFACE][b] == 1 && row->r2[k] > 0 && of_b > 0 &&
+        Dot(n, nb) > SAME_SIDE * length * of_b)
+      place[count++] = k;
+  }
+  return count;
+}
+
+/* The sum of the principal curvatures (1/m) of the free surface at particle a from the normals of its neighbours on the
+   surface: in the direction of a neighbour the curvature is (n_b - n_a).(x_b - x_a) over their distance squared, and
+   the mean over all directions is half the sum in space. */
+static PetscReal FromNormals(Cloud cloud, PetscInt a, PairRow *row, PetscInt place[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *g = cloud->field[FIELD_NORMAL], *n = g + DIM * a;
+  const PetscReal  length = Norm(n);
+  const PetscInt   count  = SameSide(cloud, a, row, place);
+  PetscReal        sum = 0, weights = 0;
+
+  for (PetscInt l = 0; l < count; l++) {
+    const PetscInt   k  = place[l];
+    const PetscReal *nb = g + DIM * row->index[k], of_b = Norm(nb), r[DIM] = {row->dx[k], row->dy[k], row->dz[k]};
+
+    for (PetscInt d = 0; d < DIM; d++) sum += row->W[k] / row->r2[k] * (n[d] / length - nb[d] / of_b) * r[d];
+    weights += row->W[k];
+  }
+  if (weights > 0) sum *= -(PetscReal)(cloud->domain->dim - 1) / weights; /* FIELD_NORMAL points into the liquid */
+  if (cloud->domain->rings) sum -= n[0] / length / PetscMax(x[DIM * a], cloud->size[a] * cloud->domain->spacing);
+  return sum;
+}
+
+/* The mean of a value over surface particle a and its neighbours on the same side: the target takes the least spacing
+   around, which would be that of the noise. */
+static PetscReal Smoothed(Cloud cloud, PetscInt a, const PetscReal value[], PairRow *row, PetscInt place[])
+{
+  const PetscInt count = SameSide(cloud, a, row, place);
+  PetscReal      sum   = value[a];
+
+  for (PetscInt l = 0; l < count; l++) sum += value[row->index[place[l]]];
+  return sum / (1 + count);
+}
+
+/* Whether particle a tells where the free surface is. Thin liquid and spray have no curvature. */
+static PetscBool OnSurface(Cloud cloud, PetscInt a)
+{
+  return (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && Norm(cloud->field[FIELD_NORMAL] + DIM * a) > 0 &&
+                     cloud->field[FIELD_LAMBDA][a] >= THIN);
+}
+
+/* Adds the free surface as it is. curvature ([n_total], 1/m): that of the liquid's tension where it has any. */
+static PetscErrorCode AddSurface(Cloud cloud, PetscReal curvature[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  PetscInt         place[ROW_CAPACITY];
+  PairRow          row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal sigma     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
+                    capillary = CloudIsCurrent(cloud, FIELD_CAPILLARY) ? cloud->field[FIELD_CAPILLARY][a] : 0;
+
+    curvature[a] = 0;
+    if (OnSurface(cloud, a))
+      curvature[a] = sigma > 0 && capillary != 0 ? capillary / sigma : FromNormals(cloud, a, &row, place);
+  }
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, curvature));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
+    PetscReal        into[DIM], spacing = cloud->size[a] * cloud->domain->spacing;
+
+    if (cloud->integer[INT_SURFACE][a] != 1) continue;
+    for (PetscInt d = 0; d < DIM; d++) into[d] = OnSurface(cloud, a) ? n[d] / Norm(n) : 0;
+    if (OnSurface(cloud, a))
+      spacing = SceneSurfaceSpacing(cloud->scene, x + DIM * a, into, Smoothed(cloud, a, curvature, &row, place));
+    SceneTargetAdd(cloud->scene, x + DIM * a, spacing);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TargetFind(Cloud cloud)
+{
+  PetscReal *curvature;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
+  PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
+  PetscCall(SceneTargetClear(cloud->scene));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    SceneTargetFill(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, cloud->size[a] * cloud->domain->spacing);
+  PetscCall(SceneTargetFilled(cloud->scene));
+  SceneTargetSolids(cloud->scene);
+  PetscCall(CloudGetWork(cloud, 1, &curvature));
+  PetscCall(AddSurface(cloud, curvature));
+  PetscCall(CloudRestoreWork(cloud, &curvature));
+  PetscCall(SceneTargetSpread(cloud->scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

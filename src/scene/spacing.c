@@ -1,0 +1,337 @@
+/* The particle spacing that a scene wants at a place: -spacing in the regions of -fine and near what -spacing_follow
+   follows, growing from there to -spacing_coarse.
+
+   What -spacing_follow follows changes with time: free surfaces, solids and emitters are sources, each with its own
+   spacing. A grid over the box holds the least of (spacing of a source + growth times distance), by the chamfer
+   distances 1, 4/3 and 5/3 of cells that share a face, an edge, a corner (Borgefors 1986). The distance is one through
+   air, so a drop that comes near a pool makes the pool fine before they touch. */
+#include "scene_impl.h"
+
+#define CELL         2.      /* fine spacings, least width of a cell */
+#define CELLS_MOST   2000000 /* wider cells keep to this number; each rank has all of them */
+#define CELL_GROWTH  1.1     /* factor by which they widen */
+#define NORMAL_STEP  0.1     /* fine spacings, of the differences that give a normal */
+#define STENCIL      2.      /* fine spacings, step of the differences for the curvature of a body */
+#define ACROSS       5.      /* particles across the thickness of a sheet, at least */
+#define MARCH        0.5     /* cells, step of the search for the other side */
+#define NEAR         1.2     /* cells, distance of a surface from a centre */
+#define SHARP        0.05    /* least radius of a surface over that of its parallel */
+#define OUTSIDE      0.5     /* fine spacings outside a surface, where air is if it is free */
+#define SOLID_MARGIN 4.      /* fine spacings around solids and emitters within which the liquid is fine */
+#define BACKWARD     13      /* neighbours of a cell that come before it, of 26 */
+
+static PetscInt CellOf(const SpacingTarget *t, const PetscReal x[DIM])
+{
+  PetscInt at[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++)
+    at[d] = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal((x[d] - t->lower[d]) / t->size)));
+  return CellIndex(t->n, at[0], at[1], at[2]);
+}
+
+static void CellCenter(const SpacingTarget *t, PetscInt c, PetscReal x[DIM])
+{
+  PetscInt at[DIM];
+
+  CellCoordinates(t->n, c, at);
+  for (PetscInt d = 0; d < DIM; d++) x[d] = t->n[d] > 1 ? t->lower[d] + (at[d] + 0.5) * t->size : 0;
+}
+
+PetscErrorCode SceneTargetClear(Scene scene)
+{
+  const Domain   domain = scene->domain;
+  SpacingTarget *t      = &scene->target;
+
+  PetscFunctionBegin;
+  if (!t->value) {
+    PetscReal count;
+
+    t->size = CELL * domain->spacing;
+    do {
+      count = 1;
+      for (PetscInt d = 0; d < DIM; d++) {
+        t->lower[d] = domain->lower[d];
+        t->n[d]     = d < domain->dim ? (PetscInt)PetscCeilReal((domain->upper[d] - domain->lower[d]) / t->size) : 1;
+        count *= t->n[d];
+      }
+      if (count > CELLS_MOST) t->size *= CELL_GROWTH;
+    } while (count > CELLS_MOST);
+    t->count = (PetscInt)count;
+    PetscCall(PetscMalloc1(t->count, &t->value));
+    PetscCall(PetscMalloc1(t->count, &t->liquid));
+  }
+  for (PetscInt c = 0; c < t->count; c++) t->value[c] = (float)domain->spacing_coarse;
+  PetscCall(PetscArrayzero(t->liquid, t->count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneTargetDestroy(Scene scene)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(scene->target.value));
+  PetscCall(PetscFree(scene->target.liquid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
+{
+  const Domain    domain = scene->domain;
+  const PetscReal within = domain->growth * domain->band;
+  float          *value  = &scene->target.value[CellOf(&scene->target, x)];
+
+  if (spacing < domain->spacing_coarse - within) *value = PetscMin(*value, (float)(spacing - within));
+}
+
+void SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
+{
+  const SpacingTarget *t = &scene->target;
+  PetscInt             first[DIM], last[DIM], cell[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal place = (x[d] - t->lower[d]) / t->size, half = 0.5 * spacing / t->size;
+
+    first[d] = cell[d] = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal(place - half)));
+    last[d]            = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal(place + half)));
+  }
+  do t->liquid[CellIndex(t->n, cell[0], cell[1], cell[2])] = 1;
+  while (CellNext(first, last, cell));
+}
+
+PetscErrorCode SceneTargetFilled(Scene scene)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, scene->target.liquid, scene->target.count, MPI_UNSIGNED_CHAR, MPI_MAX,
+                             scene->domain->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How deep (m) the liquid is behind the point x of its surface, along the unit vector 'into'; at most 'most'. */
+static PetscReal Thickness(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal most)
+{
+  const Domain         domain = scene->domain;
+  const SpacingTarget *t      = &scene->target;
+
+  for (PetscReal depth = 0; depth < most; depth += MARCH * t->size) {
+    PetscReal y[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + depth * into[d];
+    for (PetscInt d = 0; d < domain->dim; d++) {
+      if (y[d] < domain->lower[d] && domain->face[d][0] == FACE_SYMMETRY) y[d] = 2 * domain->lower[d] - y[d];
+      if (y[d] > domain->upper[d] && domain->face[d][1] == FACE_SYMMETRY) y[d] = 2 * domain->upper[d] - y[d];
+    }
+    DomainWrap(domain, y);
+    for (PetscInt d = 0; d < domain->dim; d++)
+      if (y[d] < domain->lower[d] || y[d] > domain->upper[d]) return depth;
+    if (!t->liquid[CellOf(t, y)]) return depth;
+  }
+  return most;
+}
+
+PetscReal SceneSurfaceSpacing(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal curvature)
+{
+  const Domain    domain = scene->domain;
+  const PetscReal coarse = domain->spacing_coarse;
+  PetscReal       spacing;
+
+  if (domain->follow == FOLLOW_SURFACE) return domain->spacing;
+  spacing = PetscMin(coarse, 1 / (domain->per_radius * (PetscAbsReal(curvature) + PETSC_SMALL)));
+  spacing = PetscMin(spacing, Thickness(scene, x, into, ACROSS * coarse) / ACROSS);
+  return PetscMax(domain->spacing, spacing);
+}
+
+/* A pass over the cells, forwards or backwards: each takes what those before it allow. */
+static void Sweep(const Domain domain, SpacingTarget *t, PetscInt direction)
+{
+  const float step[DIM + 1] = {0, (float)(domain->growth * t->size), (float)(domain->growth * t->size * 4 / 3),
+                               (float)(domain->growth * t->size * 5 / 3)};
+
+  for (PetscInt k = 0; k < t->count; k++) {
+    const PetscInt c     = direction > 0 ? k : t->count - 1 - k;
+    float          least = t->value[c];
+    PetscInt       at[DIM];
+
+    CellCoordinates(t->n, c, at);
+    for (PetscInt l = 0; l < BACKWARD; l++) {
+      const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
+      PetscInt       to[DIM], moves = 0;
+      PetscBool      inside = PETSC_TRUE;
+
+      for (PetscInt d = 0; d < DIM; d++) {
+        to[d] = at[d] + direction * by[d];
+        moves += by[d] != 0;
+        if (domain->face[d][0] == FACE_PERIODIC) to[d] = (to[d] + t->n[d]) % t->n[d];
+        inside = (PetscBool)(inside && to[d] >= 0 && to[d] < t->n[d]);
+      }
+      if (inside) least = PetscMin(least, t->value[CellIndex(t->n, to[0], to[1], to[2])] + step[moves]);
+    }
+    t->value[c] = least;
+  }
+}
+
+PetscErrorCode SceneTargetSpread(Scene scene)
+{
+  const Domain domain = scene->domain;
+  PetscBool    wraps  = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, scene->target.value, scene->target.count, MPI_FLOAT, MPI_MIN, domain->comm));
+  for (PetscInt d = 0; d < domain->dim; d++) wraps = (PetscBool)(wraps || domain->face[d][0] == FACE_PERIODIC);
+  for (PetscInt round = 0; round < (wraps ? 2 : 1); round++) {
+    Sweep(domain, &scene->target, 1);
+    Sweep(domain, &scene->target, -1);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The target at x, between the centres of the cells around it. */
+static PetscReal Interpolate(const SpacingTarget *t, const PetscReal x[DIM])
+{
+  PetscReal sum = 0, part[DIM];
+  PetscInt  first[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscReal place =
+      t->n[d] > 1 ? PetscMax(0, PetscMin(t->n[d] - 1.0, (x[d] - t->lower[d]) / t->size - 0.5)) : 0;
+
+    first[d] = PetscMax(0, PetscMin(t->n[d] - 2, (PetscInt)place));
+    part[d]  = place - first[d];
+  }
+  for (PetscInt corner = 0; corner < 1 << DIM; corner++) {
+    PetscReal weight = 1;
+    PetscInt  at[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscInt up = corner >> d & 1;
+
+      weight *= up ? part[d] : 1 - part[d];
+      at[d] = PetscMin(t->n[d] - 1, first[d] + up);
+    }
+    sum += weight * t->value[CellIndex(t->n, at[0], at[1], at[2])];
+  }
+  return sum;
+}
+
+PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM])
+{
+  const Domain domain = scene->domain;
+  PetscReal    least  = domain->spacing_coarse;
+
+  for (PetscInt b = 0; b < scene->fine_regions; b++)
+    least = PetscMin(least, domain->spacing + domain->growth * PetscMax(0, BodyDistance(scene->fine[b], x)));
+  if (scene->target.value) least = PetscMin(least, PetscMax(domain->spacing, Interpolate(&scene->target, x)));
+  return least;
+}
+
+/* The distance of x from the surface of body b, of which walls and mirrors of the box make no edge. */
+static PetscReal MirroredDistance(Scene scene, PetscInt b, const PetscReal x[DIM])
+{
+  const Domain domain = scene->domain;
+  PetscReal    y[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    y[d] = x[d];
+    if (d >= domain->dim) continue;
+    if (y[d] < domain->lower[d] && domain->face[d][0] != FACE_OPEN) y[d] = 2 * domain->lower[d] - y[d];
+    if (y[d] > domain->upper[d] && domain->face[d][1] != FACE_OPEN) y[d] = 2 * domain->upper[d] - y[d];
+  }
+  return SceneOwnDistance(scene, b, y);
+}
+
+/* The unit normal n out of body b at x; false: the distance has no slope there. */
+static PetscBool FindNormal(Scene scene, PetscInt b, const PetscReal x[DIM], PetscReal n[DIM])
+{
+  const PetscReal step = NORMAL_STEP * scene->domain->spacing;
+  PetscReal       length;
+
+  for (PetscInt d = 0; d < DIM; d++) {
+    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
+
+    low[d] -= step;
+    high[d] += step;
+    n[d] = d < scene->domain->dim ? MirroredDistance(scene, b, high) - MirroredDistance(scene, b, low) : 0;
+  }
+  length = Norm(n);
+  for (PetscInt d = 0; d < DIM && length > 0; d++) n[d] /= length;
+  return (PetscBool)(length > 0);
+}
+
+/* Whether there is air at x (m), in the box. */
+static PetscBool IsAir(Scene scene, const PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < scene->domain->dim; d++)
+    if (x[d] < scene->domain->lower[d] || x[d] > scene->domain->upper[d]) return PETSC_FALSE;
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (!scene->body[b]->emitter && BodyContains(scene->body[b], x)) return PETSC_FALSE;
+  return (PetscBool)(SceneSolidDistance(scene, x, NULL) > 0);
+}
+
+/* Makes the free surface of body b a source if it is near the centre of the cell c, which is in air. The sum of the
+   principal curvatures is the Laplacian of the distance, with rings the slope of their radius, too. The Laplacian is
+   that of the parallel surface one step of the differences outside, so that no point of them is inside, where the
+   distance knows the faces of a body that lie on walls. */
+static void AddSurface(Scene scene, PetscInt b, PetscInt c)
+{
+  const Domain    domain = scene->domain;
+  const PetscReal step   = STENCIL * domain->spacing;
+  PetscReal       x[DIM], n[DIM], out[DIM], into[DIM], middle, distance, curvature = 0, inward;
+
+  CellCenter(&scene->target, c, x);
+  distance = MirroredDistance(scene, b, x);
+  if (distance <= 0 || distance > NEAR * scene->target.size || !FindNormal(scene, b, x, n)) return;
+  for (PetscInt d = 0; d < DIM; d++) {
+    x[d] -= distance * n[d];
+    out[d] = x[d] + OUTSIDE * domain->spacing * n[d];
+  }
+  if (!IsAir(scene, out)) return;
+  for (PetscInt d = 0; d < DIM; d++) out[d] = x[d] + step * n[d];
+  middle = MirroredDistance(scene, b, out);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    PetscReal low[DIM] = {out[0], out[1], out[2]}, high[DIM] = {out[0], out[1], out[2]};
+
+    low[d] -= step;
+    high[d] += step;
+    curvature += (MirroredDistance(scene, b, low) + MirroredDistance(scene, b, high) - 2 * middle) / (step * step);
+  }
+  if (domain->rings) curvature += n[0] / PetscMax(out[0], step);
+  inward = 1 - curvature * step / (domain->rings ? 2 : domain->dim - 1); /* exact for spheres */
+  for (PetscInt d = 0; d < DIM; d++) {
+    into[d] = -n[d];
+    out[d]  = x[d] + OUTSIDE * scene->target.size * into[d]; /* in a cell of liquid */
+  }
+  SceneTargetAdd(scene, x, SceneSurfaceSpacing(scene, out, into, curvature / PetscMax(inward, SHARP)));
+}
+
+void SceneTargetSolids(Scene scene)
+{
+  const PetscReal margin = SOLID_MARGIN * scene->domain->spacing + scene->target.size;
+  PetscReal       x[DIM];
+
+  if (!scene->solids && !SceneEmits(scene)) return;
+  for (PetscInt c = 0; c < scene->target.count; c++) {
+    PetscBool fine;
+
+    CellCenter(&scene->target, c, x);
+    fine = (PetscBool)(PetscAbsReal(SceneSolidDistance(scene, x, NULL)) < margin);
+    for (PetscInt b = 0; b < scene->count && !fine; b++)
+      fine = (PetscBool)(scene->body[b]->emitter && BodyDistance(scene->body[b], x) < margin);
+    if (fine) SceneTargetAdd(scene, x, scene->domain->spacing);
+  }
+}
+
+PetscErrorCode SceneTargetBodies(Scene scene)
+{
+  PetscFunctionBegin;
+  PetscCall(SceneTargetClear(scene));
+  for (PetscInt c = 0; c < scene->target.count; c++) {
+    PetscReal x[DIM];
+
+    CellCenter(&scene->target, c, x);
+    for (PetscInt b = 0; b < scene->count; b++)
+      if (!scene->body[b]->emitter && BodyContains(scene->body[b], x)) scene->target.liquid[c] = 1;
+  }
+  SceneTargetSolids(scene);
+  for (PetscInt b = 0; b < scene->count; b++)
+    for (PetscInt c = 0; c < scene->target.count && !scene->body[b]->emitter; c++) AddSurface(scene, b, c);
+  PetscCall(SceneTargetSpread(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,123 @@
+/* The spacing follows the surface: the target for known shapes, what joins and splits keep, the bound on particles.
+   Lengths in fine spacings. Runs on any number of ranks. */
+#include "../../src/resampling/resampling.h"
+#include "setup.h"
+#include "check.h"
+
+#define POOL                                                                                                           \
+  "-spacing 1 -spacing_coarse 4 -spacing_growth 0.1 -spacing_band 4 -box_lower 0,0,0 -box_upper 40,40,60 "             \
+  "-box_x symmetry -box_y symmetry -box_zmin wall -bodies film,drop -film_upper 40,40,20 -drop_shape sphere "          \
+  "-drop_center 0,0,34 -drop_radius 8 -halo_slack 0.1 -film_density 1 -drop_density 1 -film_viscosity 1 "              \
+  "-drop_viscosity 1 -film_tension 1 -drop_tension 1 "
+
+/* A drop of radius R and curvature 2/R wants R/8 with four spacings a radius 1/(k1 + k2); a flat film none, at the
+   faces of the box neither; a sheet a fifth of its thickness; between, the spacing grows with the distance. */
+static PetscErrorCode TestTarget(void)
+{
+  const PetscReal top[DIM] = {0, 0, 42}, far[DIM] = {39, 39, 19}, corner[DIM] = {39.5, 20, 20},
+                  beside[DIM] = {20, 0, 34}, below[DIM] = {0, 0, 20}, floor[DIM] = {30, 30, 1},
+                  sheet[DIM] = {20, 20, 30};
+  Setup s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(POOL "-spacing_follow curvature ", &s));
+  CHECK_CLOSE(SceneSpacing(s.scene, top), 1, 0.01, "a drop of eight spacings is fine");
+  CHECK_CLOSE(SceneSpacing(s.scene, far), 4, 1e-6, "flat liquid far away is coarse");
+  CHECK_CLOSE(SceneSpacing(s.scene, corner), 4, 0.3, "a wall makes no edge of the film");
+  CHECK_CLOSE(SceneSpacing(s.scene, beside), 1 + 0.1 * (12 - 4), 0.15, "the spacing grows with the distance");
+  CHECK_CLOSE(SceneSpacing(s.scene, below), 1 + 0.1 * (6 - 4), 0.15, "and through the air");
+  CHECK_CLOSE(SceneSpacing(s.scene, floor), 4, 1e-6, "the floor asks for nothing");
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupOpen(POOL "-spacing_follow surface ", &s));
+  CHECK_CLOSE(SceneSpacing(s.scene, far), 1, 0.01, "all free surfaces are fine");
+  CHECK_CLOSE(SceneSpacing(s.scene, floor), 1 + 0.1 * (19 - 4), 0.2, "and walls are not");
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupOpen(POOL
+                      "-spacing_follow curvature -bodies film,drop,sheet -sheet_lower 0,0,27 -sheet_upper 40,40,37 "
+                      "-bodies_overlap -drop_radius 1 -drop_center 0,0,55 -sheet_density 1 ",
+                      &s));
+  CHECK_CLOSE(SceneSpacing(s.scene, sheet), 1.35, 0.35, "a sheet has five particles across");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Volume of the liquid and of the first body's, moment, momentum, number. */
+static void SumLiquid(Cloud cloud, PetscReal sum[5])
+{
+  for (PetscInt k = 0; k < 5; k++) sum[k] = 0;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    sum[0] += cloud->volume[a];
+    sum[1] += cloud->volume[a] * cloud->field[FIELD_COLOUR][a];
+    sum[2] += cloud->volume[a] * cloud->field[FIELD_POSITION][DIM * a + 2];
+    sum[3] += cloud->volume[a] * cloud->field[FIELD_VELOCITY][DIM * a + 2];
+    sum[4] += 1;
+  }
+  for (PetscInt k = 0; k < 5; k++) sum[k] = SetupSum(sum[k]);
+}
+
+/* A drop in the film of another body, both packed for a surface that is fine, then followed by curvature: the film
+   becomes coarse, the drop's liquid mixes into it, and volume, colour, momentum and, but for the smoothing, the centre
+   stay. Then the reverse, with a bound on the particles. */
+static PetscErrorCode TestKept(void)
+{
+  Setup            s;
+  ParticleArrays   arrays;
+  Resampling       resampling;
+  ResamplingReport report;
+  PetscReal        before[5], after[5];
+  PetscInt         joined = 0, split = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(POOL "-spacing_follow surface -drop_center 0,0,24 -drop_radius 4.5 -box_upper 40,40,40 ", &s));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.integer[INT_LAYER][a] == 0)
+      arrays.real[FIELD_VELOCITY][DIM * a + 2] = arrays.integer[INT_BODY][a] ? -3 : 0;
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  SumLiquid(s.cloud, before);
+  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
+  s.domain->follow = FOLLOW_CURVATURE;
+  for (PetscInt k = 0; k < 6; k++) {
+    PetscCall(SetupMoments(&s));
+    PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
+    PetscCall(Resample(s.cloud, &resampling, &report));
+    joined += report.joined;
+    split += report.split;
+  }
+  SumLiquid(s.cloud, after);
+  CHECK(joined > 0.15 * before[4], "flat liquid becomes coarse");
+  CHECK_CLOSE(after[4], before[4] - joined + split, 0, "those that join are gone, those that split are two");
+  CHECK_CLOSE(after[0], before[0], 1e-12 * before[0], "the volume stays");
+  CHECK_CLOSE(after[1], before[1], 1e-12 * before[0], "the volume of each liquid stays");
+  CHECK_CLOSE(after[2], before[2], 0.01 * before[2], "the centre stays, but for the smoothing");
+  CHECK_CLOSE(after[3], before[3], 1e-12 * before[0], "the momentum stays");
+  split                     = 0;
+  s.domain->follow          = FOLLOW_SURFACE;
+  resampling.particles_most = (PetscInt)(1.5 * after[4]);
+  for (PetscInt k = 0; k < 8; k++) {
+    PetscCall(SetupMoments(&s));
+    PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
+    PetscCall(Resample(s.cloud, &resampling, &report));
+    split += report.split - report.joined;
+  }
+  SumLiquid(s.cloud, after);
+  CHECK(split > 0, "the surface becomes fine again");
+  CHECK(after[4] < 1.35 * resampling.particles_most, "no more particles than asked for, but for what is about to join");
+  CHECK_CLOSE(after[0], before[0], 1e-12 * before[0], "the volume stays in splits");
+  CHECK_CLOSE(after[1], before[1], 1e-12 * before[0], "and the colour");
+  CHECK_CLOSE(after[3], before[3], 1e-12 * before[0], "and the momentum");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(LogRegister());
+  PetscCall(TestTarget());
+  PetscCall(TestKept());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
