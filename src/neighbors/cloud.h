@@ -79,8 +79,8 @@ typedef struct _p_Cloud {
   PetscInt   halo_builds, migrations, repartitions; /* statistics */
 } * Cloud;
 
-/* CloudCreate - borrows its first four arguments. reach: largest kernel support of any operator (m), at size 1.
-   Collective. */
+/* CloudCreate - finds where the spacing is fine at the start; borrows its first four arguments. reach: largest kernel
+   support of any operator (m), at size 1. Collective. */
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud);
 /* CloudSetFromOptions - -halo_slack (in spacings), -sort_interval. Collective. */

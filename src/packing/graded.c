@@ -117,12 +117,12 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
   const Body               body   = SceneBody(packing->cloud->scene, b);
   const unsigned long long seed   = (unsigned long long)packing->seed;
   const PetscReal          jitter = LatticeJitter(packing);
-  Region                   region = {
-                      .packing = packing, .dim = domain->dim, .body = b, .level = level, .coarsest = domain->spacing_coarse};
-  PetscReal stretch;
+  Region                   region = {.packing = packing, .dim = domain->dim, .body = b, .level = level};
+  PetscReal                stretch;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++) region.along[d] = PETSC_TRUE;
+  region.coarsest = domain->spacing_coarse;
   BodyBounds(body, region.lower, region.upper);
   LatticeOfBody(domain, domain->spacing, body, &region.fine);
   LatticeOfBody(domain, region.coarsest, body, &region.coarse);

@@ -134,7 +134,9 @@ static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
       change->arrays.real[f][k] = of_b * cloud->field[f][k] + of_a * cloud->field[f][Fields[f].width * a + c];
     }
   change->arrays.real[FIELD_VOLUME][b] = sum;
-  if (change->arrays.real[FIELD_SIZE]) change->arrays.real[FIELD_SIZE][b] = ShareSize(cloud, change, b, sum / V[b]);
+  if (change->arrays.real[FIELD_SIZE])
+    change->arrays.real[FIELD_SIZE][b] =
+      cloud->domain->follow ? ShareSize(cloud, change, b, sum / V[b]) : Mean(cloud, change->unit, a, b);
   if (change->arrays.real[FIELD_COLOUR]) {
     const PetscReal colour = Mean(cloud, cloud->field[FIELD_COLOUR], a, b);
     PetscInt       *body   = &change->arrays.integer[INT_BODY][b];

@@ -54,7 +54,8 @@ PetscErrorCode SceneDestroy(Scene *scene)
   for (PetscInt b = 0; b < (*scene)->count; b++) PetscCall(BodyDestroy(&(*scene)->body[b]));
   for (PetscInt b = 0; b < (*scene)->solids; b++) PetscCall(BodyDestroy(&(*scene)->solid[b]));
   for (PetscInt b = 0; b < (*scene)->fine_regions; b++) PetscCall(BodyDestroy(&(*scene)->fine[b]));
-  PetscCall(SceneTargetDestroy(*scene));
+  PetscCall(PetscFree((*scene)->target.value));
+  PetscCall(PetscFree((*scene)->target.liquid));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -252,7 +253,6 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
   if (!scene->overlap) PetscCall(SceneCheckOverlap(scene));
-  if (domain->follow) PetscCall(SceneTargetBodies(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -154,7 +154,8 @@ void       SceneRestore(Scene scene);
 /* SceneSpacing - the graded particle spacing (m) at x (m): -spacing plus -spacing_growth times the distance from the
    regions of -fine, at most -spacing_coarse; with -spacing_follow the target, too. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
-/* The target of -spacing_follow: SceneTargetClear forgets its sources. SceneTargetAdd adds a source at x (m), whose
+/* The target of -spacing_follow. SceneTargetBodies, collective, makes it for the bodies at the start; or, later,
+   SceneTargetClear forgets its sources. SceneTargetAdd adds a source at x (m), whose
    spacing (m) holds over -spacing_band around it; a source that wants hardly less than the coarse spacing counts for
    nothing. SceneTargetSolids adds solids, where they are now, and emitters.
    SceneTargetSpread finishes the target; only the sources of this rank need to have been added, and it is collective.
@@ -163,6 +164,7 @@ PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
    sum of the principal curvatures (1/m); into: unit vector into the liquid. */
 void           SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing);
 PetscErrorCode SceneTargetFilled(Scene scene);
+PetscErrorCode SceneTargetBodies(Scene scene);
 PetscErrorCode SceneTargetClear(Scene scene);
 void           SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing);
 void           SceneTargetSolids(Scene scene);

@@ -109,10 +109,6 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
-/* SceneTargetBodies - makes the target of -spacing_follow for the bodies at the start. Collective.
-   SceneTargetDestroy - frees it. */
-PetscErrorCode SceneTargetBodies(Scene scene);
-PetscErrorCode SceneTargetDestroy(Scene scene);
 /* LiquidsSetFromOptions - reads -interface_tension and -interface_bodies, after the bodies' options. Refuses
    (UserError) bodies that do not make two liquids. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);

@@ -65,14 +65,6 @@ PetscErrorCode SceneTargetClear(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneTargetDestroy(Scene scene)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(scene->target.value));
-  PetscCall(PetscFree(scene->target.liquid));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 void SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
 {
   const Domain    domain = scene->domain;

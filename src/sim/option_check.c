@@ -60,7 +60,7 @@ static const struct {
   {"pressure_pairing_moving", CONSTANT(PAIRING_MOVING, "pressure/gradient.c")},
   {"pressure_rebuild_growth", CONSTANT(REBUILD_GROWTH, "pressure/solve.c")},
   {"pressure_relaxation_steps", CONSTANT(LEAST_STEPS, "pressure/source.c")},
-  {"resampling_least", CONSTANT(LEAST, "resampling/join.c")},
+  {"resampling_least", CONSTANT(LEAST, "resampling/resampling_impl.h")},
   {"resampling_most", CONSTANT(MOST, "resampling/resampling_impl.h")},
   {"shifting_cap", CONSTANT(CAP, "stepper/shifting.c")},
   {"sound_projected", "the first pressure is always that of a projection now"},

@@ -118,6 +118,7 @@ ENTRIES += both("film_at_rest", "tank", REGULAR, shared="-spacing 0.025", file="
                 spacings=(0.1, 0.05, 0.025))
 ENTRIES += [Entry("film_at_rest", "rings", size=TEST, file=RINGS),
             Entry("film_at_rest", "graded, 0.5 to 1 mm", file="graded.opts"),
+            Entry("film_at_rest", "following, 0.25 to 1 mm", "-time_end 0.4", file="following.opts"),
             Entry("film_at_rest", "rings, 0.25 to 0.5 mm", "-spacing 0.25e-3 -spacing_coarse 0.5e-3 -fine top "
                   "-top_lower 0,-3e-3 -top_upper 10e-3,5e-3", file=RINGS)]
 
@@ -239,6 +240,10 @@ ENTRIES += [Entry("drop_impact", "0.25 mm", QUARTER + "0.25e-3", LONG, ranks=2),
                   "-options_file cases/drop_impact/speed_242.opts " + QUARTER + "0.25e-3", LONG, ranks=2)]
 ENTRIES += [Entry("drop_impact", "0.25 to 1 mm", "-options_file options/quarter.opts "
                   "-options_file cases/drop_impact/graded.opts", LONG, ranks=2)]
+ENTRIES += [Entry("drop_impact", "following, 0.25 to 1 mm", "-options_file options/quarter.opts "
+                  "-options_file cases/drop_impact/following.opts", LONG, ranks=2),
+            Entry("drop_impact", "following rings, 0.125 to 0.5 mm", "-spacing 0.125e-3 -spacing_coarse 0.5e-3 "
+                  "-spacing_follow surface", file="axisymmetric.opts")]
 ENTRIES += [Entry("drop_impact", "rings, 0.125 to 0.5 mm", "-options_file cases/drop_impact/graded.opts "
                   "-spacing 0.125e-3 -spacing_coarse 0.5e-3", file="axisymmetric.opts")]
 QUICK = "-options_file options/quarter.opts -options_file options/quick.opts"
