@@ -19,8 +19,8 @@
        PetscReal sum = 0;
 
        PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-       KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
-       for (PetscInt k = 0; k < row.n; k++) sum += cloud->volume[row.index[k]] * row.W[k];
+       PairRowEvaluate(cloud, a, &row);
+       for (PetscInt k = 0; k < row.n; k++) sum += cloud->weight[row.index[k]] * cloud->domain->volume * row.W[k];
      }
 
    SIMD_LOOP(reduction(+ : sum)) above the inner loop makes it a vector loop. The row excludes particle a itself. A

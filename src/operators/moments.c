@@ -67,27 +67,6 @@ void SymmetricInverse(PetscInt dim, const PetscReal M[6], PetscReal B[6])
   }
 }
 
-PetscErrorCode OperatorsDensity(Cloud cloud)
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION], V = cloud->domain->volume, self = KernelSelf(cloud->kernel);
-  PairRow          row;
-
-  PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    PetscReal sum = cloud->relative_weight[a] * (V * self);
-
-    PairRowLoadGeometry(cloud, x, a, &row);
-    PairRowEvaluate(cloud, a, &row);
-    SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt k = 0; k < row.n; k++) sum += cloud->weight[row.index[k]] * V * row.W[k];
-    cloud->field[FIELD_DENSITY][a] = cloud->rest_density[a] * sum;
-  }
-  PetscCall(LogPairFlops(cloud->first[cloud->n_owned], 26));
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The constants of all rows of OperatorsMoments. */
 typedef struct {
   PetscReal V, self;          /* volume of a particle, m^dim; W(0), m^-dim */

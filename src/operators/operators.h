@@ -69,11 +69,8 @@ typedef struct {
   PetscReal     wall_factor[WALL_FACTORS + 1];
 } Viscosity;
 
-/* OperatorsDensity - sums FIELD_DENSITY of owned particles, kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included. For
-   one liquid, Eq. (4) of Kuri et al. */
-PetscErrorCode OperatorsDensity(Cloud cloud);
 /* OperatorsMoments - finds the neighbours (CloudSearch), and sums each row while it is in the cache (moments.c):
-     FIELD_DENSITY     see OperatorsDensity
+     FIELD_DENSITY     kg/m3: rho_a = m_a/V_a sum_b V_b W_ab, self included; for one liquid Eq. (4) of Kuri et al.
      FIELD_NORMAL      sum V grad W, 1/m: points into the liquid
      FIELD_CROWDING    sum V (1 + 0.2 (W/W(d0))^4) grad W, 1/m: points to where particles crowd (Lind et al. 2012)
      FIELD_LAMBDA      the smallest eigenvalue of M = -sum V grad W (x) r_ab (Marrone et al. 2010)

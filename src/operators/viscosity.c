@@ -116,8 +116,9 @@ PetscBool OperatorsOneLiquid(Cloud cloud)
 
      cleary   sum c_ab (v_ab . r_ab) r_ab       morris   sum c_ab v_ab
 
-   Only Coefficients computes the c_ab. Explicit steps sum them row by row; implicit steps keep them for all products.
-   The sum during the search (moments.c) omits what OperatorsViscosityRemainder adds. */
+   Coefficients computes the c_ab. Explicit steps sum them row by row; implicit steps keep them for all products. For
+   one liquid and explicit steps in the form of Cleary, moments.c has the same c_ab, a constant, and sums it during the
+   search; OperatorsViscosityRemainder adds what that sum omits. */
 typedef struct {
   const Viscosity *viscosity;
   const PetscReal *density;    /* [n_total] kg/m3 */

@@ -249,6 +249,16 @@ static PetscErrorCode AddKept(Pressure pressure, PetscScalar rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds what the pressure of tension on free surface and interface gives to the rows. */
+static void AddCapillary(Pressure pressure, PetscScalar rhs[])
+{
+  const Cloud cloud = pressure->cloud;
+
+  for (PetscInt r = 0; r < cloud->n_fluid; r++)
+    rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
+  InterfaceAdd(pressure, rhs);
+}
+
 /* The right-hand side b, after OperatorSetUp: the source times the mass of the row, plus the contribution of the free
    surface, where missing neighbours have the pressure of surface tension. */
 static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
@@ -262,9 +272,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   PetscCall(pressure->source(pressure, dt, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
-  for (PetscInt r = 0; r < cloud->n_fluid; r++)
-    rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
-  InterfaceAdd(pressure, rhs);
+  AddCapillary(pressure, rhs);
   PetscCall(AddKept(pressure, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++) /* isolated particles have no pressure */
     if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
@@ -332,9 +340,7 @@ PetscErrorCode PressureCapillary(Pressure pressure, PetscReal values[])
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(values, cloud->n_rows));
-  for (PetscInt r = 0; r < cloud->n_fluid; r++)
-    values[r] = pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
-  InterfaceAdd(pressure, values);
+  AddCapillary(pressure, values);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,9 +7,9 @@
 
 #define LEAST_STEPS 5 /* in which the divergence source corrects density errors; SourceDivergence says why */
 
-/* Eq. (8): (rho_0 - rho_a)/(rho_0 dt^2). Walls push, but pull only with -pressure_wall_suction: the density of a wall
-   particle without liquid all around is too low although no liquid is rarefied. Its row has few pairs and would turn
-   this into a suction that tears particles off, for any size of the step. */
+/* Eq. (8): rhs = (rho_a - rho_0)/(rho_0 dt^2). Walls push, but pull only with -pressure_wall_suction: the density of a
+   wall particle without liquid all around is too low although no liquid is rarefied. Its row has few pairs and would
+   turn this into a suction that tears particles off, for any size of the step. */
 PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 {
   Cloud            cloud = pressure->cloud;
@@ -84,7 +84,7 @@ static PetscBool IsHeld(Cloud cloud, PetscInt a)
                    0.5 * cloud->size[a] * cloud->domain->spacing);
 }
 
-/* (1/dt) div v* of FIELD_DIVERGENCE, plus e/(dt T), T at least LEAST_STEPS dt: in fewer steps the correction
+/* rhs = -(1/dt) div v* of FIELD_DIVERGENCE less e/(dt T), T at least LEAST_STEPS dt: in fewer steps the correction
    overshoots, and a Couette flow with implicit viscosity at dt = 3 T blows up. Rows of walls have the divergence alone,
    with the sum of deeper layers. In a centered step the positions are those of the middle, but the new velocity is that
    at the end, so the divergence must be that at the end (time_offset of OperatorsDivergence). A velocity without

@@ -14,6 +14,7 @@
 #define STENCIL      2.      /* fine spacings, step of the differences for the curvature of a body */
 #define ACROSS       5.      /* particles across the thickness of a sheet, at least */
 #define MARCH        0.5     /* cells, step of the search for the other side */
+#define FILLED       0.75    /* spacings around a particle that count as liquid: disorder leaves no gap */
 #define NEAR         1.2     /* cells, distance of a surface from a centre */
 #define SHARP        0.05    /* least radius of a surface over that of its parallel */
 #define OUTSIDE      0.5     /* fine spacings outside a surface, where air is if it is free */
@@ -80,7 +81,7 @@ void SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
   PetscInt             first[DIM], last[DIM], cell[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) {
-    const PetscReal place = (x[d] - t->lower[d]) / t->size, half = 0.5 * spacing / t->size;
+    const PetscReal place = (x[d] - t->lower[d]) / t->size, half = FILLED * spacing / t->size;
 
     first[d] = cell[d] = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal(place - half)));
     last[d]            = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal(place + half)));

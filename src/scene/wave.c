@@ -59,6 +59,7 @@ static PetscErrorCode WaveSetUp(Body body)
                  "-%swave_amplitude must be given and below half the depth, %g m", body->prefix,
                  0.5 * (double)(wave->upper[up] - wave->lower[up]));
   wave->rings = domain->rings;
+  wave->up    = domain->dim - 1;
   if (wave->rings) {
     PetscCheckUser(wave->lower[0] == 0 && wave->length == wave->upper[0], domain->comm,
                    "-%slower must have 0 as its first number, and -%swave_length cannot be used: with -dimension "
@@ -179,36 +180,23 @@ static void WaveBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 }
 
 /* The velocity of the linear standing wave times 1 s. It has no divergence and is tangential at bottom and sides. */
-static void WaveFlow(const Wave *wave, PetscInt up, PetscReal x, PetscReal z, PetscReal v[2])
+static void WaveFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
 {
-  const PetscReal k = wave->k, depth = wave->upper[up] - wave->lower[up], height = z - wave->lower[up],
-                  scale = wave->amplitude / PetscSinhReal(k * depth), phase = k * (x - wave->lower[0]);
+  const Wave     *wave = (const Wave *)shape;
+  const PetscInt  up   = wave->up;
+  const PetscReal k = wave->k, depth = wave->upper[up] - wave->lower[up], height = x[up] - wave->lower[up],
+                  scale = wave->amplitude / PetscSinhReal(k * depth), phase = k * (x[0] - wave->lower[0]);
 
-  v[0] = -scale * PetscSinReal(phase) * PetscCoshReal(k * height);
-  v[1] = scale * PetscCosReal(phase) * PetscSinhReal(k * height);
+  v[1] = v[2] = 0;
+  v[0]        = -scale * PetscSinReal(phase) * PetscCoshReal(k * height);
+  v[up]       = scale * PetscCosReal(phase) * PetscSinhReal(k * height);
 }
 
-/* Fourth-order Runge-Kutta steps along WaveFlow over a unit of time. */
 static void WaveDisplace(Body body, PetscReal x[DIM])
 {
-  const Wave     *wave = (const Wave *)body->shape_data;
-  const PetscInt  up   = body->domain->dim - 1;
-  const PetscReal step = 1.0 / STEPS;
+  const Wave *wave = (const Wave *)body->shape_data;
 
-  if (wave->rings) {
-    MoveAlong(wave, RingFlow, 1, STEPS, x);
-    return;
-  }
-  for (PetscInt n = 0; n < STEPS; n++) {
-    PetscReal a[2], b[2], c[2], d[2];
-
-    WaveFlow(wave, up, x[0], x[up], a);
-    WaveFlow(wave, up, x[0] + 0.5 * step * a[0], x[up] + 0.5 * step * a[1], b);
-    WaveFlow(wave, up, x[0] + 0.5 * step * b[0], x[up] + 0.5 * step * b[1], c);
-    WaveFlow(wave, up, x[0] + step * c[0], x[up] + step * c[1], d);
-    x[0] += step / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]);
-    x[up] += step / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]);
-  }
+  MoveAlong(wave, wave->rings ? RingFlow : WaveFlow, 1, STEPS, x);
 }
 
 static PetscReal WaveLength(Body body)

@@ -15,6 +15,11 @@ static PetscBool Graded(Sim sim)
   return sim->domain->graded;
 }
 
+static PetscBool Fixed(Sim sim)
+{
+  return (PetscBool)(sim->domain->graded && !sim->domain->follow);
+}
+
 static PetscBool Emits(Sim sim)
 {
   return (PetscBool)(sim->scene && SceneEmits(sim->scene));
@@ -64,6 +69,7 @@ static PetscBool HasHysteresis(Sim sim)
 
 #define RINGS      "-dimension axisymmetric"
 #define GRADED     "-spacing_coarse"
+#define FIXED      "-spacing_coarse without -spacing_follow"
 #define EMITTERS   "-<body>_type emitter"
 #define MOVING     "a solid that moves"
 #define DRIVEN     "a solid whose motion is given"
@@ -90,17 +96,12 @@ static const struct {
   const char *name;
   PetscBool (*on)(Sim sim);
 } Features[] = {
-  {RINGS, Rings},
-  {GRADED, Graded},
-  {EMITTERS, Emits},
-  {MOVING, SolidsMove},
-  {DRIVEN, SolidsDriven},
-  {FREE, SolidsFree},
-  {WET, SolidsHaveAngles},
-  {DENSITIES, Densities},
-  {THINNING, ViscosityVaries},
-  {ANGLES, HasAngles},
-  {HYSTERESIS, HasHysteresis},
+  {RINGS, Rings},         {GRADED, Graded},
+  {FIXED, Fixed},         {EMITTERS, Emits},
+  {MOVING, SolidsMove},   {DRIVEN, SolidsDriven},
+  {FREE, SolidsFree},     {WET, SolidsHaveAngles},
+  {DENSITIES, Densities}, {THINNING, ViscosityVaries},
+  {ANGLES, HasAngles},    {HYSTERESIS, HasHysteresis},
 };
 
 typedef enum { NOT_WITH, NEEDS } Relation;
@@ -132,7 +133,7 @@ static const struct {
   {"-shifting_conserved", NOT_WITH, GRADED, " yet"},
   {"-bodies_overlap", NOT_WITH, GRADED, " yet"},
   {INTERFACE, NOT_WITH, GRADED, " yet"},
-  {MOVING, NOT_WITH, "-fine", " yet: it would leave the fine region; -spacing_follow can"},
+  {MOVING, NOT_WITH, FIXED, ": it would leave the fine region"},
   {THINNING, NOT_WITH, GRADED, " yet"},
   {PHASES, NOT_WITH, GRADED, ": its sums are for particles of one size; " TENSION_CURVATURE " can"},
   {POISSON, NOT_WITH, GRADED,

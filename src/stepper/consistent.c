@@ -98,7 +98,7 @@ PetscErrorCode ConsistentDefaults(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The new velocity is that at the end of the step, half a step after the forces acted. */
+/* Centered: the new velocity is that at the end of the step, half a step after the positions of the sums. */
 static PetscErrorCode CheckConsistent(Stepper stepper)
 {
   Consistent *scheme = (Consistent *)stepper->scheme;

@@ -106,8 +106,8 @@ PetscInt StepperUnderresolved(Stepper stepper);
    implicit viscosity if that is faster. scale (1): for the same flow with a spacing so many times as large. Not
    collective. */
 PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale);
-/* StepperReferenceVelocity - the scene's own velocity scale (m/s): the largest of initial speeds, wall speeds, sqrt(g
-   L) and sqrt(sigma/(rho h)). Not collective. */
+/* StepperReferenceVelocity - the scene's own velocity scale (m/s), sqrt(U^2 + g L + sigma/(rho h)); U: the largest
+   speed of bodies, solids and walls. Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);
 PetscErrorCode StepperDestroy(Stepper *stepper);
 

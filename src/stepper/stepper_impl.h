@@ -31,7 +31,7 @@ typedef enum {
   SUM_COUNT
 } TrialSum;
 typedef enum {
-  LARGEST_DISPLACEMENT, /* m */
+  LARGEST_DISPLACEMENT, /* m, over the particle's size */
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
   LARGEST_SHARE,        /* volume of a particle over its volume at the start, 1: for resampling */
@@ -56,7 +56,7 @@ static inline PetscBool TrialFailed(const StepTrial *trial)
 /* What a scheme provides: one file, and one line in stepper.c. Entries other than step may be NULL. */
 typedef struct {
   PetscErrorCode (*setfromoptions)(Stepper stepper, OptionItems PetscOptionsObject); /* inside an options block */
-  PetscErrorCode (*check)(Stepper stepper); /* refuses bad values; stepper->reference_velocity is known */
+  PetscErrorCode (*check)(Stepper stepper); /* completes and checks; stepper->reference_velocity is known */
   PetscErrorCode (*view)(Stepper stepper, PetscViewer viewer);
   PetscReal (*bound)(
     Stepper   stepper,
@@ -204,8 +204,8 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial);
    both halves, from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10). from: [n_fluid][3], m. */
 PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done);
 /* StepGuard - applies the wall guard (guard.c) to FIELD_POSITION_NEW and FIELD_VELOCITY_NEW and copies them to
-   FIELD_POSITION and FIELD_VELOCITY. Boundaries that move go to their positions at the end of the step. The trial gets
-   the largest displacement since 'from' ([n_fluid][3], m). */
+   FIELD_POSITION and FIELD_VELOCITY. Boundaries that move go to their positions at the end of the step. The trial adds
+   the largest displacement since 'from' ([n_fluid][3], m), over the particle's size. */
 PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial);
 
 /* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: moves a particle closer than 'distance' (m)
@@ -292,7 +292,7 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 /* StepperEnergyAtHand - bound of the kinetic energy that a scene's liquid can have, J/kg: from speeds of bodies and
    walls, a fall through the box, and the surface of every particle. 0: no bound, since gravity acts along a periodic
-   direction or emitters bring liquid. Not collective. */
+   direction, emitters bring liquid or solids move. Not collective. */
 PetscReal StepperEnergyAtHand(Stepper stepper);
 
 #endif

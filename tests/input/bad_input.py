@@ -327,6 +327,11 @@ def folders():
                         ("-tension_type cahn_hilliard", "-tension_type cahn_hilliard"),
                         ("-solids b -b_upper 1,1,1 -b_velocity 1,0,0", "a solid that moves")):
         refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse"])
+    for name, meant in (("-spacing_follow edges", "none, surface or curvature"),
+                        ("-spacing_follow surface", "-spacing_coarse (m) is missing"),
+                        ("-spacing_follow surface -spacing_coarse 2 -spacing_curvature 0", "[1, 100]"),
+                        ("-spacing_follow surface -spacing_coarse 2 -particles_most -1", "[0, inf)")):
+        refused(f"following {name}", GOOD + name, [name.split()[-2], meant])
     refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])
     refused("graded unknown option", GRADED + "-core_radus 1", ["-core_radus", "did you mean", "-core_radius"])
     for name, more, words in (("velocity of a mirror", "-box_x symmetry -box_xmin_velocity 0,1,0",
