@@ -87,12 +87,15 @@ PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscRea
   const PetscReal *cx = cells->sorted, *cy = cx + cells->count, *cz = cy + cells->count;
 
   SortedCellsLines(cells, x, radius);
-  for (PetscInt l = 0; l < cells->lines; l++)
-    for (PetscInt k = cells->line[l].begin; k < cells->line[l].begin + cells->line[l].length; k++) {
+  for (PetscInt l = 0; l < cells->lines; l++) { /* the middle line, which is likely to be that of x, comes first */
+    const SortedLine line = cells->line[(cells->lines / 2 + l) % cells->lines];
+
+    for (PetscInt k = line.begin; k < line.begin + line.length; k++) {
       const PetscReal d[DIM] = {x[0] - cx[k], x[1] - cy[k], x[2] - cz[k]};
 
       if (Dot(d, d) <= radius * radius) return PETSC_TRUE;
     }
+  }
   return PETSC_FALSE;
 }
 

@@ -434,10 +434,9 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, 
     const PetscInt a = liquid->index[p];
     PetscReal      x[DIM], g[DIM], phi, length;
 
-    if (!TensionOwns(cloud, level, a)) continue;
+    if (!TensionOwns(cloud, level, a) || !tension->close[a]) continue;
     SortedPosition(liquid, p, x);
     tension->size = cloud->size[a];
-    if (!TensionNear(tension, cloud, level, a)) continue;
     PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &around, a, x, THRESHOLD / (V * H * tension->size), &phi, g);
     length = Norm(g);

@@ -52,9 +52,17 @@ PetscErrorCode LiquidAround(Cloud cloud, PetscReal radius, PetscInt count, const
   PetscFunctionBegin;
   PetscCall(CellMaskCreate(PETSC_COMM_SELF, cloud->domain->dim, cloud->domain->lower, radius / AROUND_CELLS, radius,
                            count, of, x, &mask));
-  for (PetscInt a = 0; a < cloud->n_total; a++) keep[a] = CellMaskHas(&mask, x + DIM * a);
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    keep[a] = cloud->integer[INT_LAYER][a] == 0 && CellMaskHas(&mask, x + DIM * a);
   PetscCall(CellMaskDestroy(&mask));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a particle is one of the surface particles of SurfaceList. */
+static inline PetscBool IsSurface(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt a)
+{
+  return (PetscBool)((cloud->integer[INT_SURFACE][a] == 1 || (tension->also && tension->also[a])) &&
+                     Counts(tension, cloud, keep, a));
 }
 
 PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt of[], PetscInt *count)
@@ -62,12 +70,11 @@ PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char kee
   PetscFunctionBegin;
   *count = 0;
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    if ((cloud->integer[INT_SURFACE][a] == 1 || (tension->also && tension->also[a])) && Counts(tension, cloud, keep, a))
-      of[(*count)++] = a;
+    if (IsSurface(tension, cloud, keep, a)) of[(*count)++] = a;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sorts the surface particles for TensionNear of a level. of: [n_total] of work. */
+/* Sorts the surface particles of a level. of: [n_total] of work. */
 static PetscErrorCode SortSurface(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[],
                                   PetscInt of[])
 {
@@ -97,8 +104,13 @@ static PetscErrorCode SortLevel(Tension tension, Cloud cloud, PetscInt level, Pe
   }
   PetscCall(SortSurface(tension, cloud, level, keep, of));
   count = 0;
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (CloudLevel(cloud, a) == level && TensionNear(tension, cloud, level, a)) of[count++] = a;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    if (CloudLevel(cloud, a) != level) continue;
+    tension->close[a] = IsSurface(tension, cloud, keep, a) ||
+                        SortedCellsWithin(&tension->surface[level], cloud->field[FIELD_POSITION] + DIM * a,
+                                          cloud->size[a] * TensionSurfaceReach(tension));
+    if (tension->close[a]) of[count++] = a;
+  }
   PetscCall(LiquidAround(cloud, largest * KernelSupport(tension->kernel), count, of, keep));
   PetscCall(LiquidSort(tension, cloud, level, keep));
   PetscCall(PetscFree(keep));
@@ -111,6 +123,7 @@ PetscErrorCode TensionSort(Tension tension, Cloud cloud)
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_total, &of));
+  PetscCall(PetscRealloc((size_t)cloud->n_owned, &tension->close));
   for (PetscInt l = 0; l < tension->levels; l++) PetscCall(SortLevel(tension, cloud, l, of));
   PetscCall(PetscFree(of));
   PetscFunctionReturn(PETSC_SUCCESS);

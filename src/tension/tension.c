@@ -160,6 +160,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(PetscFree((*tension)->weight));
   PetscCall(PetscFree((*tension)->place));
   PetscCall(PetscFree((*tension)->loose));
+  PetscCall(PetscFree((*tension)->close));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
     PetscCall(SortedCellsReset(&(*tension)->liquids[l]));
     PetscCall(SortedCellsReset(&(*tension)->surface[l]));

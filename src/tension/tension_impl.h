@@ -87,7 +87,8 @@ struct _p_Tension {
   PetscInt        levels;
   PetscReal       largest[SIZE_LEVELS];          /* largest size in the level, 1 */
   SortedCells     liquids[SIZE_LEVELS], *liquid; /* fluid particles, ghosts too; the level in use */
-  SortedCells     surface[SIZE_LEVELS];          /* surface particles: see TensionNear */
+  SortedCells     surface[SIZE_LEVELS];          /* surface particles */
+  unsigned char  *close;                         /* [n_owned] of TensionSort */
   const PetscInt *also;                 /* [n_total] 1: counts as a surface particle, too; NULL: none; borrowed */
   PetscReal       wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
 
@@ -159,23 +160,16 @@ static inline PetscBool TensionOwns(Cloud cloud, PetscInt level, PetscInt a)
 
 /* --- sort.c --- */
 
-/* TensionSort - finds the particles of each level near the surface, and sorts the liquid around them. LiquidSort -
+/* TensionSort - marks in 'close' the fluid particles within SURFACE_REACH H of a surface particle, independent of the
+   cells, and sorts the liquid around them for each level. LiquidSort -
    sorts the liquid of a level, with its weights, and makes it the current one: fluid particles with keep flags
-   ([n_total], NULL: all), of tension->phase only if that is set. LiquidAround - sets the keep flags of particles that
-   may be within a radius (m) of the 'count' particles 'of' (local indices). SurfaceList - the local indices of the
+   ([n_total], NULL: all), of tension->phase only if that is set. LiquidAround - sets the keep flags of fluid particles
+   that may be within a radius (m) of the 'count' particles 'of' (local indices). SurfaceList - the local indices of the
    surface particles that LiquidSort would keep. Not collective. */
 PetscErrorCode TensionSort(Tension tension, Cloud cloud);
 PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const unsigned char keep[]);
 PetscErrorCode LiquidAround(Cloud cloud, PetscReal radius, PetscInt count, const PetscInt of[], unsigned char keep[]);
 PetscErrorCode SurfaceList(Tension tension, Cloud cloud, const unsigned char keep[], PetscInt of[], PetscInt *count);
-
-/* TensionNear - whether particle a of a level is within SURFACE_REACH H of a surface particle; independent of the
-   cells. After TensionSort. Not collective. */
-static inline PetscBool TensionNear(Tension tension, Cloud cloud, PetscInt level, PetscInt a)
-{
-  return SortedCellsWithin(&tension->surface[level], cloud->field[FIELD_POSITION] + DIM * a,
-                           cloud->size[a] * TensionSurfaceReach(tension));
-}
 
 /* TensionScales - KernelScales of W^H, or another kernel, at the size of the particle being summed. */
 static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scale_w, PetscReal *scale_f,
