@@ -95,6 +95,8 @@ static PetscErrorCode FindShares(Cloud cloud, const Resampling *resampling, Chan
   if (domain->follow) PetscCall(TargetFind(cloud));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     change->unit[a] = domain->follow ? SceneSpacing(cloud->scene, x + DIM * a) / domain->spacing : cloud->size[a];
+  for (PetscInt a = 0; a < cloud->n_total && domain->follow; a++)
+    if (TargetIsThin(cloud, a)) change->unit[a] = PetscMin(change->unit[a], cloud->size[a]);
   if (domain->follow) PetscCall(BoundCount(cloud, resampling, change->unit));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     change->share[a] = cloud->volume[a] / (DomainRingLength(domain, x + DIM * a, change->unit[a]) * domain->volume) /
@@ -210,6 +212,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   if (ParticlesHave(cloud->particles, FIELD_COLOUR)) PetscCall(CloudUpdate(cloud, FIELD_COLOUR));
+  PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
   PetscCall(ChangeCreate(cloud, resampling, &change));
   for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)
     change.arrays.real[FIELD_SIZE][a] = ShareSize(cloud, &change, a, 1);

@@ -41,6 +41,9 @@ static inline PetscReal ShareSize(Cloud cloud, const Change *change, PetscInt a,
 /* TargetFind - makes the target of -spacing_follow from the free surface and solids as they are: see target.c.
    Collective. */
 PetscErrorCode TargetFind(Cloud cloud);
+/* TargetIsThin - whether particle a is of spray or of liquid a particle thick, which keeps its spacing. Not collective.
+ */
+PetscBool TargetIsThin(Cloud cloud, PetscInt a);
 /* SmoothDisorder - moves particles that stand unevenly after splits and joins. Ends with CloudResync. Collective. */
 PetscErrorCode SmoothDisorder(Cloud cloud);
 /* JoinSmall - joins small particles with their nearest neighbours. Collective. */

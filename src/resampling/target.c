@@ -2,7 +2,7 @@
 #include "../neighbors/pairs.h"
 #include "resampling_impl.h"
 
-#define THIN      0.4 /* lambda below which liquid is too thin for a curvature: it keeps its spacing */
+#define THIN      0.4 /* lambda below which liquid is too thin for a curvature */
 #define SAME_SIDE 0.2 /* least cosine of two normals on the same side of the liquid, as in tension/curvature.c */
 
 /* The neighbours of surface particle a on the same side of the surface, [n] places in its row, which is loaded with
@@ -58,11 +58,17 @@ static PetscReal Smoothed(Cloud cloud, PetscInt a, const PetscReal value[], Pair
   return sum / (1 + count);
 }
 
-/* Whether particle a tells where the free surface is. Thin liquid and spray have no curvature. */
+PetscBool TargetIsThin(Cloud cloud, PetscInt a)
+{
+  return (PetscBool)(cloud->field[FIELD_LAMBDA][a] < THIN);
+}
+
+/* Whether particle a tells where the free surface is. Thin liquid and spray do not: a drop of one particle would make
+   the pool below it fine. */
 static PetscBool OnSurface(Cloud cloud, PetscInt a)
 {
   return (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && Norm(cloud->field[FIELD_NORMAL] + DIM * a) > 0 &&
-                     cloud->field[FIELD_LAMBDA][a] >= THIN);
+                     !TargetIsThin(cloud, a));
 }
 
 /* Adds the free surface as it is. curvature ([n_total], 1/m): that of the liquid's tension where it has any. */
@@ -84,13 +90,15 @@ static PetscErrorCode AddSurface(Cloud cloud, PetscReal curvature[])
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, curvature));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
-    PetscReal        into[DIM], spacing = cloud->size[a] * cloud->domain->spacing;
+    PetscReal        into[DIM];
 
-    if (cloud->integer[INT_SURFACE][a] != 1) continue;
-    for (PetscInt d = 0; d < DIM; d++) into[d] = OnSurface(cloud, a) ? n[d] / Norm(n) : 0;
-    if (OnSurface(cloud, a))
-      spacing = SceneSurfaceSpacing(cloud->scene, x + DIM * a, into, Smoothed(cloud, a, curvature, &row, place));
-    SceneTargetAdd(cloud->scene, x + DIM * a, spacing);
+    if (cloud->domain->follow == FOLLOW_SURFACE && cloud->integer[INT_SURFACE][a] == 1)
+      SceneTargetAdd(cloud->scene, x + DIM * a,
+                     TargetIsThin(cloud, a) ? cloud->size[a] * cloud->domain->spacing : cloud->domain->spacing);
+    if (cloud->domain->follow == FOLLOW_SURFACE || !OnSurface(cloud, a)) continue;
+    for (PetscInt d = 0; d < DIM; d++) into[d] = n[d] / Norm(n);
+    SceneTargetAdd(cloud->scene, x + DIM * a,
+                   SceneSurfaceSpacing(cloud->scene, x + DIM * a, into, Smoothed(cloud, a, curvature, &row, place)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
