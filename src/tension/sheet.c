@@ -92,7 +92,7 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
   const SortedCells *liquid    = tension->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
   const PetscReal *volume = liquid->near + WEIGHT_COLUMN * liquid->stride;
-  PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], scale_w, scale_f, inverse_h2;
+  PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], w[CHUNK], scale_w, scale_f, inverse_h2;
   float            s[CHUNK], W[CHUNK];
 
   SortedPosition(liquid, p, x);
@@ -102,17 +102,18 @@ static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6
 
     Distances(tension, begin, m, x, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, NULL);
-    for (PetscInt k = 0; k < m && tension->weighted; k++) W[k] *= (float)volume[begin + k];
+    /* weights stay double: those of rings differ by rounding between ranks, and the moments of a sheet are singular */
+    for (PetscInt k = 0; k < m; k++) w[k] = tension->weighted ? W[k] * volume[begin + k] : W[k];
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < m; k++) {
       const PetscReal dx = cx[begin + k] - x[0], dy = cy[begin + k] - x[1], dz = cz[begin + k] - x[2];
 
-      xx += W[k] * dx * dx;
-      yy += W[k] * dy * dy;
-      zz += W[k] * dz * dz;
-      xy += W[k] * dx * dy;
-      xz += W[k] * dx * dz;
-      yz += W[k] * dy * dz;
+      xx += w[k] * dx * dx;
+      yy += w[k] * dy * dy;
+      zz += w[k] * dz * dz;
+      xy += w[k] * dx * dy;
+      xz += w[k] * dx * dz;
+      yz += w[k] * dy * dz;
     }
   }
   M[0] = xx;

@@ -193,7 +193,7 @@ BUDGET = ["Error budget of the run", "  energy: 3 < 4 J", "  dominant: the toler
 text = report.energy(["before", *BUDGET, "after"])
 runs.check(text == "<pre>" + "\n".join(BUDGET).replace("<", "&lt;") + "</pre>", "the report has the log's budget", text)
 text = report.energy(BUDGET[:2])
-runs.check("not come to its end" in text, "no budget of a run that stopped", text)
+runs.check("not reached its end" in text, "no budget of a run that stopped", text)
 series = {"step": [0, 1, 20], "wall_time": [0, 1, 8], "particles": [100, 100, 100]}
 text = report.cost(series, ["Particles: 100 in a DMSwarm on 2 ranks"])
 runs.check("20 steps, 100 particles at the end, 2 processes, 8 s: 8e+03 µs" in text, "the report tells the cost", text)
