@@ -103,18 +103,10 @@ PetscErrorCode CloudMoved(Cloud cloud);
 /* CloudFindSolidNormals - finds solid_normal, ghosts too, at the positions of the cloud; call it again after solids
    have moved. Collective. */
 PetscErrorCode CloudFindSolidNormals(Cloud cloud);
-/* CloudPairSize - the size of a pair: its smoothing length over the kernel's. CloudPairMeasure - V_a V_b of a pair in
-   sums over the plane, m^2dim; of rings times the length of the ring half-way between, m^(2dim + 1). Not collective. */
+/* CloudPairSize - the size of a pair: its smoothing length over the kernel's. Not collective. */
 static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
 {
   return 0.5 * (cloud->size[a] + cloud->size[b]);
-}
-static inline PetscReal CloudPairMeasure(Cloud cloud, PetscInt a, PetscInt b)
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION];
-
-  return cloud->weight[a] * (cloud->weight[b] * PetscSqr(cloud->domain->volume)) *
-         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b);
 }
 
 /* CloudPressureJump - the pressure (Pa) in the liquid of particle a less that in the liquid of b, a neighbour across

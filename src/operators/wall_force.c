@@ -8,13 +8,14 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* V_a V_b (p_a + p_b) F. */
+/* V_a V_b (p_a + p_b) F, of rings times the length of the ring half-way between. */
 static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
 {
-  const PetscReal *p = cloud->field[FIELD_PRESSURE];
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
   const PetscInt   b = row->index[k];
 
-  return CloudPairMeasure(cloud, a, b) * (p[a] + p[b]) * row->F[k];
+  return cloud->weight[a] * (cloud->weight[b] * PetscSqr(cloud->domain->volume)) *
+         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
 }
 
 /* The force of fluid particle a on the walls beyond its pairs with dummy particles. */

@@ -27,7 +27,8 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 
 /* What sum V W and sum V grad W of fluid particle a lack because dummy particles are finer: a pair has the mean of both
    smoothing lengths, so the part of the support behind the wall counts as if it were smaller than the part in front.
-   Liquid at a floor half as fine lay 1.5 % too low by that. filled: 1; slope: 1/m. */
+   Without this, sloshing liquid four times as coarse as its surface sank until 35 % of the energy exchanged was lost;
+   with it, 2 %. filled: 1; slope: 1/m. */
 static void WallShortfall(Cloud cloud, PetscInt a, PetscReal *filled, PetscReal slope[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], V = cloud->domain->volume;

@@ -212,7 +212,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   if (ParticlesHave(cloud->particles, FIELD_COLOUR)) PetscCall(CloudUpdate(cloud, FIELD_COLOUR));
-  PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
+  if (cloud->domain->follow) PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
   PetscCall(ChangeCreate(cloud, resampling, &change));
   for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)
     change.arrays.real[FIELD_SIZE][a] = ShareSize(cloud, &change, a, 1);

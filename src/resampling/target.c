@@ -71,14 +71,30 @@ static PetscBool OnSurface(Cloud cloud, PetscInt a)
                      !TargetIsThin(cloud, a));
 }
 
-/* Adds the free surface as it is. curvature ([n_total], 1/m): that of the liquid's tension where it has any. */
-static PetscErrorCode AddSurface(Cloud cloud, PetscReal curvature[])
+/* -spacing_follow surface: all of the free surface is fine, and thin liquid keeps its spacing. */
+static void AddAll(Cloud cloud)
+{
+  const PetscReal spacing = cloud->domain->spacing;
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (cloud->integer[INT_SURFACE][a] == 1)
+      SceneTargetAdd(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a,
+                     TargetIsThin(cloud, a) ? cloud->size[a] * spacing : spacing);
+}
+
+/* -spacing_follow curvature. curvature: [n_total] of work. */
+static PetscErrorCode AddCurved(Cloud cloud, PetscReal curvature[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
   PetscInt         place[ROW_CAPACITY];
   PairRow          row;
 
   PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
+  PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    SceneTargetFill(cloud->scene, x + DIM * a, cloud->size[a] * cloud->domain->spacing);
+  PetscCall(SceneTargetFilled(cloud->scene));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal sigma     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
                     capillary = CloudIsCurrent(cloud, FIELD_CAPILLARY) ? cloud->field[FIELD_CAPILLARY][a] : 0;
@@ -92,10 +108,7 @@ static PetscErrorCode AddSurface(Cloud cloud, PetscReal curvature[])
     const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
     PetscReal        into[DIM];
 
-    if (cloud->domain->follow == FOLLOW_SURFACE && cloud->integer[INT_SURFACE][a] == 1)
-      SceneTargetAdd(cloud->scene, x + DIM * a,
-                     TargetIsThin(cloud, a) ? cloud->size[a] * cloud->domain->spacing : cloud->domain->spacing);
-    if (cloud->domain->follow == FOLLOW_SURFACE || !OnSurface(cloud, a)) continue;
+    if (!OnSurface(cloud, a)) continue;
     for (PetscInt d = 0; d < DIM; d++) into[d] = n[d] / Norm(n);
     SceneTargetAdd(cloud->scene, x + DIM * a,
                    SceneSurfaceSpacing(cloud->scene, x + DIM * a, into, Smoothed(cloud, a, curvature, &row, place)));
@@ -108,16 +121,15 @@ PetscErrorCode TargetFind(Cloud cloud)
   PetscReal *curvature;
 
   PetscFunctionBegin;
-  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
-  PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   PetscCall(SceneTargetClear(cloud->scene));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    SceneTargetFill(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, cloud->size[a] * cloud->domain->spacing);
-  PetscCall(SceneTargetFilled(cloud->scene));
-  SceneTargetSolids(cloud->scene);
-  PetscCall(CloudGetWork(cloud, 1, &curvature));
-  PetscCall(AddSurface(cloud, curvature));
-  PetscCall(CloudRestoreWork(cloud, &curvature));
+  PetscCall(SceneTargetSolids(cloud->scene));
+  if (cloud->domain->follow == FOLLOW_SURFACE)
+    AddAll(cloud);
+  else {
+    PetscCall(CloudGetWork(cloud, 1, &curvature));
+    PetscCall(AddCurved(cloud, curvature));
+    PetscCall(CloudRestoreWork(cloud, &curvature));
+  }
   PetscCall(SceneTargetSpread(cloud->scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -342,7 +342,7 @@ PetscReal SceneSolidSpeed(Scene scene)
   return speed;
 }
 
-void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM])
+void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM])
 {
   const PetscReal step = NORMAL_STEP * scene->domain->spacing;
   PetscReal       length;
@@ -352,10 +352,20 @@ void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM])
 
     low[d] -= step;
     high[d] += step;
-    n[d] = d < scene->domain->dim ? SceneSolidDistance(scene, high, NULL) - SceneSolidDistance(scene, low, NULL) : 0;
+    n[d] = d < scene->domain->dim ? distance(scene, which, high) - distance(scene, which, low) : 0;
   }
   length = Norm(n);
   for (PetscInt d = 0; d < DIM; d++) n[d] = length > 0 ? n[d] / length : 0;
+}
+
+static PetscReal SolidDistance(Scene scene, PetscInt which, const PetscReal x[DIM])
+{
+  return SceneSolidDistance(scene, x, NULL);
+}
+
+void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM])
+{
+  DistanceNormal(scene, SolidDistance, 0, x, n);
 }
 
 void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])

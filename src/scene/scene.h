@@ -157,7 +157,8 @@ PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
 /* The target of -spacing_follow. SceneTargetBodies, collective, makes it for the bodies at the start; or, later,
    SceneTargetClear forgets its sources. SceneTargetAdd adds a source at x (m), whose
    spacing (m) holds over -spacing_band around it; a source that wants hardly less than the coarse spacing counts for
-   nothing. SceneTargetSolids adds solids, where they are now, and emitters.
+   nothing. SceneTargetSolids adds solids, where they are now, and emitters; the ranks share the
+   cells.
    SceneTargetSpread finishes the target; only the sources of this rank need to have been added, and it is collective.
    SceneTargetFill - tells that there is liquid at x (m), a particle of this spacing (m); SceneTargetFilled, collective,
    ends that. SceneSurfaceSpacing - after it, the spacing (m) wanted at a point x (m) of the liquid's surface with this
@@ -167,7 +168,7 @@ PetscErrorCode SceneTargetFilled(Scene scene);
 PetscErrorCode SceneTargetBodies(Scene scene);
 PetscErrorCode SceneTargetClear(Scene scene);
 void           SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing);
-void           SceneTargetSolids(Scene scene);
+PetscErrorCode SceneTargetSolids(Scene scene);
 PetscErrorCode SceneTargetSpread(Scene scene);
 PetscReal      SceneSurfaceSpacing(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal curvature);
 /* SceneNames, SceneName - count and names of the bodies, then the solids, then the regions of -fine. */

@@ -109,6 +109,10 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
+/* DistanceNormal - the unit normal n from differences of a signed distance around x (m); zero where these vanish.
+   which: passed on to the distance. SceneOwnDistance is one of these functions. */
+typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);
+void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM]);
 /* LiquidsSetFromOptions - reads -interface_tension and -interface_bodies, after the bodies' options. Refuses
    (UserError) bodies that do not make two liquids. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);

@@ -10,7 +10,6 @@
 #define CELL         2.      /* fine spacings, least width of a cell */
 #define CELLS_MOST   2000000 /* wider cells keep to this number; each rank has all of them */
 #define CELL_GROWTH  1.1     /* factor by which they widen */
-#define NORMAL_STEP  0.1     /* fine spacings, of the differences that give a normal */
 #define STENCIL      2.      /* fine spacings, step of the differences for the curvature of a body */
 #define ACROSS       5.      /* particles across the thickness of a sheet, at least */
 #define MARCH        0.5     /* cells, step of the search for the other side */
@@ -230,24 +229,6 @@ static PetscReal MirroredDistance(Scene scene, PetscInt b, const PetscReal x[DIM
   return SceneOwnDistance(scene, b, y);
 }
 
-/* The unit normal n out of body b at x; false: the distance has no slope there. */
-static PetscBool FindNormal(Scene scene, PetscInt b, const PetscReal x[DIM], PetscReal n[DIM])
-{
-  const PetscReal step = NORMAL_STEP * scene->domain->spacing;
-  PetscReal       length;
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
-
-    low[d] -= step;
-    high[d] += step;
-    n[d] = d < scene->domain->dim ? MirroredDistance(scene, b, high) - MirroredDistance(scene, b, low) : 0;
-  }
-  length = Norm(n);
-  for (PetscInt d = 0; d < DIM && length > 0; d++) n[d] /= length;
-  return (PetscBool)(length > 0);
-}
-
 /* Whether there is air at x (m), in the box. */
 static PetscBool IsAir(Scene scene, const PetscReal x[DIM])
 {
@@ -270,12 +251,13 @@ static void AddSurface(Scene scene, PetscInt b, PetscInt c)
 
   CellCenter(&scene->target, c, x);
   distance = MirroredDistance(scene, b, x);
-  if (distance <= 0 || distance > NEAR * scene->target.size || !FindNormal(scene, b, x, n)) return;
+  if (distance <= 0 || distance > NEAR * scene->target.size) return;
+  DistanceNormal(scene, MirroredDistance, b, x, n);
   for (PetscInt d = 0; d < DIM; d++) {
     x[d] -= distance * n[d];
     out[d] = x[d] + OUTSIDE * domain->spacing * n[d];
   }
-  if (!IsAir(scene, out)) return;
+  if (Norm(n) == 0 || !IsAir(scene, out)) return;
   for (PetscInt d = 0; d < DIM; d++) out[d] = x[d] + step * n[d];
   middle = MirroredDistance(scene, b, out);
   for (PetscInt d = 0; d < domain->dim; d++) {
@@ -294,13 +276,17 @@ static void AddSurface(Scene scene, PetscInt b, PetscInt c)
   SceneTargetAdd(scene, x, SceneSurfaceSpacing(scene, out, into, curvature / PetscMax(inward, SHARP)));
 }
 
-void SceneTargetSolids(Scene scene)
+PetscErrorCode SceneTargetSolids(Scene scene)
 {
   const PetscReal margin = SOLID_MARGIN * scene->domain->spacing + scene->target.size;
   PetscReal       x[DIM];
+  PetscMPIInt     rank, size;
 
-  if (!scene->solids && !SceneEmits(scene)) return;
-  for (PetscInt c = 0; c < scene->target.count; c++) {
+  PetscFunctionBegin;
+  if (!scene->solids && !SceneEmits(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(scene->domain->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(scene->domain->comm, &size));
+  for (PetscInt c = rank; c < scene->target.count; c += size) {
     PetscBool fine;
 
     CellCenter(&scene->target, c, x);
@@ -309,11 +295,16 @@ void SceneTargetSolids(Scene scene)
       fine = (PetscBool)(scene->body[b]->emitter && BodyDistance(scene->body[b], x) < margin);
     if (fine) SceneTargetAdd(scene, x, scene->domain->spacing);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SceneTargetBodies(Scene scene)
 {
+  PetscMPIInt rank, size;
+
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(scene->domain->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(scene->domain->comm, &size));
   PetscCall(SceneTargetClear(scene));
   for (PetscInt c = 0; c < scene->target.count; c++) {
     PetscReal x[DIM];
@@ -322,9 +313,9 @@ PetscErrorCode SceneTargetBodies(Scene scene)
     for (PetscInt b = 0; b < scene->count; b++)
       if (!scene->body[b]->emitter && BodyContains(scene->body[b], x)) scene->target.liquid[c] = 1;
   }
-  SceneTargetSolids(scene);
+  PetscCall(SceneTargetSolids(scene));
   for (PetscInt b = 0; b < scene->count; b++)
-    for (PetscInt c = 0; c < scene->target.count && !scene->body[b]->emitter; c++) AddSurface(scene, b, c);
+    for (PetscInt c = rank; c < scene->target.count && !scene->body[b]->emitter; c += size) AddSurface(scene, b, c);
   PetscCall(SceneTargetSpread(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
