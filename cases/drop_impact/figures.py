@@ -17,7 +17,6 @@ from display import with_display
 
 TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
 PANEL = (1000, 700)  # pixels of a rendered view
-HALF_SECTION = 0.5e-3  # m: the section is 1 mm thick
 SECTION = (-20e-3, 20e-3, -10e-3, 18e-3)  # m: x and z limits of the section's picture
 EYE = dict(position=(34e-3, -92e-3, 84e-3), focus=(1e-3, 0, -4.7e-3), up=(0, 0, 1), angle=20.2)
 CURVES = {"crown_height": "crown height H (mm)", "crater_depth": "crater depth D (mm)",
@@ -51,6 +50,11 @@ def choose(found, times):
     return sorted(set(nearest))
 
 
+def of_drop(file, body, liquid):
+    """The drop's part [n] of the liquid of a snapshot; particles that joined have mixed."""
+    return 1.0 - np.ravel(file["colour"])[liquid] if "colour" in file else (body[liquid] == 1).astype(float)
+
+
 def read_snapshot(path, options, quarter):
     """The liquid of a snapshot over the whole box: surface.Liquid."""
     with h5py.File(path, "r") as file:
@@ -64,12 +68,13 @@ def read_snapshot(path, options, quarter):
             if "volume" not in file:
                 raise rundata.RunError(f"{path} holds no volume of its rings (-snapshot_fields).")
             share, size = shares(file, body >= 0, points[body >= 0, 0], True, spacing)
-            return rings(points[body >= 0], share, size, body[body >= 0] == 1, spacing, corners, level)
+            return rings(points[body >= 0], share, size, of_drop(file, body, body >= 0), spacing, corners, level)
         liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
         share, size = shares(file, liquid, points[liquid, 0], False, spacing)
+        drop = of_drop(file, body, liquid)
     if points.ndim != 2 or points.shape[1] != 3:
         raise rundata.RunError(f"{path} is not of a run in three dimensions.")
-    points, is_drop = points[liquid], body[liquid] == 1
+    points = points[liquid]
     lower, upper = (np.array(c, float) if len(c) == 3 else None for c in corners)
     if lower is None or upper is None:
         lower, upper = (spacing * np.round(end / spacing) for end in (points.min(axis=0), points.max(axis=0)))
@@ -80,26 +85,25 @@ def read_snapshot(path, options, quarter):
             shift = np.zeros(3)
             shift[axis] = 2 * lower[axis]
             points = np.concatenate([points, points * mirror + shift])
-            is_drop, share, size = (np.concatenate([array, array]) for array in (is_drop, share, size))
+            drop, share, size = (np.concatenate([array, array]) for array in (drop, share, size))
             lower[axis] = 2 * lower[axis] - upper[axis]
     down = np.array([0, 0, level])
-    return surface.Liquid(points - down, is_drop, spacing, lower - down, upper - down, share, size)
+    return surface.Liquid(points - down, drop, spacing, lower - down, upper - down, share, size)
 
 
-def rings(points, share, size, is_drop, spacing, corners, level):
+def rings(points, share, size, drop, spacing, corners, level):
     """The liquid of a snapshot with rings at points (r, z): their section, mirrored at the axis."""
     r, z = points[:, 0], points[:, 1] - level
     points = np.concatenate([np.stack([side * r, 0 * r, z], axis=1) for side in (1, -1)])
     reach, bottom, top = corners[1][0], corners[0][1] - level, corners[1][1] - level
-    return surface.Liquid(points, np.tile(is_drop, 2), spacing, np.array([-reach, -reach, bottom]),
+    return surface.Liquid(points, np.tile(drop, 2), spacing, np.array([-reach, -reach, bottom]),
                           np.array([reach, reach, top]), np.tile(share, 2), np.tile(size, 2), True)
 
 
 def draw_section(axes, liquid):
-    """The section through the axis, drop and film filled, its particles, or parts of coarse ones, as dots."""
-    half = max(HALF_SECTION, 0.6 * liquid.spacing)
+    """The section through the axis, drop and film filled."""
     x0, x1, z0, z1 = (1e3 * x for x in SECTION)
-    image = surface.section(liquid, half, SECTION, 0.25 * liquid.spacing)
+    image = surface.section(liquid, SECTION, 0.25 * liquid.spacing)
     axes.imshow(image, origin="lower", extent=(x0, x1, z0, z1), interpolation="bilinear", aspect="equal")
     axes.axhline(0, color="0.45", lw=0.6, ls=(0, (4, 4)))
     axes.set(xlim=(x0, x1), ylim=(z0, z1))
@@ -126,7 +130,7 @@ def figure_1(folder, times, quarter, path):
             for spine in panel.spines.values():
                 spine.set(color="0.8", lw=0.8)
         row[0].text(0.025, 0.955, f"{time * 1e3:.3g} ms", transform=row[0].transAxes, va="top", size=13, weight="bold")
-    titles = ("drop and film", "the drop's liquid from above", "section through the axis, 1 mm thick")
+    titles = ("drop and film", "the drop's liquid from above", "section through the axis")
     for panel, title in zip(axes[0], titles):
         panel.set_title(title, size=11)
     axes[-1][1].plot([7, 17], [-11.6, -11.6], color="black", lw=2)

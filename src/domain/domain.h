@@ -54,6 +54,12 @@ static inline PetscReal DomainSize(Domain domain, PetscReal volume)
 
   return domain->dim == 2 ? PetscSqrtReal(share) : cbrt(share);
 }
+/* DomainStoresSizes - whether the size of a particle is not that of its volume: graded rings keep their smoothing
+   length, and dummy particles have that of the liquid in front of them with -spacing_follow. Not collective. */
+static inline PetscBool DomainStoresSizes(Domain domain)
+{
+  return (PetscBool)(domain->follow || (domain->rings && domain->graded));
+}
 static inline PetscReal DomainSizeMax(Domain domain)
 {
   return domain->graded ? SIZE_MARGIN * domain->spacing_coarse / domain->spacing : 1;

@@ -103,6 +103,12 @@ PetscErrorCode CloudMoved(Cloud cloud);
 /* CloudFindSolidNormals - finds solid_normal, ghosts too, at the positions of the cloud; call it again after solids
    have moved. Collective. */
 PetscErrorCode CloudFindSolidNormals(Cloud cloud);
+/* CloudWeighs - whether the relative weights are not all 1. Not collective. */
+static inline PetscBool CloudWeighs(Cloud cloud)
+{
+  return (PetscBool)(cloud->domain->rings || DomainStoresSizes(cloud->domain));
+}
+
 /* CloudPairSize - the size of a pair: its smoothing length over the kernel's. Not collective. */
 static inline PetscReal CloudPairSize(Cloud cloud, PetscInt a, PetscInt b)
 {

@@ -78,11 +78,12 @@ void FindWeights(Cloud cloud)
 {
   const Domain     domain = cloud->domain;
   const PetscReal *x      = cloud->field[FIELD_POSITION];
+  const PetscBool  weighs = CloudWeighs(cloud);
 
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     cloud->length[a]          = DomainRingLength(domain, x + DIM * a, cloud->size[a]);
     cloud->weight[a]          = cloud->volume[a] / (cloud->length[a] * domain->volume);
-    cloud->relative_weight[a] = domain->rings ? cloud->weight[a] / PetscSqr(cloud->size[a]) : 1;
+    cloud->relative_weight[a] = weighs ? cloud->weight[a] / PetscPowRealInt(cloud->size[a], (int)domain->dim) : 1;
   }
 }
 

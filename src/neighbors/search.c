@@ -161,7 +161,7 @@ INSTANCE PetscErrorCode FindRows(PetscBool sized, PetscBool flat, Cloud cloud, S
     for (PetscInt k = found; k < found + LANES && sized; k++) search->size[k] = 1;
     cloud->laplacian_sum[a] = PairFactors(sized, flat, cloud, search, a, found, visit ? w : NULL, slope_over_r2,
                                           cloud->slope + used, cloud->laplacian + used);
-    if (cloud->domain->rings)
+    if (CloudWeighs(cloud))
       WeightRow(cloud, found, cloud->list + used, visit ? w : NULL, slope_over_r2, cloud->slope + used);
     used = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
   }

@@ -123,31 +123,27 @@ typedef struct {
   const Viscosity *viscosity;
   const PetscReal *density;    /* [n_total] kg/m3 */
   PetscReal       *mu;         /* [n_total] Pa s, see CollectViscosity */
-  PetscReal       *deficit;    /* [n_total] see FindDeficits; NULL: missing neighbours do not count */
+  PetscReal       *deficit;    /* [n_total] see FindDeficits */
   PetscReal        scale;      /* zeta V_0 scale_f */
   PetscBool        one_liquid; /* all pairs of the fluid have one density and one viscosity */
-  PetscInt        *kept;       /* [ROW_CAPACITY + SIMD_WIDTH] room for MultiplyFactors; NULL: all pairs stay */
+  PetscInt        *kept;       /* [ROW_CAPACITY + SIMD_WIDTH] room for LoadRemainder; NULL: all pairs stay */
 } Friction;
 
-/* deficit: [n_total] max(0, FILLED_FRACTION/s - 1) with the filled fraction s = sum V W of a particle's kernel; 0 for
-   walls. */
-static void FindDeficits(Cloud cloud, PetscReal deficit[])
+#define IS_WALL (-1) /* in place of a deficit */
+
+/* deficit: [n_total] max(0, FILLED_FRACTION/s - 1) with the filled fraction s = sum V W of a particle's kernel; 0 if
+   missing neighbours do not count. */
+static void FindDeficits(Cloud cloud, PetscBool count, PetscReal deficit[])
 {
   const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
 
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    deficit[a] = cloud->integer[INT_LAYER][a] ? 0 : PetscMax(0, FILLED_FRACTION * rest[a] / rho[a] - 1);
+    deficit[a] = cloud->integer[INT_LAYER][a] ? IS_WALL
+                 : count                      ? PetscMax(0, FILLED_FRACTION * rest[a] / rho[a] - 1)
+                                              : 0;
 }
 
-/* The factor on a pair at rest density if both particles miss neighbours: with it the sum has the dissipation of the
-   existing liquid. Without it a sheet of one, two or three particles resists stretching with 0.53, 0.75 and 0.88 of its
-   viscosity, on a lattice (test_operators). */
-static inline PetscReal DeficitFactor(PetscReal own, PetscReal other)
-{
-  return own > 0 && other > 0 ? 1 + 2 * own * other / (own + other) : 1;
-}
-
-/* filled: apply DeficitFactor, if density is the rest density. Collective. */
+/* filled: missing neighbours count, if density is the rest density. Collective. */
 static PetscErrorCode FrictionBegin(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                     PetscBool filled, Friction *f)
 {
@@ -162,45 +158,55 @@ static PetscErrorCode FrictionBegin(Cloud cloud, const Viscosity *viscosity, con
                   .scale      = FormFactor(cloud, viscosity->form) * cloud->domain->volume * scale_f};
   PetscCall(CloudGetWork(cloud, 1, &f->mu));
   PetscCall(CollectViscosity(cloud, viscosity, f->mu));
-  if (!filled || density != cloud->rest_density) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, 1, &f->deficit));
-  FindDeficits(cloud, f->deficit);
+  FindDeficits(cloud, (PetscBool)(filled && density == cloud->rest_density), f->deficit);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode FrictionEnd(Cloud cloud, Friction *f)
 {
   PetscFunctionBegin;
-  if (f->deficit) PetscCall(CloudRestoreWork(cloud, &f->deficit));
+  PetscCall(CloudRestoreWork(cloud, &f->deficit));
   PetscCall(CloudRestoreWork(cloud, &f->mu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the pairs with walls by 'factor', the others by their DeficitFactor. With f->kept only the pairs stay for
-   which that is not 1, times what it exceeds 1 by. */
-static void MultiplyFactors(Cloud cloud, const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
+/* Loads only those pairs of fluid particle a that MultiplyFactors changes. */
+static void LoadRemainder(Cloud cloud, const Friction *f, PetscInt a, PairRow *row)
 {
-  PetscInt n = 0;
+  const float    *slope = cloud->slope + cloud->first[a];
+  const PetscInt *list = cloud->list + cloud->first[a], count = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
+  const PetscReal least = f->deficit[a] > 0 ? SMALLEST : PETSC_MAX_REAL;
+  PetscInt        n     = 0;
 
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b     = row->index[k];
-    const PetscReal times = cloud->integer[INT_LAYER][b] ? factor
-                            : f->deficit                 ? DeficitFactor(f->deficit[a], f->deficit[b])
-                                                         : 1;
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal other = f->deficit[list[k]];
 
-    if (!f->kept)
-      row->f[k] *= times;
-    else if (times != 1) {
-      f->kept[n]  = b;
-      row->f[n++] = row->f[k] * (times - 1);
-    }
+    f->kept[n] = list[k];
+    row->f[n]  = slope[k];
+    n += (other < 0) | (other >= least);
   }
-  if (!f->kept) return;
-  row->n     = n;
-  row->index = f->kept;
   for (PetscInt k = n; k < n + SIMD_WIDTH; k++) { /* SumPairs reads multiples of SIMD_WIDTH */
     f->kept[k] = a;
     row->f[k]  = 0;
+  }
+  row->n     = n;
+  row->index = f->kept;
+}
+
+/* Multiplies the pairs of fluid particle a with walls by 'factor', and those at rest density whose particles both miss
+   neighbours so that the sum has the dissipation of the existing liquid. Without this a sheet of one, two or three
+   particles resists stretching with 0.53, 0.75 and 0.88 of its viscosity, on a lattice (test_operators). With
+   f->kept the factors are what they exceed 1 by. */
+static void MultiplyFactors(const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
+{
+  const PetscReal *deficit = f->deficit, own = deficit[a], least = f->kept ? 0 : 1, wall = factor - 1;
+
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < row->n; k++) {
+    const PetscReal other = deficit[row->index[k]];
+
+    row->f[k] *= least + (other < 0 ? wall : 2 * own * other / (own + other + SMALLEST));
   }
 }
 
@@ -231,8 +237,11 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
   const PetscReal *x = cloud->field[FIELD_POSITION], *rest = cloud->rest_density, *density = f->density, *mu = f->mu;
   const PetscReal  mu_a = mu[a], inverse_a = 1 / (density[a] * density[a]), scale = 2 * f->scale * mu_a;
 
-  PairRowLoadFactors(cloud, a, row);
-  if (factor != 1 || f->kept || (f->deficit && f->deficit[a] > 0)) MultiplyFactors(cloud, f, a, factor, row);
+  if (f->kept)
+    LoadRemainder(cloud, f, a, row);
+  else
+    PairRowLoadFactors(cloud, a, row);
+  if (factor != 1 || f->deficit[a] > 0) MultiplyFactors(f, a, factor, row);
   if (f->one_liquid) {
     SIMD_LOOP()
     for (PetscInt k = 0; k < row->n; k++) row->f[k] *= scale / density[a];

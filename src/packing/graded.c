@@ -18,8 +18,7 @@ static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define WALL_COARSEST 2  /* fine spacings: dummy particles serve liquid of any size beside them that comes later */
-#define FINE_MARGIN   3. /* fine spacings by which a fine region must extend beyond solids and emitters */
+#define FINE_MARGIN 3. /* fine spacings by which a fine region must extend beyond solids and emitters */
 
 /* Whether the spacing is fine within FINE_MARGIN of x (m) along the axes. */
 static PetscBool IsFine(Domain domain, Scene scene, const PetscReal x[DIM])
@@ -136,7 +135,8 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
     PetscReal          length;
 
     sample.id = sample.parent = (*id)++;
-    sample.size               = SceneSpacing(packing->cloud->scene, point->x) / domain->spacing;
+    sample.size               = domain->rings ? SceneSpacing(packing->cloud->scene, point->x) / domain->spacing
+                                              : DomainSize(domain, stretch * point->measure);
     length                    = DomainRingLength(domain, point->x, sample.size);
     PetscCall(PetscArraycpy(sample.x, point->x, DIM));
     BodyDisplace(body, sample.x);
@@ -182,14 +182,10 @@ static PetscErrorCode AddColumn(const Region *region, const Corner *corner, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many dummy particles of spacing s (m) a column has: as many as its liquid sees, with -spacing_follow as the
-   coarsest liquid sees that may come. */
-static PetscInt ColumnLayers(Cloud cloud, PetscReal s)
+/* How many dummy particles of spacing s (m) a column has: as many as its liquid sees. */
+static PetscInt ColumnLayers(Cloud cloud)
 {
-  const PetscReal largest = cloud->domain->follow ? cloud->domain->spacing_coarse : s;
-
-  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing * 0.5 * (largest + s) / s -
-                                 POINT_TOLERANCE);
+  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
 }
 
 /* Adds the dummy particles behind a part of the box: a face (outward 1), an edge (2) or a corner (3). */
@@ -201,8 +197,7 @@ static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegB
 
   PetscFunctionBegin;
   LatticeOfBox(domain, domain->spacing, &region.fine);
-  region.coarsest =
-    domain->follow ? PetscMin(WALL_COARSEST * domain->spacing, domain->spacing_coarse) : domain->spacing_coarse;
+  region.coarsest = domain->spacing_coarse;
   LatticeOfBox(domain, region.coarsest, &region.coarse);
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal face = corner->side[d] == 1 ? domain->lower[d] : domain->upper[d];
@@ -220,7 +215,7 @@ static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegB
     const RegionPoint *point = &region.point[k];
     const PetscReal s = region.dim ? PetscPowReal(point->measure, 1. / region.dim) : RegionSpacing(&region, point->x);
 
-    PetscCall(AddColumn(&region, corner, point, s, ColumnLayers(cloud, s), samples, number));
+    PetscCall(AddColumn(&region, corner, point, s, ColumnLayers(cloud), samples, number));
   }
   PetscCall(PetscFree(region.point));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -280,7 +275,7 @@ PetscErrorCode GradedSetUp(Packing packing)
   }
   PetscCall(KeepSamples(packing, 0, samples));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
-  PetscCall(AddWalls(packing, samples));
+  if (!packing->cloud->domain->follow) PetscCall(AddWalls(packing, samples));
   PetscCall(KeepSamples(packing, 1, samples));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,4 +1,5 @@
 /* The class Packing: types, options, and the packing of a scene. */
+#include "../resampling/resampling.h"
 #include "packing_impl.h"
 
 static PetscFunctionList PackingList = NULL;
@@ -150,6 +151,7 @@ static PetscErrorCode CreateParticles(Packing packing)
     PetscCall(SamplesAppend(cloud->particles, domain, visit[k], source[k], first_id, &count[k]));
     first_id += count[k];
   }
+  if (domain->follow) PetscCall(ResampleWalls(cloud));
   PetscCall(PetscInfo(NULL,
                       "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
                       " solid particles\n",

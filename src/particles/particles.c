@@ -24,7 +24,7 @@ PetscBool ParticlesHave(Particles particles, PetscInt f)
 {
   if (f == FIELD_VOLUME) return (PetscBool)(particles->domain->rings || particles->domain->graded);
   if (f == FIELD_COLOUR) return (PetscBool)(particles->domain->follow != FOLLOW_NONE);
-  if (f == FIELD_SIZE) return (PetscBool)(particles->domain->rings && particles->domain->graded);
+  if (f == FIELD_SIZE) return DomainStoresSizes(particles->domain);
   return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);
 }
 

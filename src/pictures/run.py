@@ -21,11 +21,12 @@ SOLID = -2  # INT_BODY of particles of the first of -solids; -3 is the second, a
 class State:
     """A snapshot with its mirror images: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: volume
     (of rings area) over spacing^dim; size [n]: the particle's spacing over the finest; solid [n][3]: dummy particles
-    of solids at this time. Rings are in the plane y = 0 on both sides of the axis z."""
+    of solids at this time; first [n]: the part of the particle's volume that was of the first body, None: not
+    stored. Rings are in the plane y = 0 on both sides of the axis z."""
 
-    def __init__(self, time, points, velocity, pressure, body, share, size, solid):
+    def __init__(self, time, points, velocity, pressure, body, share, size, solid, first=None):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
-        self.share, self.size, self.solid = share, size, solid
+        self.share, self.size, self.solid, self.first = share, size, solid, first
 
     @property
     def speed(self):
@@ -56,6 +57,13 @@ def shares(file, liquid, r, rings, spacing):
         return ring_share(r, volume, size, spacing), size
     dim = int(np.ravel(file.attrs["dimension"])[0])
     return volume / spacing**dim, volume**(1 / dim) / spacing
+
+
+def first_part(file, liquid):
+    """The part [n] of the liquid of a snapshot that was of the first body; particles that joined have mixed."""
+    if "colour" in file:
+        return np.ravel(file["colour"])[liquid].astype(float)
+    return (np.ravel(file["body"])[liquid] == 0).astype(float)
 
 
 class Run:
@@ -143,14 +151,15 @@ class Run:
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
             pressure = np.ravel(file["pressure"])[liquid].astype(float) if "pressure" in file else zero
             share, size = shares(file, liquid, points[:, 0], self.rings, self.spacing)
+            first = first_part(file, liquid)
         if self.rings:
             points, velocity, solid = upright(points), upright(velocity), upright(solid)
         # solids that move are in the snapshots, others in solids.h5
         still = ~np.isin(self.solid_of, SOLID - np.unique(body[moved]))
         solid = np.concatenate([self.solid[still], self.reflect(solid)[0]])
-        others = [pressure, body[liquid], share, size]
-        points, (velocity,), (pressure, body, share, size) = self.reflect(points, [velocity], others)
-        return State(time, points, velocity, pressure, body, share, size, solid)
+        others = [pressure, body[liquid], share, size, first]
+        points, (velocity,), (pressure, body, share, size, first) = self.reflect(points, [velocity], others)
+        return State(time, points, velocity, pressure, body, share, size, solid, first)
 
     def around(self, points):
         """The points that a picture must contain; for rings with their points a quarter of a turn on."""

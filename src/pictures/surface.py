@@ -19,6 +19,7 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
 
 FILTER = 0.6  # standard deviation of the Gaussian, spacings
 LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
+SIZE_STEP = 1.4  # ratio of sizes that are spread by different Gaussians
 SPREAD = 2.5  # spacings over which the drop's share is averaged where it is thinner than a particle
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
@@ -76,9 +77,9 @@ def sample(field, places):
     return value
 
 
-def with_images(points, flags, share, lower, upper, margin):
+def with_images(points, others, lower, upper, margin):
     """Adds the periodic images of the points within a margin (m) beyond the four sides of the box; for the section of
-    rings, mirrored at the axis, the mirror images in the cylinder around them."""
+    rings, mirrored at the axis, the mirror images in the cylinder around them. others: arrays [n], copied too."""
     for axis in (0, 1):
         length = upper[axis] - lower[axis]
         low = points[:, axis] < lower[axis] + margin
@@ -86,8 +87,8 @@ def with_images(points, flags, share, lower, upper, margin):
         shift = np.zeros(3)
         shift[axis] = length
         points = np.concatenate([points, points[low] + shift, points[high] - shift])
-        flags, share = (np.concatenate([array, array[low], array[high]]) for array in (flags, share))
-    return points, flags, share
+        others = [np.concatenate([array, array[low], array[high]]) for array in others]
+    return points, others
 
 
 def in_plane(points, axes):
@@ -95,49 +96,43 @@ def in_plane(points, axes):
     return points if len(axes) == 3 else np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
 
 
-def parts(points, size, spacing, axes):
-    """Divides particles of these sizes into parts about a spacing wide along the axes: points [m][3], the particle of
-    each part [m], and the part's share in the particle [m]."""
-    count = np.maximum(1, np.rint(size)).astype(int)
-    places, of = [], []
-    for n in np.unique(count):
-        chosen = np.flatnonzero(count == n)
-        along = (np.arange(n) + 0.5) / n - 0.5
-        offsets = np.zeros((n ** len(axes), 3))
-        offsets[:, axes] = np.stack(np.meshgrid(*[along] * len(axes), indexing="ij"), axis=-1).reshape(-1, len(axes))
-        places.append((points[chosen, None] + spacing * size[chosen, None, None] * offsets).reshape(-1, 3))
-        of.append(np.repeat(chosen, len(offsets)))
-    of = np.concatenate(of) if of else np.zeros(0, int)
-    return np.concatenate(places) if places else points, of, 1 / count[of] ** len(axes)
+def spread(places, size, weights, shape, width):
+    """Fields of weights, each [n], spread by a Gaussian of the standard deviation width (nodes) times the size [n] of
+    the particle; sizes count to within a fifth."""
+    kind = np.maximum(0, np.rint(np.log(size) / np.log(SIZE_STEP))).astype(int)
+    fields = [np.zeros(shape, np.float32) for _ in weights]
+    for k in np.unique(kind):
+        chosen = kind == k
+        for field, weight in zip(fields, weights):
+            field += blur(deposit(places[chosen], shape, weight[chosen]), width * SIZE_STEP**k)
+    return fields
 
 
 class Liquid:
     """The volume fractions of all liquid and of the drop on a grid over the box.
 
-    points [n][3] (m); is_drop [n]; spacing, lower, upper (m): of the particles, and the corners of the whole box.
-    share, size [n]: volume over spacing^3, own spacing over 'spacing'; of rings, whose points lie at y = 0 on both
-    sides of the axis, share is the area over spacing^2. Larger particles are divided into parts about a spacing wide.
+    points [n][3] (m); of_drop [n]: the drop's part of the particle; spacing, lower, upper (m): of the particles, and
+    the corners of the whole box. share, size [n]: volume over spacing^3, own spacing over 'spacing'; of rings, whose
+    points lie at y = 0 on both sides of the axis, share is the area over spacing^2.
     """
 
-    def __init__(self, points, is_drop, spacing, lower, upper, share, size, rings=False):
+    def __init__(self, points, of_drop, spacing, lower, upper, share, size, rings=False):
         self.rings, self.axes, self.spacing = rings, (0, 2) if rings else (0, 1, 2), spacing
         axes, dim = list(self.axes), len(self.axes)
-        points, of, part = parts(points, size, spacing, axes)
         inside = np.all((points >= lower) & (points <= upper), axis=1)
-        self.points, self.is_drop, self.share = points[inside], is_drop[of][inside], (share[of] * part)[inside]
+        self.points, self.of_drop, self.share, self.size = (array[inside] for array in (points, of_drop, share, size))
         top = min(upper[2], self.points[:, 2].max() + 3 * spacing)
         extent = np.array([upper[0] - lower[0], upper[1] - lower[1], top - lower[2]])[axes]
         cell = max(CELL * spacing, (np.prod(extent) / MOST_NODES) ** (1 / dim))
         half = 2 if self.rings else 1  # a node is on the axis
         self.cell = extent[0] / (half * np.ceil(extent[0] / (half * cell)))
-        margin = int(np.ceil(4 * FILTER * spacing / self.cell))
+        margin = int(np.ceil(4 * FILTER * spacing * self.size.max(initial=1) / self.cell))
         self.origin = np.asarray(lower, float)[axes] - margin * self.cell
         shape = tuple(np.ceil(extent / self.cell).astype(int) + 2 * margin + 1)
-        near, flags, share = with_images(self.points, self.is_drop, self.share, lower, upper, margin * self.cell)
+        near, (of_drop, share, size) = with_images(self.points, (self.of_drop, self.share, self.size), lower, upper,
+                                                   margin * self.cell)
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (spacing / self.cell) ** dim
-        width = FILTER * spacing / self.cell
-        self.drop = blur(deposit(places[flags], shape, weight[flags]), width)
-        self.all = self.drop + blur(deposit(places[~flags], shape, weight[~flags]), width)
+        self.drop, self.all = spread(places, size, (weight * of_drop, weight), shape, FILTER * spacing / self.cell)
         self.hollow = blur(np.minimum(self.all[(slice(None, None, 4),) * dim], 1), WIDE / (4 * self.cell))
         # The block of liquid ends at the sides and the bottom of the box with flat faces.
         layer = int(np.ceil(spacing / self.cell))
@@ -304,7 +299,7 @@ def surface(liquid, spread=False):
     mesh = triangles(liquid.block, LEVEL, liquid.origin, liquid.cell)
     loose = liquid.lonely(liquid.block, LEVEL, np.ones(len(liquid.points), bool))
     balls = strays(liquid.points[loose], liquid.spacing, liquid.share[loose], liquid.rings)
-    own = np.repeat(liquid.is_drop[loose].astype(float), len(balls[0]) // max(1, loose.sum()))
+    own = np.repeat(liquid.of_drop[loose], len(balls[0]) // max(1, loose.sum()))
     own = liquid.drop_share(balls[0]) if liquid.rings else own
     share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1], spread), own])
     return (np.concatenate([mesh[0], balls[0]]), np.concatenate([mesh[1], balls[1]]),
@@ -417,21 +412,20 @@ def picture(liquid, camera, size, pale=False):
     return render(points, cells, rgb, camera, size)
 
 
-def section(liquid, half_thickness, window, pixels):
-    """A section through the axis, |y| <= half_thickness (m), seen along y: image [rows][columns][4], from 0 to 1. All
-    rings are in the section.
+def section(liquid, window, pixels):
+    """The section at y = 0, seen along y: image [rows][columns][4], from 0 to 1.
 
     window: x and z limits (x0, x1, z0, z1), m; pixels: the size of a pixel, m.
     """
-    slab = np.abs(liquid.points[:, 1]) <= half_thickness
-    points, is_drop = liquid.points[slab][:, [0, 2]], liquid.is_drop[slab]
+    deviation = FILTER * liquid.spacing * liquid.size
+    slab = np.abs(liquid.points[:, 1]) <= 3 * deviation
+    y, size, deviation = liquid.points[slab, 1], liquid.size[slab], deviation[slab]
     shape = (int(round((window[1] - window[0]) / pixels)), int(round((window[3] - window[2]) / pixels)))
-    places = (points - [window[0], window[2]]) / pixels - 0.5
+    places = (liquid.points[slab][:, [0, 2]] - [window[0], window[2]]) / pixels - 0.5
     weight = liquid.share[slab] * liquid.spacing ** 2 / pixels ** 2
-    weight *= 1 if liquid.rings else liquid.spacing / (2 * half_thickness)
-    width = FILTER * liquid.spacing / pixels
-    drop = blur(deposit(places[is_drop], shape, weight[is_drop]), width)
-    both = drop + blur(deposit(places[~is_drop], shape, weight[~is_drop]), width)
+    if not liquid.rings:
+        weight *= liquid.spacing * np.exp(-(y / deviation) ** 2 / 2) / (deviation * np.sqrt(2 * np.pi))
+    drop, both = spread(places, size, (weight * liquid.of_drop[slab], weight), shape, FILTER * liquid.spacing / pixels)
     share = np.clip((drop / np.maximum(both, 1e-6) - 0.1) / 0.3, 0, 1)[..., None]  # thin layers show
     cover = np.clip((both - LEVEL) * 4 + 0.5, 0, 1)[..., None]
     image = np.concatenate([FILM_COLOR + share * (DROP_COLOR - FILM_COLOR), cover], axis=2)

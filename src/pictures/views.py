@@ -79,7 +79,7 @@ class Fluid:
         self.share = share = share[inside]
         values, size = values[inside], size[inside]
         self.axes = axes = [0, 2] if run.rings else [0, 1, 2]
-        margin = 4 * surface.FILTER * run.spacing
+        margin = 4 * surface.FILTER * run.spacing * size.max(initial=1)
         lower = np.maximum(run.lower, self.points.min(axis=0) - margin)[axes]
         upper = np.minimum(run.upper, self.points.max(axis=0) + margin)[axes]
         least = (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / len(axes))
@@ -89,12 +89,9 @@ class Fluid:
             self.origin[0] = self.cell * np.floor(self.origin[0] / self.cell)
         shape = np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1 + run.rings
         near, (value, share, size) = images(run, self.points, [values, share, size], margin)
-        near, of, part = surface.parts(near, size, run.spacing, axes)
-        value, share = value[of], share[of] * part
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (run.spacing / self.cell) ** len(axes)
-        width = surface.FILTER * run.spacing / self.cell
-        self.fraction = surface.blur(surface.deposit(places, shape, weight), width)
-        self.moment = [surface.blur(surface.deposit(places, shape, weight * column), width) for column in value.T]
+        self.fraction, *self.moment = surface.spread(places, size, [weight, *(weight * value.T)], shape,
+                                                     surface.FILTER * run.spacing / self.cell)
         for d, axis in enumerate(axes):  # liquid ends flat at faces that are not open
             nodes = self.origin[d] + self.cell * np.arange(shape[d])
             for side, beyond in ((0, nodes < run.lower[axis] - 0.5 * self.cell),
@@ -144,7 +141,12 @@ def images(run, points, others, margin):
 def value_table(state, color, bodies):
     """The values for the surface's colour: a column for each body, or the scalar."""
     if color == "body":
-        return np.stack([state.body == b for b in range(bodies)], axis=1).astype(float)
+        table = np.stack([state.body == b for b in range(bodies)], axis=1).astype(float)
+        if bodies > 1 and state.first is not None:
+            table *= (1 - state.first)[:, None]
+            table[state.body == 0, 1] = 1 - state.first[state.body == 0]
+            table[:, 0] = state.first
+        return table
     return getattr(state, color)[:, None]
 
 

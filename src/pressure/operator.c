@@ -37,7 +37,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->own_weights  = (PetscBool)(cloud->domain->rings || !OneDensity(pressure));
+  pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !OneDensity(pressure));
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16 + SIMD_WIDTH; /* PairSum reads multiples of SIMD_WIDTH */

@@ -197,6 +197,7 @@ static PetscErrorCode Apply(Cloud cloud, Change *change)
   PetscCall(ParticlesLocalSize(cloud->particles, &n));
   PetscCall(AppendNew(cloud, change, n, id));
   PetscCall(PetscFree(id));
+  if (cloud->domain->follow) PetscCall(ResampleWalls(cloud));
   PetscCall(CloudResync(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -225,9 +226,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->energy, 1, MPIU_REAL, MPI_SUM, cloud->comm));
   report->joined = done[0];
   report->split  = done[1];
-  /* sizes that have changed are new to the ghosts, too */
-  if (done[0] + done[1] > 0 || (cloud->domain->follow && ParticlesHave(cloud->particles, FIELD_SIZE)))
-    PetscCall(Apply(cloud, &change));
+  if (done[0] + done[1] > 0 || cloud->domain->follow) PetscCall(Apply(cloud, &change));
   if (done[0] + done[1] > 0 && cloud->domain->follow) PetscCall(SmoothDisorder(cloud));
   PetscCall(PetscFree2(change.parent, change.at));
   PetscCall(PetscFree2(change.keep, change.changed));

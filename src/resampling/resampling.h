@@ -40,4 +40,8 @@ PetscBool ResamplingDue(const Resampling *resampling, PetscInt step, PetscReal l
    and velocity gradient. Ends with CloudResync if a particle joined or split. Collective. */
 PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report);
 
+/* ResampleWalls - with -spacing_follow: makes the dummy particles of the box's walls those that the target wants, the
+   first time all of them. The caller calls CloudResync. Collective. */
+PetscErrorCode ResampleWalls(Cloud cloud);
+
 #endif

@@ -34,8 +34,9 @@ typedef struct {
 static inline PetscReal ShareSize(Cloud cloud, const Change *change, PetscInt a, PetscReal part)
 {
   if (!cloud->domain->follow) return change->unit[a];
-  return PetscMax(1, PetscMin(cloud->size_most, change->unit[a] * PetscPowReal(part * change->share[a],
-                                                                               1. / (PetscReal)cloud->domain->dim)));
+  return PetscMax(cloud->domain->rings ? 1 : 0,
+                  PetscMin(cloud->size_most, change->unit[a] * PetscPowReal(part * change->share[a],
+                                                                            1. / (PetscReal)cloud->domain->dim)));
 }
 
 /* TargetFind - makes the target of -spacing_follow from the free surface and solids as they are: see target.c.

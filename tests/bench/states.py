@@ -71,7 +71,7 @@ def mirror(source, target):
         file["counts"] = np.array([4 * n], dtype=np.int64)
         file.attrs.modify("particles", np.int64(4 * n))
         file.attrs.modify("ranks", np.int64(1))
-        del file.attrs["scene"]  # the quarter's; without one a restart takes it to be that of the run
+        del file.attrs["scene_identity"]  # the quarter's; without one a restart takes it to be that of the run
     seal(partial)
     os.replace(partial, target)
 

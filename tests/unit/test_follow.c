@@ -55,6 +55,45 @@ static void SumLiquid(Cloud cloud, PetscReal sum[5])
   for (PetscInt k = 0; k < 5; k++) sum[k] = SetupSum(sum[k]);
 }
 
+/* The floor: its columns cover it without gap or overlap, with the smoothing length and the layers of the target, and
+   each has its parent at its top. widest: of a column. */
+static PetscErrorCode CheckFloor(Setup *s, PetscReal widest, const char when[])
+{
+  const Cloud      cloud = s->cloud;
+  const PetscReal *x     = cloud->field[FIELD_POSITION];
+  PetscReal        area = 0, off = 0, most = 0, pressure = 0, density = 0, lowest = 0;
+  PetscInt         lost = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const PetscReal on[DIM] = {x[DIM * a], x[DIM * a + 1], 0}, wanted = SceneSpacing(s->scene, on),
+                    own = cloud->volume[a] / cloud->size[a];
+    PetscInt b          = cloud->n_fluid;
+
+    if (cloud->integer[INT_LAYER][a] == 1) area += own;
+    most = PetscMax(most, PetscSqrtReal(own));
+    off  = PetscMax(off, PetscAbsReal(cloud->size[a] - wanted));
+    off  = PetscMax(off, PetscAbsReal(x[DIM * a + 2] + (cloud->integer[INT_LAYER][a] - 0.5) * wanted));
+    while (b < cloud->n_owned && cloud->integer[INT_ID][b] != cloud->integer[INT_PARENT][a]) b++;
+    lost += b == cloud->n_owned || x[DIM * b] != x[DIM * a] || x[DIM * b + 1] != x[DIM * a + 1] ||
+            cloud->integer[INT_LAYER][b] != 1;
+    pressure = PetscMax(pressure, PetscAbsReal(cloud->field[FIELD_PRESSURE][a] - 7));
+  }
+  PetscCall(SetupMoments(s));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    if (x[DIM * a + 2] > cloud->size[a]) continue;
+    density += cloud->field[FIELD_DENSITY][a];
+    lowest += 1;
+  }
+  CHECK_CLOSE(SetupSum(density) / SetupSum(lowest), 1, 0.04, "liquid on the floor has the density of all");
+  CHECK_CLOSE(SetupSum(area), 1600, 1e-9, when);
+  CHECK_CLOSE(off, 0, 1e-12, "a wall has the smoothing length and the layers of the target");
+  CHECK(most <= widest + 1e-9, "and columns as narrow as it needs");
+  CHECK(lost == 0, "each column has one parent");
+  CHECK_CLOSE(pressure, 0, 1e-12, "and the pressure of those before");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A drop in the film of another body, both packed for a surface that is fine, then followed by curvature: the film
    becomes coarse, the drop's liquid mixes into it, and volume, colour, momentum and, but for the smoothing, the centre
    stay. Then the reverse, with a bound on the particles. */
@@ -73,8 +112,11 @@ static PetscErrorCode TestKept(void)
   for (PetscInt a = 0; a < arrays.n; a++)
     if (arrays.integer[INT_LAYER][a] == 0)
       arrays.real[FIELD_VELOCITY][DIM * a + 2] = arrays.integer[INT_BODY][a] ? -3 : 0;
+    else
+      arrays.real[FIELD_PRESSURE][a] = 7;
   PetscCall(ParticlesClose(s.particles, &arrays));
   PetscCall(CloudResync(s.cloud));
+  PetscCall(CheckFloor(&s, 2, "the first floor has no gap"));
   SumLiquid(s.cloud, before);
   PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
   s.domain->follow = FOLLOW_CURVATURE;
@@ -82,6 +124,7 @@ static PetscErrorCode TestKept(void)
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
     PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(CheckFloor(&s, 4, "nor the floor of coarse liquid"));
     joined += report.joined;
     split += report.split;
   }
@@ -99,6 +142,7 @@ static PetscErrorCode TestKept(void)
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
     PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(CheckFloor(&s, 4, "nor that of finer liquid"));
     split += report.split - report.joined;
   }
   SumLiquid(s.cloud, after);
