@@ -40,7 +40,8 @@ typedef struct _p_Cloud {
   PetscReal *size;            /* [n_total] spacing over d0, 1 */
   PetscReal *weight;          /* [n_total] 1 */
   PetscReal *length;          /* [n_total] m, DomainRingLength of a ring; 1 for other particles */
-  PetscReal *relative_weight; /* [n_total] weight over size^dim: about 1 for rings, whose areas change; 1 for others */
+  PetscReal *relative_weight; /* [n_total] weight over size^dim: about 1 for rings, whose areas change; of dummy
+                                 particles that serve larger liquid (CloudWeighs) less than 1; 1 for others */
   PetscReal  size_most;       /* 1; largest size on all ranks at all times: the largest support over the kernel's */
   PetscReal  volume_most;     /* m^dim, largest volume of a particle on all ranks */
   PetscReal *rest_density;    /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
@@ -60,7 +61,7 @@ typedef struct _p_Cloud {
   /* Factors of the pairs, in the order of the list, at the positions of the last search; without weights the same for
      both particles of a pair (see KernelGradient). slope: F = W'/r over KernelScales' scale_f, times the weight of the
      neighbour; sums multiply with V_0 for all particles. laplacian: the pair's part in a Laplacian, -F r2/(r2 + eta2)
-     over scale_f laplacian_unit, for graded particles times size^dim of both, for rings without their weights; 0
+     over scale_f laplacian_unit, for graded particles times size^dim of both, without relative weights; 0
      between two wall particles. It is rounded to sixteen bits because the solver reads it in each iteration; a
      Laplacian with 80 of these weights is exact to 3e-6. */
   float     *slope;

@@ -91,8 +91,8 @@ typedef struct {
 } ParticleArrays;
 
 /* ParticlesHave - whether the swarm stores field f < FIELD_STORED_COUNT. It stores volumes if they differ; else every
-   particle has the domain's volume. It stores sizes of graded rings; the size of other graded particles follows from
-   their volume. It stores viscosities if they vary, and colours with -spacing_follow. Not collective. */
+   particle has the domain's volume. It stores sizes if DomainStoresSizes; else the size of a graded particle follows
+   from its volume. It stores viscosities if they vary, and colours with -spacing_follow. Not collective. */
 PetscBool ParticlesHave(Particles particles, PetscInt f);
 
 /* ParticleVolume - volume of particle a, m3 (m2 in two dimensions). Not collective. */
