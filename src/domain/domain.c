@@ -8,7 +8,7 @@
 #define CELL_GROWTH        1.05  /* factor by which the cell size grows until there are at most CELLS_MAX cells */
 #define LENGTH_ROUNDING    1e-12 /* relative; a box exactly as wide as the reach of the kernel is allowed */
 #define DUMMY_LAYERS_MAX   20    /* layers of dummy particles, on both sides of the box together */
-#define COARSE_RATIO_MAX   4     /* of the coarse to the fine spacing: larger ratios are untested */
+#define COARSE_RATIO_MAX   8     /* of the coarse to the fine spacing: larger ratios are untested */
 #define DEFAULT_GROWTH     0.1
 #define DEFAULT_BAND       4 /* spacings */
 #define DEFAULT_PER_RADIUS 4 /* a drop of eight spacings across is fine all over */

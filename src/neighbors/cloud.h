@@ -14,7 +14,7 @@
 
 typedef struct _p_Halo *Halo;
 
-#define SIZE_LEVELS 5 /* levels of sizes of graded particles, by factors of sqrt(2): see CloudLevel */
+#define SIZE_LEVELS 7 /* levels of sizes of graded particles, by factors of sqrt(2): see CloudLevel */
 #define SEARCH_LEVELS                                                                                                  \
   ((SIZE_LEVELS + 1) / 2) /* the search's levels, by factors of 2: the first, then pairs of these levels */
 
@@ -138,7 +138,7 @@ static inline PetscBool CloudAcrossInterface(Cloud cloud, PetscInt a, PetscInt b
    collective. */
 static inline PetscReal CloudLevelSize(PetscInt level)
 {
-  static const PetscReal largest[SIZE_LEVELS] = {1.05, 1.485, 2.1, 2.97, 4.2};
+  static const PetscReal largest[SIZE_LEVELS] = {1.05, 1.485, 2.1, 2.97, 4.2, 5.94, 8.4};
 
   return largest[level];
 }

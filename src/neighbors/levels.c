@@ -190,5 +190,6 @@ PetscInt SearchLevelRuns(Cloud cloud, const Search *search, PetscInt a, PetscInt
   if (near <= 0) return 0;
   if (radius <= grid->size) return FindRuns(grid, &level->lines[0], 1, PETSC_TRUE, x, radius, search->run);
   if (radius <= 2 * grid->size) return FindRuns(grid, &level->lines[1], 2, PETSC_TRUE, x, radius, search->run);
-  return FindRuns(grid, &level->lines[2], LINES_MOST_REACH, PETSC_TRUE, x, radius, search->run);
+  if (radius <= 3 * grid->size) return FindRuns(grid, &level->lines[2], 3, PETSC_TRUE, x, radius, search->run);
+  return FindRuns(grid, &level->lines[LINES_MOST_REACH - 1], LINES_MOST_REACH, PETSC_TRUE, x, radius, search->run);
 }

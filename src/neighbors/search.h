@@ -38,8 +38,8 @@ typedef int64_t Run;
 #define SPLIT            4     /* cells along x in the length of a cell along y and z */
 #define SLACK            1e-3f /* of a cell along x: error of a chord in single precision */
 #define LINES(reach)     ((2 * (reach) + 1) * (2 * (reach) + 1))
-#define LINES_MOST_REACH 3
-#define LINES_MOST       64 /* LINES(LINES_MOST_REACH), in whole vectors */
+#define LINES_MOST_REACH 5
+#define LINES_MOST       128 /* LINES(LINES_MOST_REACH), in whole vectors */
 
 typedef struct {
   PetscInt y[LINES_MOST], z[LINES_MOST], cells[LINES_MOST];

@@ -13,6 +13,9 @@
 #define FARTHEST     0.1 /* largest displacement, spacings */
 #define CLUMP_WEIGHT 0.2 /* Monaghan (2000) */
 #define DEEP_ENOUGH  0.2 /* least distance of centres from the region's surface, spacings */
+#define LEAST_DEPTH                                                                                                    \
+  0.1 /* the same at the start: a point of the fine lattice may be so near a mirror that its image,                    \
+         much less than a spacing away, does not repel it */
 #define PROBE                                                                                                          \
   0.05 /* fine spacings: difference for normals, and depth at which to test whether the region reaches a face */
 #define PARALLEL 0.9 /* least cosine between the normals of a curved surface and of a face that count as one mirror */
@@ -246,6 +249,10 @@ PetscErrorCode RegionSpread(Region *region)
 
     PetscCall(PetscArraycpy(p.x + DIM * a, point->x, DIM));
     p.s[a] = point->fixed ? PetscPowReal(point->measure, 1. / region->dim) : RegionSpacing(region, point->x);
+    for (PetscInt d = 0; d < DIM; d++)
+      if (region->along[d] && !point->fixed)
+        p.x[DIM * a + d] = PetscMax(region->lower[d] + LEAST_DEPTH * p.s[a],
+                                    PetscMin(region->upper[d] - LEAST_DEPTH * p.s[a], p.x[DIM * a + d]));
   }
   for (PetscInt round = 0; round < ROUNDS; round++) {
     if (round % LIST_ROUNDS == 0) PetscCall(FindNear(&p));

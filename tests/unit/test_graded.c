@@ -17,6 +17,10 @@
   "-spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 20,20,20 -box_x symmetry "             \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 20,20,16 -fine core -core_shape sphere -core_radius 2 "     \
   "-core_center 0,0,16 -halo_slack 0.1 -tension_type none "
+#define STEEPEST                                                                                                       \
+  "-spacing 1 -spacing_coarse 8 -spacing_growth 0.15 -box_lower 0,0,0 -box_upper 48,48,48 -box_x symmetry "            \
+  "-box_y symmetry -box_zmin wall -bodies film -film_upper 48,48,40 -fine core -core_shape sphere -core_radius 2 "     \
+  "-core_center 0,0,40 -halo_slack 0.1 -tension_type none "
 /* rings: a tank, and a drop that is fine above and coarse below */
 #define ROUND                                                                                                          \
   "-dimension axisymmetric -spacing 1 -spacing_coarse 3 -spacing_growth 0.2 -box_lower 0,0 -box_upper 30,30 "          \
@@ -636,6 +640,7 @@ int main(int argc, char **argv)
   PetscCall(TestScene(FLAT SOLID, 48 * 16 - 12)); /* 12 points of the lattice are in the solid */
   PetscCall(TestScene(DEEP, 10 * 10 * 15));
   PetscCall(TestScene(STEEP, 20 * 20 * 16));
+  PetscCall(TestScene(STEEPEST, 48 * 48 * 40));
   PetscCall(TestScene(ROUND, PETSC_PI * 30 * 30 * 24));
   PetscCall(TestTension(FLAT_DROP, 1. / 40));
   PetscCall(TestTension(ROUND_DROP, 2. / 40));
@@ -646,8 +651,8 @@ int main(int argc, char **argv)
   if (size == 1) PetscCall(TestPair());
   if (size == 1) PetscCall(TestJoin());
   if (size == 1) PetscCall(TestClosure());
-  Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 4 times -spacing");
-  Refused(FLAT "-spacing_coarse 5 ", "must be one to 4 times");
+  Refused(FLAT "-spacing_coarse 0.5 ", "-spacing_coarse 0.5 m must be one to 8 times -spacing");
+  Refused(FLAT "-spacing_coarse 9 ", "must be one to 8 times");
   Refused("-dimension 2 -spacing 1 -spacing_coarse 2 -box_lower 0,0 -box_upper 9,9 -bodies a ", "-fine");
   Refused("-dimension 2 -spacing 1 -fine c -box_lower 0,0 -box_upper 9,9 -bodies a ", "-spacing_coarse (m) is missing");
   Refused(FLAT "-solids b -b_shape sphere -b_radius 3 -b_center 0,5 ", "the solid b must lie in a region of -fine");
