@@ -165,14 +165,15 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
                                     Rehearsal *r)
 {
   const PetscReal begin = coarse->state.time;
-  PetscReal       each, spent = 0;
-  PetscInt        now;
+  PetscReal       each, more, spent = 0;
+  PetscInt        first, now;
   PetscBool       failed = PETSC_FALSE;
   char            why[WHY_LENGTH];
 
   PetscFunctionBegin;
-  PetscCall(CountLiquid(coarse, &now));
-  each = SceneEmits(coarse->scene) ? PetscPowReal(coarser, coarse->domain->dim) : (PetscReal)n / PetscMax(1, now);
+  PetscCall(CountLiquid(coarse, &first));
+  each = SceneEmits(coarse->scene) ? PetscPowReal(coarser, coarse->domain->dim) : (PetscReal)n / PetscMax(1, first);
+  more = coarse->domain->follow ? PetscPowReal(coarser, coarse->domain->dim - 1) : each; /* new ones are at surfaces */
   for (PetscInt k = 0; coarse->state.time < coarse->time_end && spent < (PetscReal)longest; k++) {
     const PetscReal before = coarse->state.time;
     PetscReal       took;
@@ -190,7 +191,7 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
     PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, coarse->comm));
     spent += took;
     if (k == 0) continue; /* it sets everything up */
-    AddStep(coarse, coarser, coarse->state.time - before, (PetscReal)PetscMax(1, now) * each, took,
+    AddStep(coarse, coarser, coarse->state.time - before, PetscMax(1, first * each + (now - first) * more), took,
             (PetscBool)(before - begin < covered || r->early_steps < TRIAL_LEAST), r);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
