@@ -1,6 +1,6 @@
 # isph: incompressible SPH on PETSc
 #   make                the program ./isph; PORTABLE=1: for any processor, ARCH=-march=...: for one; STRICT=1: warnings stop it
-#   make run            the main case at quick resolution, a minute on two cores, its series and pictures in output/
+#   make run            the main case, its spacing following the liquid: two minutes on two cores, pictures in output/
 #   make run-axisymmetric   the main case as rings around its axis: seconds
 #   make check          whether a change is right, in three minutes; CHANGED=1: only what watches the files of `git diff`,
 #                       a minute; BASE=HEAD~3: of the changes since then
@@ -95,11 +95,11 @@ export $(GIVEN) DESTDIR PREFIX
 packages:
 	@tests/packages.sh build pictures
 
-# The main case at quick resolution (options/quick.opts), a quarter of the box: a minute on two cores, then its figures.
+# A quarter of the main case, 0.25 mm where the surface is curved: three quarters of a minute on two cores, then figures.
 run: packages
 	$(MAKE) -j"$$JOBS" isph
 	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
-	  -options_file options/quick.opts -output_dir "$$RUN" -output_overwrite
+	  -options_file cases/drop_impact/following.opts -output_dir "$$RUN" -output_overwrite
 	$(PYTHON) cases/drop_impact/figures.py "$$RUN"
 	$(PYTHON) src/pictures/report.py "$$RUN"
 	$(PYTHON) cases/drop_impact/compare.py "$$RUN"

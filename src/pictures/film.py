@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A film of a run, with a frame for each snapshot.
 
-    film.py RUN_FOLDER [--rate N] [--color body|speed|pressure] [--section] [--azimuth DEG] [--elevation DEG]
+    film.py RUN_FOLDER [--rate N] [--color body|speed|pressure|size] [--section] [--azimuth DEG] [--elevation DEG]
 
 Writes RUN_FOLDER/figures/film.mp4: the surface in perspective, or with --section and in two dimensions the section.
 Needs ffmpeg and the packages of pictures.py.
@@ -43,7 +43,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
     parser.add_argument("--rate", type=float, default=15, help="frames a second (15)")
-    parser.add_argument("--color", choices=("body", "speed", "pressure"), default="body")
+    parser.add_argument("--color", choices=("body", "speed", "pressure", "size"), default="body")
     parser.add_argument("--section", action="store_true", help="the section, not the surface")
     parser.add_argument("--azimuth", type=float, default=25)
     parser.add_argument("--elevation", type=float, default=25)

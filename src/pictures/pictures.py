@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Pictures of any run, for a paper or a first look.
 
-    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure] [--azimuth DEG] [--elevation DEG]
-                [--curves NAME ...] [--format png|pdf|svg ...] [--width CM] [--dpi N]
+    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure|size] [--azimuth DEG]
+                [--elevation DEG] [--curves NAME ...] [--format png|pdf|svg ...] [--width CM] [--dpi N]
 
 Writes into RUN_FOLDER/figures:
     section.png   the section through the middle (in two dimensions all) at several times, with axes and units
@@ -195,7 +195,7 @@ def main():
     parser.add_argument("folder", metavar="RUN_FOLDER")
     parser.add_argument("--times", type=float, nargs="+", metavar="S", help="times to draw, s: the nearest snapshots")
     parser.add_argument("--count", type=int, default=6, help="number of times without --times (6)")
-    parser.add_argument("--color", choices=("body", "speed", "pressure"), default="body")
+    parser.add_argument("--color", choices=("body", "speed", "pressure", "size"), default="body")
     parser.add_argument("--azimuth", type=float, default=25, help="of the eye, degrees from -y towards x (25)")
     parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
     parser.add_argument("--curves", nargs="+", metavar="NAME", help="columns of series.csv beginning so, or all; "

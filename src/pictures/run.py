@@ -187,7 +187,7 @@ class Run:
 
     def need(self, color):
         """Refuses to colour by a field that the snapshots lack."""
-        field = {"speed": "velocity"}.get(color, color)
+        field = {"speed": "velocity", "size": "volume"}.get(color, color)
         if field != "body" and field not in self.fields:
             raise RunError(f"the snapshots of {self.folder} have no {field} (-snapshot_fields).")
 

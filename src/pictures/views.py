@@ -8,8 +8,8 @@ import surface
 BODY_COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555")
 SOLID_COLOR = "#9a9a9a"
 FLOOR = np.array([0.90, 0.90, 0.88])
-MAPS = {"speed": "viridis", "pressure": "cividis"}
-UNITS = {"speed": "speed (m/s)", "pressure": "pressure (Pa)"}
+MAPS = {"speed": "viridis", "pressure": "cividis", "size": "turbo"}
+UNITS = {"speed": "speed (m/s)", "pressure": "pressure (Pa)", "size": "spacing over the finest (1)"}
 PERCENTILE = 99  # of the values at the end of a colour scale, so that no single particle of spray sets it
 ANGLE = 22.0  # degrees, of the perspective
 ROOM = 1.05  # size of a picture over that of its contents
@@ -25,7 +25,8 @@ def limits(states, color):
     if color == "body":
         return None
     values = np.concatenate([getattr(state, color) for state in states])
-    low = 0.0 if color == "speed" else min(0.0, np.percentile(values, 100 - PERCENTILE))
+    low = np.percentile(values, 100 - PERCENTILE)
+    low = {"speed": 0.0, "size": low}.get(color, min(0.0, low))
     high = np.percentile(values, PERCENTILE)
     return low, high if high > low else low + 1
 

@@ -103,6 +103,8 @@ ends = views.limits([state], "pressure")
 runs.check(-50 <= ends[0] < 0 and 30 < ends[1] <= 900, "pressure_scale_has_both_signs", ends)
 ends = views.limits([state], "speed")
 runs.check(ends[0] == 0 and 3 < ends[1] <= 5, "speed_scale_starts_at_0", ends)
+ends = views.limits([state], "size")
+runs.check(abs(ends[0] - 1) < 1e-9 and 1.9 < ends[1] < 2.001, "size_scale_starts_at_the_finest", ends)
 
 # its section
 arguments = argparse.Namespace(color="speed", format=["png"], azimuth=25, elevation=25, curves=None)
