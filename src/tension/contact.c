@@ -296,7 +296,7 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
 }
 
 /* Moves the images of a group to their positions for a particle: 'tilt' times their distance from the wall. */
-static void MoveImages(Tension tension, const WallImages *image, const PetscReal tilt[DIM])
+static void MoveImages(Tension tension, const WallImages *image, PetscBool normals, const PetscReal tilt[DIM])
 {
   const SolidContact *solid  = &tension->solid;
   const PetscInt      stride = tension->liquid->stride;
@@ -305,7 +305,7 @@ static void MoveImages(Tension tension, const WallImages *image, const PetscReal
   for (PetscInt k = image->begin; k < image->end; k++) {
     const PetscInt   from   = tension->images.parent[k];
     const PetscReal *normal = image->inward;
-    PetscReal        s;
+    PetscReal        s, shift[DIM];
 
     if (image->contact)
       s = (x[image->axis * stride + from] - image->wall) * normal[image->axis];
@@ -313,9 +313,20 @@ static void MoveImages(Tension tension, const WallImages *image, const PetscReal
       s      = solid->mirror[DIM * (PetscInt)index[from]];
       normal = solid->normal + DIM * (PetscInt)index[from];
     }
-    x[k] = x[from] + s * (tilt[0] - 2 * normal[0]);
-    y[k] = y[from] + s * (tilt[1] - 2 * normal[1]);
-    z[k] = z[from] + s * (tilt[2] - 2 * normal[2]);
+    for (PetscInt d = 0; d < DIM; d++) shift[d] = 0;
+    if (normals) {
+      const PetscReal *n = x + DIM * stride, depth = x[DEPTH_COLUMN * stride + from];
+      PetscReal        into = 0;
+
+      for (PetscInt d = 0; d < DIM; d++) {
+        shift[d] = depth * (n[d * stride + from] - n[d * stride + k]);
+        into += n[d * stride + from] * normal[d];
+      }
+      s += depth * into;
+    }
+    x[k] = x[from] + shift[0] + s * (tilt[0] - 2 * normal[0]);
+    y[k] = y[from] + shift[1] + s * (tilt[1] - 2 * normal[1]);
+    z[k] = z[from] + shift[2] + s * (tilt[2] - 2 * normal[2]);
   }
 }
 
@@ -331,7 +342,7 @@ void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscR
       length = PetscMax(Norm(flat), PARALLEL * contact->sine * full);
       for (PetscInt d = 0; d < DIM; d++) tilt[d] = 2 * contact->image_tilt * flat[d] / length;
     }
-    MoveImages(tension, &around->image[g], tilt);
+    MoveImages(tension, &around->image[g], (PetscBool)(around->width > DIM), tilt);
   }
 }
 
@@ -397,6 +408,7 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
   if (cell == around->cell) PetscFunctionReturn(PETSC_SUCCESS);
   faces          = NearWall(tension, domain, cell, x);
   around->cell   = cell;
+  around->width  = width;
   around->images = 0;
   if (faces || solids) columns = COLUMNS(0, width);
   if (tension->weighted) columns |= COLUMNS(WEIGHT_COLUMN, 1);

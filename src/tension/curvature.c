@@ -415,9 +415,9 @@ static inline PetscReal Sigma(Tension tension, Cloud cloud, PetscInt a)
   return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 }
 
-/* Column 6 holds the depth, then sigma kappa. */
-#define VALUE_COLUMN  (2 * DIM)
-#define COLUMNS_TOTAL (VALUE_COLUMN + 1)
+/* Column 6 holds the depth, then sigma kappa; DEPTH_COLUMN the depth for images that are moved (contact.c). */
+#define VALUE_COLUMN           (2 * DIM)
+#define COLUMNS_TOTAL(tension) ((tension)->tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
    zero elsewhere. slope: NULL, or sigma times SheetSlope times share of the owned particles near the surface; share
@@ -480,7 +480,8 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
 
     if (!TensionOwns(cloud, level, a)) continue;
     SortedPosition(liquid, p, x);
-    PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL), COLUMNS_TOTAL, &around));
+    PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL(tension)), COLUMNS_TOTAL(tension),
+                             &around));
     PetscCall(ReserveWeights(tension, *used + around.n));
     tension->size = cloud->size[a];
     ContactTilt(tension, &around, a, normal + DIM * a, 1);
@@ -513,7 +514,7 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
 
     if (!TensionOwns(cloud, level, a)) continue;
     SortedPosition(liquid, p, x);
-    PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL, &around));
+    PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL(tension), &around));
     mean[a] = WeightedMean(tension, weight, place, fit);
     if (slope) {
       ContactTilt(tension, &around, a, normal + DIM * a, 1);
@@ -567,6 +568,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
     PetscCall(LiquidSort(tension, cloud, l, keep));
     SortedCellsLoad(liquid, DIM, DIM, normal);
     SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
+    if (tension->tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
     if (liquid->count > tension->fit_capacity[l]) {
       tension->fit_capacity[l] = liquid->count + liquid->count / 4;
       PetscCall(PetscFree(tension->fit[l]));

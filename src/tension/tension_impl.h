@@ -11,6 +11,7 @@
 
 /* Columns of the sorted liquid (SortedCells) with fixed contents: the cloud's weights, if they differ (for rings the
    area over V_0); the local index, if solids have a contact angle (contact.c). */
+#define DEPTH_COLUMN  7
 #define WEIGHT_COLUMN 8
 #define SOLID_COLUMN  9
 
@@ -43,7 +44,7 @@ typedef struct {
 
 /* The particles collected around those of one cell: 'real' particles, then the images of 'images' walls, n in all. */
 typedef struct {
-  PetscInt   cell, real, n, images;
+  PetscInt   cell, width, real, n, images; /* width: the first columns */
   WallImages image[2 * DIM + 1];
 } Around;
 
