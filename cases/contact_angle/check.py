@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Contact angle and width of a drop on a wall; of a film (edge.opts), the pull on its edge; of a drop on an incline
-(incline.opts), whether it sticks or slides.
+(incline.opts), whether it sticks or slides; of a plug between two walls (plug.opts), the pull of its menisci.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -80,6 +80,15 @@ def pull(states, options):
                              1 - np.cos(np.radians(float(options["-wall_contact_angle"]))), 0.1)]
 
 
+def pull_of_plug(states, options):
+    """The pressure between the menisci of a plug over -2 sigma cos(contact angle)/gap: mean of the particles within a
+    third of the gap from its middle, in the second half of the run."""
+    gap = float(options["-plug_upper"].split(",")[0]) - float(options["-plug_lower"].split(",")[0])
+    exact = -2 * SIGMA * np.cos(np.radians(float(options["-wall_contact_angle"]))) / gap
+    late = [f["pressure"][np.abs(f["position"][:, 1]) < gap / 3].mean() for _, _, f in states[len(states) // 2:]]
+    return [physics.relative("pull of the menisci over its exact value", np.mean(late) / exact, 1, 0.04)]
+
+
 def incline(states, options):
     """Speed along the wall in the second half of the run as a capillary number, from the mean position: a drop with
     hysteresis stays where it is below rho g A sin(slope) = sigma (cos r - cos a), and slides above."""
@@ -119,6 +128,8 @@ def check(folder):
         return incline(states, options)
     if "-film_tension" in options:
         return pull(states, options)
+    if "-plug_tension" in options:
+        return pull_of_plug(states, options)
     wanted = float(next((v for name, v in options.items() if name.endswith("_contact_angle")), 90))
     angle, radius = met(head, f)
     before = np.linalg.norm(states[-2][2]["velocity"], axis=1).max()

@@ -9,6 +9,11 @@
    TILT_MOST at most, and the residual of the cotangent becomes a part of grad phi normal to the wall (SumMirrored in
    curvature.c). The mean of the normals of a particle and its image has the contact angle.
 
+   Only the free surface meets the wall under the contact angle; the parallel surface at the depth s below it, to which
+   the normal of a particle belongs, meets it under another one if it is curved. So where normals count, the image is
+   that of the particle's foot on the free surface, moved back by s along the image's normal (MoveImages). Otherwise
+   menisci between two walls ten spacings apart pull 11 % too much at 60 degrees and 8 % too little at 120.
+
    An image may be nearer than its particle. Which particles beyond the support are known depends on cells and ranks, so
    their images are left out. */
 #include "tension_impl.h"
@@ -295,7 +300,8 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
   return copies;
 }
 
-/* Moves the images of a group to their positions for a particle: 'tilt' times their distance from the wall. */
+/* Moves the images of a group to their positions for a particle: 'tilt' times their distance from the wall. normals:
+   the columns of normals and depths are collected. */
 static void MoveImages(Tension tension, const WallImages *image, PetscBool normals, const PetscReal tilt[DIM])
 {
   const SolidContact *solid  = &tension->solid;

@@ -331,11 +331,12 @@ static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 /* kappa (1/m) of the free surface from the sums around a particle at x (m) with normal n; at most that of a drop of one
    spacing. loose: the ring counts as a row of drops. */
 static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal x[DIM],
-                           const PetscReal n[DIM], PetscBool loose)
+                           const PetscReal n[DIM], PetscBool loose, PetscReal *deeper)
 {
   const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / (tension->size * tension->spacing);
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
 
+  *deeper = 0;
   if (!fit->enough) return 0;
   for (PetscInt i = 0; i < DIM; i++)
     for (PetscInt j = 0; j < DIM; j++) G[i][j] = m->nx[i][j] - m->n[i] * fit->x[j];
@@ -364,8 +365,8 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
     kappa = CarryToSurface(tension, k1, 0, depth);
   } else
     kappa = CarryToSurface(tension, k1, k2, depth);
-  depth += 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane * PetscSqr(tension->size);
-  kappa = CarryToSurface(tension, k1, k2, depth);
+  *deeper = 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane * PetscSqr(tension->size);
+  kappa   = CarryToSurface(tension, k1, k2, depth + *deeper);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
@@ -464,9 +465,12 @@ static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
 }
 
 /* Finds sigma kappa ([n_owned], Pa) of the owned particles of a level with a normal; keeps fits, weights and places of
-   their neighbours for TakeMean, behind 'used' earlier entries. The depth is in its column. share: see SheetShare. */
+   their neighbours for TakeMean, behind 'used' earlier entries. The depth is in its column. share: see SheetShare.
+   deeper: NULL, or the depths ([n_owned], m) of a flat surface, to which is added what the curvature makes them deeper.
+ */
 static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
-                                    const PetscReal share[], PetscReal capillary[], PetscInt64 *used)
+                                    const PetscReal share[], PetscReal capillary[], PetscReal deeper[],
+                                    PetscInt64 *used)
 {
   SortedCells *liquid = TensionLevel(tension, level);
   NormalFit   *fit    = tension->fit[level];
@@ -475,7 +479,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
     const PetscInt a = liquid->index[p];
-    PetscReal      x[DIM];
+    PetscReal      x[DIM], more;
     Moments        m;
 
     if (!TensionOwns(cloud, level, a)) continue;
@@ -488,7 +492,8 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, tension->place + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
     capillary[a] =
-      Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a));
+      Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a), &more);
+    if (deeper) deeper[a] += more;
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull has this force: see sheet.c */
     *used += m.kept;
   }
@@ -618,8 +623,20 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
   PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
   PetscCall(SortNormals(tension, cloud, normal, scalar));
+  if (tension->tilted) { /* first the depths, to which the places of images belong */
+    PetscReal *deeper;
+
+    PetscCall(CloudGetWork(cloud, 1, &deeper));
+    PetscCall(PetscArraycpy(deeper, scalar, cloud->n_owned));
+    for (PetscInt l = 0; l < tension->levels; l++)
+      PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, deeper, &used));
+    PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, deeper));
+    for (PetscInt l = 0; l < tension->levels; l++) SortedCellsLoad(&tension->liquids[l], DEPTH_COLUMN, 1, deeper);
+    PetscCall(CloudRestoreWork(cloud, &deeper));
+    used = 0;
+  }
   for (PetscInt l = 0; l < tension->levels; l++)
-    PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, &used));
+    PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, NULL, &used));
   PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
   if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal, scalar));

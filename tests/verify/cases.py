@@ -196,6 +196,10 @@ ENTRIES += [Entry("contact_angle", "edge of a film, 12 spacings thick", file="ed
             Entry("contact_angle", "edge of a film, 3 spacings thick", "-film_upper 5e-3,0.3e-3", TEST,
                   file="edge.opts")]
 
+ENTRIES += [Entry("contact_angle", f"plug, {angle} degrees, 10 spacings", f"-wall_contact_angle {angle}", TEST,
+                  file="plug.opts") for angle in (45, 60, 120, 135)]
+ENTRIES += [Entry("contact_angle", "plug, 60 degrees, 20 spacings", "-spacing 0.05e-3", file="plug.opts")]
+
 # two liquids that do not mix: tensions of the lens, the bath and between them, mN/m
 ENTRIES += [Entry("two_liquids", f"lens, {one:g}, {other:g} and {between:g} mN/m",
                   f"-lens_tension {one}e-3 -bath_tension {other}e-3 -interface_tension {between}e-3")
