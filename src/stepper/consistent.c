@@ -64,7 +64,8 @@ PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOption
   PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
                              "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
   stepper->force_time = scheme->centered ? 0.5 : 0;
-  if (scheme->centered) stepper->limits.capillary_limit = TensionStepLimit(stepper->tension);
+  if (scheme->centered)
+    TensionStepLimits(stepper->tension, &stepper->limits.capillary_limit, &stepper->limits.capillary_most);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

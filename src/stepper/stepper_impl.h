@@ -118,6 +118,8 @@ typedef struct {
 typedef struct {
   PetscReal cfl, min, max, fixed;
   PetscReal capillary_limit; /* over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 */
+  PetscReal capillary_most;  /* the same, of bodies so thick that their waves are slow */
+  PetscReal per_period;      /* steps in a period of the slowest surface wave of a body, at least */
 } TimeStepLimits;
 
 /* Limits beyond which a step is rolled back or stops the run. */

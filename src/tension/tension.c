@@ -79,7 +79,7 @@ static PetscErrorCode ReadModel(void *object, const char type[])
   PetscCall(ListNames(TensionList, names));
   PetscCall(PetscFunctionListFind(TensionList, type, &create));
   PetscCheckUser(create, tension->comm, "-tension_type %s does not exist; choose from %s", type, names);
-  tension->step_limit = STEP_LIMIT;
+  tension->step_limit = tension->step_most = STEP_LIMIT;
   PetscCall(create(tension));
   if (tension->setfromoptions) {
     PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
@@ -107,9 +107,10 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal TensionStepLimit(Tension tension)
+void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most)
 {
-  return tension->step_limit;
+  *limit = tension->step_limit;
+  *most  = tension->step_most;
 }
 
 PetscBool TensionOnSurface(Tension tension)

@@ -75,7 +75,7 @@ struct _p_Tension {
   PetscBool rings, weighted; /* the cloud's weights are not all 1 */
   PetscReal size, size_most; /* of the particle being summed, 1; largest of all */
   char      type[64];
-  PetscReal step_limit; /* see TensionStepLimit */
+  PetscReal step_limit, step_most; /* see TensionStepLimits */
   /* The model's options, tables and work of TensionApply. May be NULL. */
   PetscErrorCode (*setfromoptions)(Tension, OptionItems);
   PetscErrorCode (*setup)(Tension);

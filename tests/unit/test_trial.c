@@ -55,6 +55,8 @@ static PetscErrorCode Step(const char options[], PetscReal previous, PetscReal l
 
 #define CAPILLARY PetscSqrtReal(RHO *H *H *H / (2 * PETSC_PI * 7e4)) /* s */
 
+#define PERIOD (2 * PETSC_PI * PetscSqrtReal(RHO * 0.125 / (8 * 7e4))) /* s, of a sphere of radius 0.5 m */
+
 static PetscErrorCode TestStep(void)
 {
   const struct {
@@ -75,6 +77,10 @@ static PetscErrorCode TestStep(void)
      20 * 0.08 * H * H * RHO / 8000, PETSC_TRUE},
     {"viscosity that is small", BLOCK "-a_viscosity 8", 1, 9, PETSC_FALSE, 0.2 * H / 5, PETSC_FALSE},
     {"tension, default", QUIET "-a_tension 7e4", 1, 9, PETSC_FALSE, 0.5 * CAPILLARY, PETSC_FALSE},
+    {"tension, few steps", QUIET "-a_tension 7e4 -time_steps_per_period 40", 1, 9, PETSC_FALSE, PERIOD / 40,
+     PETSC_FALSE},
+    {"tension, thick", QUIET "-a_tension 7e4 -a_upper 4,4 -time_cfl 2 -time_steps_per_period 60", 1, 9, PETSC_FALSE,
+     4 * CAPILLARY, PETSC_FALSE},
     {"tension, not centered", QUIET "-a_tension 7e4 -time_centered 0", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
      PETSC_FALSE},
     {"tension, Cahn-Hilliard", QUIET "-a_tension 7e4 -tension_type cahn_hilliard", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
