@@ -22,6 +22,7 @@
    angle. */
 #define PARALLEL    0.5
 #define TILT_MOST   0.58 /* cot 60 degrees */
+#define FAR_AWAY    1e30 /* m */
 #define ANGLE_LEAST 20.  /* degrees: contact angles nearer to 0 or 180 were not tried */
 
 /* hysteresis: advancing angle less receding angle, around 'degrees'. */
@@ -245,6 +246,12 @@ static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const P
   return PETSC_TRUE;
 }
 
+/* Whether images are moved by the depth of their particles: then one may be nearer than its particle's mirror image. */
+static PetscBool Shifts(Tension tension, PetscInt width)
+{
+  return (PetscBool)(tension->tilted && width > DIM);
+}
+
 /* Appends the images in one wall (m, its position along the axis) of the n collected candidates within 'reach' (m) of
    the wall, with the weight and the first 'width' columns; columns 3 to 5 are normals if width > 3. Returns the new
    number. The first 'real' of the n candidates are particles, the others images. */
@@ -257,7 +264,7 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscReal reach, Pets
   PetscInt       copies = n;
 
   for (PetscInt k = 0; k < n; k++) {
-    if (PetscAbsReal(at[k] - wall) > reach) continue;
+    if (!Shifts(tension, width) && PetscAbsReal(at[k] - wall) > reach) continue;
     if (!CopyImage(tension, image->contact, image->inward, width, k, copies)) continue;
     at[copies] = 2 * wall - at[k];
     if (images->used) {
@@ -290,7 +297,7 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
     if (mirror[2] < 0 || mirror[1] == 0) continue;
     contact = &solid->angle[(PetscInt)mirror[2]];
     for (PetscInt d = 0; d < DIM; d++) away[d] = liquid->near[d * stride + k] - 2 * mirror[0] * normal[d] - x[d];
-    if (Norm(away) > reach + 2 * PetscAbsReal(contact->image_tilt * mirror[0])) continue;
+    if (!Shifts(tension, width) && Norm(away) > reach + 2 * PetscAbsReal(contact->image_tilt * mirror[0])) continue;
     if (!CopyImage(tension, contact, solid->meeting + DIM * a, width, k, copies)) continue;
     for (PetscInt d = 0; d < DIM; d++) liquid->near[d * stride + copies] = x[d] + away[d];
     images->parent[copies]   = k;
@@ -336,8 +343,27 @@ static void MoveImages(Tension tension, const WallImages *image, PetscBool norma
   }
 }
 
-void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full)
+/* Whether particle a at x (m) is within its support of the wall of a group of images; others do not see them. */
+static PetscBool SeesWall(Tension tension, const WallImages *image, PetscInt a, const PetscReal x[DIM])
 {
+  const PetscReal  support = tension->size * tension->liquid->support;
+  const PetscReal *mirror  = tension->solid.mirror + (image->contact ? 0 : DIM * a);
+
+  if (image->contact) return (PetscBool)(PetscAbsReal(x[image->axis] - image->wall) <= support);
+  return (PetscBool)(mirror[2] >= 0 && mirror[0] <= support);
+}
+
+/* Moves the images of a group out of all supports. */
+static void RemoveImages(Tension tension, const WallImages *image)
+{
+  for (PetscInt k = image->begin; k < image->end; k++) tension->liquid->near[k] = FAR_AWAY;
+}
+
+void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM],
+                 const PetscReal outward[DIM], PetscReal full)
+{
+  const PetscBool normals = Shifts(tension, around->width);
+
   for (PetscInt g = 0; g < around->images && tension->tilted; g++) {
     PetscReal           inward[DIM], tilt[DIM] = {0, 0, 0}, flat[DIM], into, length;
     const ContactAngle *contact = ContactOf(tension, &around->image[g], a, inward);
@@ -348,7 +374,10 @@ void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscR
       length = PetscMax(Norm(flat), PARALLEL * contact->sine * full);
       for (PetscInt d = 0; d < DIM; d++) tilt[d] = 2 * contact->image_tilt * flat[d] / length;
     }
-    MoveImages(tension, &around->image[g], (PetscBool)(around->width > DIM), tilt);
+    if (normals && !SeesWall(tension, &around->image[g], a, x))
+      RemoveImages(tension, &around->image[g]);
+    else
+      MoveImages(tension, &around->image[g], normals, tilt);
   }
 }
 

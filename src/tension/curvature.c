@@ -185,7 +185,7 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
   *phi = g[0] = g[1] = g[2] = 0;
   SumPhase(tension, around, 0, around->real, x, phi, g);
   for (PetscInt d = 0; d < DIM; d++) outward[d] = -g[d];
-  ContactTilt(tension, around, a, outward, full);
+  ContactTilt(tension, around, a, x, outward, full);
   for (PetscInt k = 0; k < around->images; k++) {
     of[k][0] = of[k][1] = of[k][2] = 0;
     SumPhase(tension, around, around->image[k].begin, around->image[k].end, x, phi, of[k]);
@@ -491,7 +491,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
                              &around));
     PetscCall(ReserveWeights(tension, *used + around.n));
     tension->size = cloud->size[a];
-    ContactTilt(tension, &around, a, normal + DIM * a, 1);
+    ContactTilt(tension, &around, a, x, normal + DIM * a, 1);
     SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, tension->place + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
     capillary[a] =
@@ -525,7 +525,7 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL(tension), &around));
     mean[a] = WeightedMean(tension, weight, place, fit);
     if (slope) {
-      ContactTilt(tension, &around, a, normal + DIM * a, 1);
+      ContactTilt(tension, &around, a, x, normal + DIM * a, 1);
       WeightedSlope(tension, weight, place, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
     *used += fit->count;

@@ -203,13 +203,14 @@ PetscErrorCode ContactDestroy(Tension tension);
    collective. */
 PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM], PetscInt columns,
                               PetscInt width, Around *around);
-/* ContactTilt - moves the collected images for particle a along the wall, in the direction of 'outward', a vector out
-   of the liquid. They move less if its part along the wall is shorter than that of a vector of length 'full' of a
-   surface that meets the wall. ContactVolume - the volume of the collected image k over that of its particle, as seen
-   from x (m); only if images.used. ContactOf - the contact angle of a group of images at particle a, and the unit
+/* ContactTilt - moves the collected images for particle a at x (m) along the wall, in the direction of 'outward', a
+   vector out of the liquid. They move less if its part along the wall is shorter than that of a vector of length 'full'
+   of a surface that meets the wall. ContactVolume - the volume of the collected image k over that of its particle, as
+   seen from x (m); only if images.used. ContactOf - the contact angle of a group of images at particle a, and the unit
    vector from the wall into the liquid; NULL: no solid is near. Not collective. */
-void  ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal outward[DIM], PetscReal full);
-float ContactVolume(Tension tension, PetscInt k, const PetscReal x[DIM]);
+void                ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM],
+                                const PetscReal outward[DIM], PetscReal full);
+float               ContactVolume(Tension tension, PetscInt k, const PetscReal x[DIM]);
 const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM]);
 
 /* SheetShare - the degree to which a particle with phi and |grad phi| (1/m) is in a sheet too thin for normals: 0: not,
