@@ -143,7 +143,8 @@ static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, P
     BodyDisplace(body, y);
     if (!BodyContains(body, y)) continue;
     inside++;
-    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0 && SceneOwnDistance(scene, b, y) < 0)
+    if (domain->rings && SceneSolidDistance(scene, y, NULL) > 0 &&
+        (!SceneBodiesOverlap(scene) || SceneOwnDistance(scene, b, y) < 0))
       *length += 2 * PETSC_PI * r;
   } while (CellNext(first, last, at));
   *length /= points;

@@ -1,7 +1,8 @@
 /* Shared by the shapes with waves: maps along a flow, and Bessel functions. */
 #include "scene_impl.h"
 
-#define TERMS 24 /* of the series: exact to rounding for arguments up to 2 pi */
+#define TERMS 24    /* of the series: exact to rounding for arguments up to 2 pi */
+#define LEAST 1e-20 /* the terms behind a smaller one do not count either */
 
 void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x)
 {
@@ -9,7 +10,7 @@ void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x)
 
   *order_0        = 1;
   *order_1_over_x = 0.5;
-  for (PetscInt m = 1; m < TERMS; m++) {
+  for (PetscInt m = 1; m < TERMS && PetscAbsReal(term) > LEAST; m++) {
     term *= q / (m * m);
     *order_0 += term;
     *order_1_over_x += 0.5 * term / (m + 1);

@@ -2,7 +2,7 @@
    along the mode's flow, grad(r^n P_n), which conserves volumes. */
 #include "scene_impl.h"
 
-#define STEPS         8   /* of the Runge-Kutta method along the flow */
+#define STEPS         8   /* of the Runge-Kutta method along the flow of the largest amplitude; fewer for less, but 2 */
 #define MODE_LEAST    2   /* modes 0 and 1 are no oscillations */
 #define FAR           1.5 /* radii: the flow ends there, beyond the highest wave */
 #define STEEPNESS_MAX 0.4 /* of n times amplitude over radius: the linear mode describes no larger wave */
@@ -84,12 +84,19 @@ static PetscReal CenterDistance(Body body, const PetscReal x[DIM])
   return PetscSqrtReal(square);
 }
 
+static PetscInt Steps(const Sphere *sphere)
+{
+  const PetscReal steepness = (PetscReal)sphere->mode * PetscAbsReal(sphere->amplitude) / sphere->radius;
+
+  return PetscMax(2, (PetscInt)PetscCeilReal(STEPS * steepness / STEEPNESS_MAX));
+}
+
 static void SphereDisplace(Body body, PetscReal x[DIM])
 {
   const Sphere *sphere = (const Sphere *)body->shape_data;
 
   if (sphere->amplitude != 0 && CenterDistance(body, x) < FAR * sphere->radius)
-    MoveAlong(sphere, SphereFlow, 1, STEPS, x);
+    MoveAlong(sphere, SphereFlow, 1, Steps(sphere), x);
 }
 
 static PetscReal SphereDistance(Body body, const PetscReal x[DIM])
@@ -100,7 +107,7 @@ static PetscReal SphereDistance(Body body, const PetscReal x[DIM])
 
   if (sphere->amplitude == 0) return far - sphere->radius;
   if (far > FAR * sphere->radius) return far - FAR * sphere->radius + (FAR - 1) / 2 * sphere->radius / sphere->stretch;
-  MoveAlong(sphere, SphereFlow, -1, STEPS, y);
+  MoveAlong(sphere, SphereFlow, -1, Steps(sphere), y);
   return (CenterDistance(body, y) - sphere->radius) / sphere->stretch;
 }
 

@@ -2,7 +2,7 @@
    for a unit of time along the mode's velocity field, which conserves volumes. */
 #include "scene_impl.h"
 
-#define STEPS         8   /* of the Runge-Kutta method along the flow */
+#define STEPS         8   /* of the Runge-Kutta method along the flow of the largest amplitude; fewer for less, but 2 */
 #define FAR           2   /* radii from the axis: the flow ends there */
 #define AMPLITUDE_MAX 0.2 /* of the radius: the linear mode describes no larger wave */
 
@@ -87,12 +87,18 @@ static void Flow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
            (I1 * thread->k * r[d] * PetscCosReal(thread->k * z) - I0 * thread->axis[d] * PetscSinReal(thread->k * z));
 }
 
+static PetscInt Steps(const Thread *thread)
+{
+  return PetscMax(2,
+                  (PetscInt)PetscCeilReal(STEPS * PetscAbsReal(thread->amplitude) / (AMPLITUDE_MAX * thread->radius)));
+}
+
 static void ThreadDisplace(Body body, PetscReal x[DIM])
 {
   const Thread *thread = (const Thread *)body->shape_data;
   PetscReal     r[DIM], z;
 
-  if (Split(thread, x, r, &z) < FAR * thread->radius) MoveAlong(thread, Flow, 1, STEPS, x);
+  if (Split(thread, x, r, &z) < FAR * thread->radius) MoveAlong(thread, Flow, 1, Steps(thread), x);
 }
 
 static PetscReal ThreadDistance(Body body, const PetscReal x[DIM])
@@ -102,7 +108,7 @@ static PetscReal ThreadDistance(Body body, const PetscReal x[DIM])
   const PetscReal distance = Split(thread, x, r, &z);
 
   if (distance > FAR * thread->radius) return distance - FAR * thread->radius + thread->radius / thread->stretch;
-  MoveAlong(thread, Flow, -1, STEPS, y);
+  MoveAlong(thread, Flow, -1, Steps(thread), y);
   return (Split(thread, y, r, &z) - thread->radius) / thread->stretch;
 }
 

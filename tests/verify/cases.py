@@ -186,6 +186,8 @@ ENTRIES += [Entry("contact_angle", f"{angle} degrees, {where}", f"-{name}_contac
 FOOT = "-fine foot -foot_shape box -foot_lower -4e-3,0 -foot_upper 4e-3,0.6e-3"
 ENTRIES += [Entry("contact_angle", "60 degrees, graded", f"-spacing 0.2e-3 -spacing_coarse 0.4e-3 {FOOT} -time_end 0.1",
                   TEST)]
+ENTRIES += [Entry("contact_angle", "60 degrees, following", "-spacing_coarse 0.5e-3 -spacing_follow surface "
+                  "-time_end 0.1", TEST)]
 ENTRIES += [Entry("contact_angle", f"incline, {share:g} of the critical force{where}", f"-gravity {gravity}",
                   file=name)
             for share, gravity, where, name in (
