@@ -26,8 +26,6 @@
 #define SAME_SIDE 0.2
 /* Least 1 + s k with which a curvature at the depth s is carried to the surface. No reference. */
 #define THINNEST 0.3
-/* Rounds that find depth and curvature of the free surface together, half a step each. */
-#define ROUNDS 6
 /* Least number of normals of a fit: one more than it has coefficients. */
 #define FEWEST_NORMALS (DIM + 2)
 /* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
@@ -370,12 +368,8 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
     kappa = CarryToSurface(tension, k1, 0, depth);
   } else
     kappa = CarryToSurface(tension, k1, k2, depth);
-  for (PetscInt round = 0; round < ROUNDS; round++) {
-    *deeper =
-      0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane * PetscSqr(tension->size);
-    kappa = 0.5 * kappa + 0.5 * CarryToSurface(tension, k1, tension->rings ? 0 : k2, depth + *deeper);
-  }
-  kappa = CarryToSurface(tension, k1, k2, depth + *deeper);
+  *deeper = 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane * PetscSqr(tension->size);
+  kappa   = CarryToSurface(tension, k1, k2, depth + *deeper);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
