@@ -50,11 +50,6 @@ def choose(found, times):
     return sorted(set(nearest))
 
 
-def of_drop(file, body, liquid):
-    """The drop's part [n] of the liquid of a snapshot; particles that joined have mixed."""
-    return 1.0 - np.ravel(file["colour"])[liquid] if "colour" in file else (body[liquid] == 1).astype(float)
-
-
 def read_snapshot(path, options, quarter):
     """The liquid of a snapshot over the whole box: surface.Liquid."""
     with h5py.File(path, "r") as file:
@@ -68,10 +63,10 @@ def read_snapshot(path, options, quarter):
             if "volume" not in file:
                 raise rundata.RunError(f"{path} holds no volume of its rings (-snapshot_fields).")
             share, size = shares(file, body >= 0, points[body >= 0, 0], True, spacing)
-            return rings(points[body >= 0], share, size, of_drop(file, body, body >= 0), spacing, corners, level)
+            return rings(points[body >= 0], share, size, 1 - first_part(file, body, body >= 0), spacing, corners, level)
         liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
         share, size = shares(file, liquid, points[liquid, 0], False, spacing)
-        drop = of_drop(file, body, liquid)
+        drop = 1 - first_part(file, body, liquid)
     if points.ndim != 2 or points.shape[1] != 3:
         raise rundata.RunError(f"{path} is not of a run in three dimensions.")
     points = points[liquid]
@@ -224,5 +219,5 @@ if __name__ == "__main__":
         import matplotlib.pyplot as plt
         with_display()
         import surface
-        from run import shares
+        from run import first_part, shares
         main()

@@ -104,7 +104,12 @@ PetscErrorCode CloudMoved(Cloud cloud);
 /* CloudFindSolidNormals - finds solid_normal, ghosts too, at the positions of the cloud; call it again after solids
    have moved. Collective. */
 PetscErrorCode CloudFindSolidNormals(Cloud cloud);
-/* CloudWeighs - whether the relative weights are not all 1. Not collective. */
+/* CloudWallLayers - layers of dummy particles that fill the support of the kernel. CloudWeighs - whether the relative
+ * weights are not all 1. Not collective. */
+static inline PetscInt CloudWallLayers(Cloud cloud)
+{
+  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
+}
 static inline PetscBool CloudWeighs(Cloud cloud)
 {
   return (PetscBool)(cloud->domain->rings || DomainStoresSizes(cloud->domain));

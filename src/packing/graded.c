@@ -182,12 +182,6 @@ static PetscErrorCode AddColumn(const Region *region, const Corner *corner, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many dummy particles of spacing s (m) a column has: as many as its liquid sees. */
-static PetscInt ColumnLayers(Cloud cloud)
-{
-  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
-}
-
 /* Adds the dummy particles behind a part of the box: a face (outward 1), an edge (2) or a corner (3). */
 static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegBuffer samples, PetscInt *number)
 {
@@ -215,7 +209,7 @@ static PetscErrorCode AddCorner(Packing packing, const Corner *corner, PetscSegB
     const RegionPoint *point = &region.point[k];
     const PetscReal s = region.dim ? PetscPowReal(point->measure, 1. / region.dim) : RegionSpacing(&region, point->x);
 
-    PetscCall(AddColumn(&region, corner, point, s, ColumnLayers(cloud), samples, number));
+    PetscCall(AddColumn(&region, corner, point, s, CloudWallLayers(cloud), samples, number));
   }
   PetscCall(PetscFree(region.point));
   PetscFunctionReturn(PETSC_SUCCESS);

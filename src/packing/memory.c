@@ -10,7 +10,7 @@ static PetscReal EstimateParticles(Packing packing)
 {
   const Domain    domain = packing->cloud->domain;
   const PetscInt  n[DIM] = {SAMPLES, SAMPLES, domain->dim == DIM ? SAMPLES : 1}, points = n[0] * n[1] * n[2];
-  const PetscReal layers = (PetscReal)PackingWallLayers(packing->cloud);
+  const PetscReal layers = (PetscReal)CloudWallLayers(packing->cloud);
   PetscReal       count = 0, box = 1, walled = 1;
 
   for (PetscInt b = 0; b < SceneCount(packing->cloud->scene); b++) {

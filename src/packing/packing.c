@@ -130,7 +130,7 @@ static PetscErrorCode CreateParticles(Packing packing)
   const PetscInt     cells   = domain->cells[0] * domain->cells[1] * domain->cells[2];
   const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops.visit,
                                 domain->graded ? GradedVisitWalls : WallVisit, SolidVisit};
-  Dummies     dummies  = {.cloud = cloud, .layers = PackingWallLayers(cloud)};
+  Dummies     dummies  = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
   void       *source[] = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
   PetscInt   *weight, count[PETSC_STATIC_ARRAY_LENGTH(visit)], first_id = 0;
   PetscMPIInt rank;

@@ -99,8 +99,6 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
 /* LatticeVisitBody - passes the lattice points of one body to the visitor. Collective. */
 PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
 
-/* PackingWallLayers - layers of dummy particles that fill the support of the kernel. Not collective. */
-PetscInt PackingWallLayers(Cloud cloud);
 /* Dummy particles, 'layers' deep: the source of WallVisit and SolidVisit. WallVisit - of all wall faces: the box's
    lattice, continued beyond the box, edges and corners included; the parent of a deeper particle is the nearest
    particle of the top layer, 1. SolidVisit - of the solids: points of the box's lattice inside them, each with a

@@ -1,11 +1,6 @@
 /* Dummy particles of the walls: the box's lattice, continued beyond the faces that are walls. */
 #include "packing_impl.h"
 
-PetscInt PackingWallLayers(Cloud cloud)
-{
-  return (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / cloud->domain->spacing - POINT_TOLERANCE);
-}
-
 /* The lattice of box and walls. Point i of direction d is inside the box if low[d] <= i < high[d]. */
 typedef struct {
   Lattice  lattice;

@@ -170,6 +170,16 @@ static PetscErrorCode Rearrange(ParticleArrays *arrays, PetscInt n, const PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ParticlesLastId(MPI_Comm comm, PetscInt n, const PetscInt id[], PetscInt *last)
+{
+  PetscFunctionBegin;
+  *last = -1;
+  for (PetscInt a = 0; a < n; a++)
+    if (id[a] < EMITTED_ID) *last = PetscMax(*last, id[a]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, last, 1, MPIU_INT, MPI_MAX, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[])
 {
   ParticleArrays arrays;

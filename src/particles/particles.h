@@ -137,6 +137,9 @@ PetscErrorCode ParticlesOpen(Particles particles, ParticleArrays *arrays);
 PetscErrorCode ParticlesClose(Particles particles, ParticleArrays *arrays);
 PetscErrorCode ParticlesLocalSize(Particles particles, PetscInt *n);
 PetscErrorCode ParticlesGlobalSize(Particles particles, PetscInt *n);
+/* ParticlesLastId - the largest of the ids ([n]) of all ranks, emitted particles aside; -1: there are none. Collective.
+ */
+PetscErrorCode ParticlesLastId(MPI_Comm comm, PetscInt n, const PetscInt id[], PetscInt *last);
 /* ParticlesRemove - removes the particles whose keep[] ([n local]) is false. Collective. */
 PetscErrorCode ParticlesRemove(Particles particles, const PetscBool keep[]);
 /* ParticlesMigrate - sends every particle to the rank that owns its cell, and checks that no particle is lost. A deep

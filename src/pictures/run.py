@@ -59,11 +59,11 @@ def shares(file, liquid, r, rings, spacing):
     return volume / spacing**dim, volume**(1 / dim) / spacing
 
 
-def first_part(file, liquid):
+def first_part(file, body, liquid):
     """The part [n] of the liquid of a snapshot that was of the first body; particles that joined have mixed."""
     if "colour" in file:
         return np.ravel(file["colour"])[liquid].astype(float)
-    return (np.ravel(file["body"])[liquid] == 0).astype(float)
+    return (body[liquid] == 0).astype(float)
 
 
 class Run:
@@ -151,7 +151,7 @@ class Run:
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
             pressure = np.ravel(file["pressure"])[liquid].astype(float) if "pressure" in file else zero
             share, size = shares(file, liquid, points[:, 0], self.rings, self.spacing)
-            first = first_part(file, liquid)
+            first = first_part(file, body, liquid)
         if self.rings:
             points, velocity, solid = upright(points), upright(velocity), upright(solid)
         # solids that move are in the snapshots, others in solids.h5

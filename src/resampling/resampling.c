@@ -124,14 +124,12 @@ static PetscErrorCode ChangeCreate(Cloud cloud, const Resampling *resampling, Ch
    the parents' ids over all ranks. */
 static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[])
 {
-  PetscInt    last = 0, *own, *all;
+  PetscInt    last, *own, *all;
   PetscMPIInt size, n = (PetscMPIInt)change->split, *count, *start, total = 0;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
-  for (PetscInt a = 0; a < cloud->n_owned; a++)
-    if (cloud->integer[INT_ID][a] < EMITTED_ID) last = PetscMax(last, cloud->integer[INT_ID][a]);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPIU_INT, MPI_MAX, cloud->comm));
+  PetscCall(ParticlesLastId(cloud->comm, cloud->n_owned, cloud->integer[INT_ID], &last));
   PetscCall(PetscMalloc3(size, &count, size, &start, n, &own));
   for (PetscMPIInt k = 0; k < n; k++) own[k] = cloud->integer[INT_ID][change->parent[k]];
   PetscCallMPI(MPI_Allgather(&n, 1, MPI_INT, count, 1, MPI_INT, cloud->comm));

@@ -1,7 +1,7 @@
 /* The walls of the box with -spacing_follow: dummy particles that serve liquid of the target spacing in front of them
    (scene/spacing.c). They have its smoothing length, and their layers its spacing. In front of finer layers the first
    layer of liquid would not find its place, half a spacing away, but settle on the wall: calm liquid four times as
-   coarse as its wall lost a half of the energy exchanged.
+   coarse as its wall lost 40 to 90 % of the energy exchanged.
 
    Along a face the dummy particles stand in squares of 1, 2, 4, ... fine spacings, in columns behind their middles. A
    square divides into four if the target is too fine for it, and four join again. Behind an edge squares are pieces of
@@ -28,9 +28,7 @@ typedef struct {
   PetscInt   layers, squares;
   PetscInt   n[LEVELS_MOST][DIM]; /* squares along the box */
   Part       part[PARTS];
-  PetscInt  *there;    /* [squares] number of dummy particles of each square, over all ranks */
-  PetscReal *pressure; /* [squares] sum of their pressures, Pa */
-  PetscBool *wanted;   /* [squares] */
+  PetscBool *there, *wanted; /* [squares] whether a square has a column, on any rank; whether it should */
 } Walls;
 
 typedef struct {
@@ -118,8 +116,7 @@ static void LayOut(Cloud cloud, Walls *walls)
            part    = 0;
   PetscReal widest = domain->spacing;
 
-  *walls = (Walls){.cloud  = cloud,
-                   .layers = (PetscInt)PetscCeilReal(KernelSupport(cloud->kernel) / domain->spacing - POINT_TOLERANCE)};
+  *walls = (Walls){.cloud = cloud, .layers = CloudWallLayers(cloud)};
   for (; levels < LEVELS_MOST && 2 * widest <= (1 + POINT_TOLERANCE) * domain->spacing_coarse; levels++) widest *= 2;
   for (PetscInt l = 0; l < levels; l++)
     for (PetscInt d = 0; d < DIM; d++)
@@ -172,24 +169,20 @@ static void Place(const Walls *walls, const Square *square, const PetscInt layer
                                   DomainRingLength(domain, x, spacing / domain->spacing);
 }
 
-/* Counts the dummy particles of the squares. */
+/* Finds the squares that have columns. */
 static PetscErrorCode FindThere(Walls *walls, const ParticleArrays *arrays)
 {
-  const MPI_Comm comm = walls->cloud->comm;
-
   PetscFunctionBegin;
   for (PetscInt a = 0; a < arrays->n; a++) {
-    PetscInt layer[DIM], k;
+    PetscInt layer[DIM];
     Square   square;
 
     if (arrays->integer[INT_BODY][a] != BODY_WALL) continue;
     FindSquare(walls, arrays, a, &square, layer);
-    k = Number(walls, &square);
-    walls->there[k]++;
-    walls->pressure[k] += arrays->real[FIELD_PRESSURE][a];
+    walls->there[Number(walls, &square)] = PETSC_TRUE;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, walls->there, (PetscMPIInt)walls->squares, MPIU_INT, MPI_SUM, comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, walls->pressure, (PetscMPIInt)walls->squares, MPIU_REAL, MPI_SUM, comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, walls->there, (PetscMPIInt)walls->squares, MPIU_BOOL, MPI_LOR, walls->cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -215,48 +208,15 @@ static void FindWanted(Walls *walls, const Square *square)
   walls->wanted[k] = PETSC_TRUE;
 }
 
-/* Adds up the dummy particles that a square and its parts have. */
-static void AddThere(const Walls *walls, const Square *square, PetscInt *count, PetscReal *pressure)
-{
-  const PetscInt k = Number(walls, square);
-  PetscInt       last[DIM];
-  Square         first, quarter;
-
-  *count += walls->there[k];
-  *pressure += walls->pressure[k];
-  if (square->level == square->part->levels - 1) return;
-  Quarters(walls, square, &first, last);
-  quarter = first;
-  do AddThere(walls, &quarter, count, pressure);
-  while (CellNext(first.at, last, quarter.at));
-}
-
-/* The mean pressure (Pa) of the dummy particles that were in a new square, in its parts, or around it; 0: none were. */
-static PetscReal OldPressure(const Walls *walls, const Square *square)
-{
-  PetscInt  count  = 0;
-  PetscReal sum    = 0;
-  Square    around = *square;
-
-  AddThere(walls, square, &count, &sum);
-  while (count == 0 && around.level-- > 0) {
-    for (PetscInt d = 0; d < DIM; d++) around.at[d] /= 2;
-    count = walls->there[Number(walls, &around)];
-    sum   = walls->pressure[Number(walls, &around)];
-  }
-  return count ? sum / count : 0;
-}
-
 /* Adds the column of a new square behind the n particles of this rank, of which the arrays have room for it; arrays
    NULL: only counts it. *id: of the next particle. Returns the number of its particles on this rank. */
 static PetscInt AddColumn(const Walls *walls, const Square *square, ParticleArrays *arrays, PetscInt n, PetscInt *id)
 {
-  const Domain    domain = walls->cloud->domain;
-  const PetscInt  parent = *id, count = PetscPowRealInt(walls->layers, (int)square->part->outward);
-  const PetscReal pressure = arrays ? OldPressure(walls, square) : 0;
-  PetscInt        first[DIM], last[DIM], layer[DIM];
-  PetscReal       middle[DIM];
-  PetscMPIInt     rank;
+  const Domain   domain = walls->cloud->domain;
+  const PetscInt parent = *id, count = PetscPowRealInt(walls->layers, (int)square->part->outward);
+  PetscInt       first[DIM], last[DIM], layer[DIM];
+  PetscReal      middle[DIM];
+  PetscMPIInt    rank;
 
   (void)MPI_Comm_rank(domain->comm, &rank);
   Middle(walls, square, middle);
@@ -270,11 +230,10 @@ static PetscInt AddColumn(const Walls *walls, const Square *square, ParticleArra
   for (PetscInt a = n; a < n + count; a++, (void)CellNext(first, last, layer)) {
     Place(walls, square, layer, arrays, a);
     DomainWallVelocity(domain, arrays->real[FIELD_POSITION] + DIM * a, arrays->real[FIELD_VELOCITY] + DIM * a);
-    arrays->real[FIELD_PRESSURE][a] = pressure;
-    arrays->integer[INT_LAYER][a]   = PetscMax(layer[0], PetscMax(layer[1], layer[2]));
-    arrays->integer[INT_ID][a]      = parent + a - n;
-    arrays->integer[INT_PARENT][a]  = parent;
-    arrays->integer[INT_BODY][a]    = BODY_WALL;
+    arrays->integer[INT_LAYER][a]  = PetscMax(layer[0], PetscMax(layer[1], layer[2]));
+    arrays->integer[INT_ID][a]     = parent + a - n;
+    arrays->integer[INT_PARENT][a] = parent;
+    arrays->integer[INT_BODY][a]   = BODY_WALL;
   }
   return count;
 }
@@ -304,17 +263,6 @@ static PetscInt AddColumns(const Walls *walls, ParticleArrays *arrays, PetscInt 
   return added;
 }
 
-/* The first free id: behind all others, emitted particles aside. */
-static PetscErrorCode NextId(MPI_Comm comm, const ParticleArrays *arrays, PetscInt *id)
-{
-  PetscFunctionBegin;
-  *id = 0;
-  for (PetscInt a = 0; a < arrays->n; a++)
-    if (arrays->integer[INT_ID][a] < EMITTED_ID) *id = PetscMax(*id, arrays->integer[INT_ID][a] + 1);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, id, 1, MPIU_INT, MPI_MAX, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Puts the dummy particles of wanted squares into their places, removes those of others, and adds what is missing. */
 static PetscErrorCode Replace(const Walls *walls, ParticleArrays *arrays)
 {
@@ -323,7 +271,7 @@ static PetscErrorCode Replace(const Walls *walls, ParticleArrays *arrays)
   PetscBool      *keep;
 
   PetscFunctionBegin;
-  PetscCall(NextId(walls->cloud->comm, arrays, &id));
+  PetscCall(ParticlesLastId(walls->cloud->comm, n, arrays->integer[INT_ID], &id));
   PetscCall(PetscMalloc1(n, &keep));
   for (PetscInt a = 0; a < n; a++) {
     PetscInt layer[DIM];
@@ -339,9 +287,9 @@ static PetscErrorCode Replace(const Walls *walls, ParticleArrays *arrays)
   PetscCall(ParticlesRemove(particles, keep));
   PetscCall(PetscFree(keep));
   PetscCall(ParticlesLocalSize(particles, &n));
-  PetscCall(ParticlesAppend(particles, AddColumns(walls, NULL, n, id)));
+  PetscCall(ParticlesAppend(particles, AddColumns(walls, NULL, n, id + 1)));
   PetscCall(ParticlesOpen(particles, arrays));
-  (void)AddColumns(walls, arrays, n, id);
+  (void)AddColumns(walls, arrays, n, id + 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -352,7 +300,7 @@ PetscErrorCode ResampleWalls(Cloud cloud)
 
   PetscFunctionBegin;
   LayOut(cloud, &walls);
-  PetscCall(PetscCalloc3(walls.squares, &walls.there, walls.squares, &walls.pressure, walls.squares, &walls.wanted));
+  PetscCall(PetscCalloc2(walls.squares, &walls.there, walls.squares, &walls.wanted));
   PetscCall(ParticlesOpen(cloud->particles, &arrays));
   PetscCall(FindThere(&walls, &arrays));
   for (PetscInt p = 0; p < PARTS; p++) {
@@ -367,6 +315,6 @@ PetscErrorCode ResampleWalls(Cloud cloud)
   }
   PetscCall(Replace(&walls, &arrays));
   PetscCall(ParticlesClose(cloud->particles, &arrays));
-  PetscCall(PetscFree3(walls.there, walls.pressure, walls.wanted));
+  PetscCall(PetscFree2(walls.there, walls.wanted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -184,12 +184,14 @@ PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
 /* BodyBounds - bounds (m) of the intersection of shape and box. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
-/* SceneBodyScales - of body b: its extents (m), the least extent including mirror images at symmetry faces (m), and the
-   largest initial speed (m/s) and acceleration along each axis (m/s2), both sampled within the bounds. */
+/* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m). SceneBodyScales - its
+   extents (m), its thickness (m), and the largest initial speed (m/s) and acceleration along each axis (m/s2), both
+   sampled within the bounds. */
 typedef struct {
   PetscReal extent[DIM], length, speed, acceleration[DIM];
 } BodyScales;
-void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales);
+PetscReal SceneBodyThickness(Scene scene, PetscInt b);
+void      SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales);
 /* BodyDisplace - maps a point x (m) of a lattice to a point of the body. The map conserves volumes and bends the
    lattice's layers along a curved surface. The identity for most shapes. */
 void BodyDisplace(Body body, PetscReal x[DIM]);

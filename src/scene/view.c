@@ -8,21 +8,29 @@
 #define BOND_MAX     1e4 /* with a larger Bond number tension cannot matter: a drop of water of a quarter of a metre */
 #define WEBER_MAX    1e7 /* with a larger Weber number the liquid is spray: a likely cause is lengths in mm */
 
-void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
+PetscReal SceneBodyThickness(Scene scene, PetscInt b)
 {
   const Domain domain = scene->domain;
-  Body         body   = SceneBody(scene, b);
-  PetscReal    lower[DIM], upper[DIM], g[DIM], v[DIM], x[DIM];
+  PetscReal    lower[DIM], upper[DIM], least = PETSC_MAX_REAL;
 
-  *scales = (BodyScales){.length = PETSC_MAX_REAL};
-  BodyBounds(body, lower, upper);
-  for (PetscInt d = 0; d < DIM; d++) {
+  BodyBounds(SceneBody(scene, b), lower, upper);
+  for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscBool mirrored = (PetscBool)((domain->face[d][0] == FACE_SYMMETRY && lower[d] <= domain->lower[d]) ||
                                            (domain->face[d][1] == FACE_SYMMETRY && upper[d] >= domain->upper[d]));
 
-    scales->extent[d] = upper[d] - lower[d];
-    if (d < domain->dim) scales->length = PetscMin(scales->length, (mirrored ? 2 : 1) * scales->extent[d]);
+    least = PetscMin(least, (mirrored ? 2 : 1) * (upper[d] - lower[d]));
   }
+  return least;
+}
+
+void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
+{
+  Body      body = SceneBody(scene, b);
+  PetscReal lower[DIM], upper[DIM], g[DIM], v[DIM], x[DIM];
+
+  *scales = (BodyScales){.length = SceneBodyThickness(scene, b)};
+  BodyBounds(body, lower, upper);
+  for (PetscInt d = 0; d < DIM; d++) scales->extent[d] = upper[d] - lower[d];
   for (PetscInt k = 0; k < BODY_SAMPLES * BODY_SAMPLES * BODY_SAMPLES; k++) {
     const PetscInt at[DIM] = {k % BODY_SAMPLES, (k / BODY_SAMPLES) % BODY_SAMPLES, k / (BODY_SAMPLES * BODY_SAMPLES)};
 

@@ -119,7 +119,7 @@ typedef struct {
   PetscReal cfl, min, max, fixed;
   PetscReal capillary_limit; /* over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 */
   PetscReal capillary_most;  /* the same, of bodies so thick that their waves are slow */
-  PetscReal per_period;      /* steps in a period of the slowest surface wave of a body, at least */
+  PetscReal per_period;      /* steps in a period of a body's slowest surface wave, at least; 0: no such bound */
 } TimeStepLimits;
 
 /* Limits beyond which a step is rolled back or stops the run. */

@@ -1,10 +1,7 @@
 /* The size of the time step, and the scales of a scene on which it depends. */
 #include "stepper_impl.h"
 
-#define LAST_LONGER 1e-3 /* a last step may be longer by this fraction */
-/* The projection damps a surface wave of frequency w by a rate of 5 to 35 % of w^2 dt/2. With half as many steps a
-   circle of 16 spacings gains a third less energy than tension gives (tests/solvers/tolerance.py). */
-#define PER_PERIOD    500
+#define LAST_LONGER   1e-3 /* a last step may be longer by this fraction */
 #define CAPILLARY     0.25 /* for schemes whose forces do not act at the middle of the step; else TensionStepLimit */
 #define VISCOUS_LIMIT 0.08 /* over h^2/nu, of explicit viscosity; 0.125 is marginal for -viscosity_form morris */
 #define FORCE_LIMIT   0.03 /* over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
@@ -13,8 +10,7 @@
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {
-  *limits =
-    (TimeStepLimits){.cfl = 0.2, .capillary_limit = CAPILLARY, .capillary_most = CAPILLARY, .per_period = PER_PERIOD};
+  *limits = (TimeStepLimits){.cfl = 0.2, .capillary_limit = CAPILLARY, .capillary_most = CAPILLARY};
 }
 
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
@@ -25,10 +21,11 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Time step", "Stepper");
   PetscCall(OptionReal("-time_cfl", "largest speed times time step over h (1)", "(0, 2]", &limits->cfl));
-  PetscCall(OptionReal("-time_steps_per_period",
-                       "steps in a period of a drop as thick as the thinnest body with surface tension (1); fewer: "
-                       "faster, and its oscillations are damped more",
-                       "[20, inf)", &limits->per_period));
+  PetscCall(
+    OptionReal("-time_steps_per_period",
+               "bound by surface tension: at least so many steps in a period of a drop as thick as the thinnest "
+               "body (1), if the spacing alone asks for more; 0: as the spacing asks",
+               "[0, inf)", &limits->per_period));
   PetscCall(OptionReal("-time_step_min", "smallest time step chosen (s)", "[0, inf)", &limits->min));
   PetscCall(OptionReal("-time_step_max", "largest time step chosen (s); 0: no bound", "[0, inf)", &limits->max));
   PetscCall(OptionReal("-time_step", "fixed time step (s); 0: chosen from the state", "[0, inf)", &limits->fixed));
@@ -94,8 +91,9 @@ static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *
   bounds->viscosity_flow = PetscMax(bounds->viscosity_flow, bounds->viscosity);
 }
 
-/* The smallest capillary step (s) of all surfaces with a spacing 'scale' times as large. A body's surface has a share
-   of the period of its slowest wave, that of a sphere as thick as the body: w^2 = 8 sigma/(rho R^3). Waves of an
+/* The smallest capillary step (s) of all surfaces with a spacing 'scale' times as large. On request a body's step is a
+   share of the period of a sphere as thick as the body: w^2 = 8 sigma/(rho R^3). The approximate projection damps waves
+   by a rate in proportion to the step, and the budget counts less of tension's work, so this is no default. Waves of an
    interface move the liquid on both sides. */
 static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
 {
@@ -108,14 +106,12 @@ static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
     const Material *m = BodyMaterial(SceneBody(scene, b));
 
     if (m->tension > 0) {
-      const PetscReal unit = PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension));
-      BodyScales      scales;
-      PetscReal       period;
+      const PetscReal unit   = PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension));
+      const PetscReal radius = 0.5 * SceneBodyThickness(scene, b);
+      const PetscReal period = 2 * PETSC_PI * PetscSqrtReal(m->density * PetscPowRealInt(radius, 3) / (8 * m->tension));
+      const PetscReal wanted = limits->per_period > 0 ? period / limits->per_period : 0;
 
-      SceneBodyScales(scene, b, &scales);
-      period = 2 * PETSC_PI * PetscSqrtReal(m->density * PetscPowRealInt(0.5 * scales.length, 3) / (8 * m->tension));
-      step   = PetscMin(step, PetscMax(limits->capillary_limit * unit,
-                                       PetscMin(limits->capillary_most * unit, period / limits->per_period)));
+      step = PetscMin(step, PetscMax(limits->capillary_limit * unit, PetscMin(limits->capillary_most * unit, wanted)));
     }
   }
   if (sigma > 0)
