@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Contact angle and width of a drop on a wall; of a film (edge.opts), the pull on its edge; of a drop on an incline
-(incline.opts), whether it sticks or slides; of a plug between two walls (plug.opts), the pull of its menisci.
+(incline.opts), whether it sticks or slides; of a plug between two walls (plug.opts), the pull of its menisci, or their
+angles while it moves.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -89,6 +90,38 @@ def pull_of_plug(states, options):
     return [physics.relative("pull of the menisci over its exact value", np.mean(late) / exact, 1, 0.04)]
 
 
+def cox(rest, number):
+    """The angle (degrees) of a line of the capillary number 'number' times the logarithm of both lengths, after Cox
+    (1986); rest: at rest, degrees."""
+    x = np.linspace(1e-6, np.radians(165), 20001)
+    slope = (x - np.sin(x) * np.cos(x)) / (2 * np.sin(x))
+    total = np.concatenate([[0], np.cumsum(np.diff(x) * (slope[1:] + slope[:-1]) / 2)])
+    return np.degrees(np.interp(np.interp(np.radians(rest), x, total) + number, total, x))
+
+
+def moving_plug(states, options):
+    """The angles of both menisci of a plug that gravity moves along y, from the pressure, which is linear between them:
+    at its middle line it is -2 sigma cos(angle)/gap behind each; beside those of its speed."""
+    gap = float(options["-plug_upper"].split(",")[0]) - float(options["-plug_lower"].split(",")[0])
+    d = float(options["-spacing"])
+    late = states[len(states) // 2:]
+    height = [f["position"][f["body"] >= 0][:, 1].mean() for _, _, f in late]
+    number = -MU / SIGMA * np.polyfit([t for t, _, _ in late], height, 1)[0]
+    ends = []
+    for k in range(len(late)):
+        f = late[k][2]
+        y = f["position"][f["body"] >= 0]
+        inside, middle = np.abs(y[:, 1] - height[k]) < gap / 2, np.abs(y[:, 0]) < d
+        line = np.polyfit(y[inside, 1], f["pressure"][f["body"] >= 0][inside], 1)
+        ends.append([np.polyval(line, y[middle, 1].min() - d / 2), np.polyval(line, y[middle, 1].max() + d / 2)])
+    front, back = np.degrees(np.arccos(np.clip(np.mean(ends, axis=0) * gap / (-2 * SIGMA), -1, 1)))
+    rest = float(options["-wall_contact_angle"])
+    slip = number * np.log(d / float(options.get("-wall_contact_slip", 1e-9)))
+    return [physics.at_least("capillary number of the plug", number, 1e-3),
+            physics.absolute("advancing angle beside that of Cox and Voinov", front, cox(rest, slip), 3, "degrees"),
+            physics.absolute("receding angle beside that of Cox and Voinov", back, cox(rest, -slip), 3, "degrees")]
+
+
 def incline(states, options):
     """Speed along the wall in the second half of the run as a capillary number, from the mean position: a drop with
     hysteresis stays where it is below rho g A sin(slope) = sigma (cos r - cos a), and slides above."""
@@ -129,7 +162,7 @@ def check(folder):
     if "-film_tension" in options:
         return pull(states, options)
     if "-plug_tension" in options:
-        return pull_of_plug(states, options)
+        return moving_plug(states, options) if "-gravity" in options else pull_of_plug(states, options)
     wanted = float(next((v for name, v in options.items() if name.endswith("_contact_angle")), 90))
     angle, radius = met(head, f)
     before = np.linalg.norm(states[-2][2]["velocity"], axis=1).max()

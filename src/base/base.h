@@ -221,11 +221,18 @@ PetscBool HelpWanted(void);
 typedef PetscErrorCode (*TypeReader)(void *object, const char type[]);
 PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object);
 
+/* OptionWord - reads one of the words of a list with NULL, or an enum's two trailing strings, behind 'count' of them
+   inside a PetscOptionsBegin block, and refuses (UserError) others; *value: its index. Collective. */
+#define OptionWord(name, text, count, words, value)                                                                    \
+  OptionReadWord(PetscOptionsObject, name, text, count, words, __func__, value)
+
 /* OptionReal, OptionInt - read a number inside a PetscOptionsBegin block and refuse (UserError) a given value outside
    the interval, a text like "[0, 1)" or "(0, inf)". -help prints the interval. Collective. */
 #define OptionReal(name, text, interval, value)                                                                        \
   OptionReadReal(PetscOptionsObject, name, text, interval, __func__, value)
 #define OptionInt(name, text, interval, value) OptionReadInt(PetscOptionsObject, name, text, interval, __func__, value)
+PetscErrorCode OptionReadWord(OptionItems PetscOptionsObject, const char name[], const char text[], PetscInt count,
+                              const char *const words[], const char function[], PetscInt *value);
 PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[], const char text[],
                               const char interval[], const char function[], PetscReal *value);
 PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],

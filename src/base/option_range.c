@@ -70,6 +70,31 @@ PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode OptionReadWord(OptionItems PetscOptionsObject, const char name[], const char text[], PetscInt count,
+                              const char *const words[], const char function[], PetscInt *value)
+{
+  const char *prefix             = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  char        help[NAMES_LENGTH] = "", list[NAMES_LENGTH] = "", word[NAMES_LENGTH] = "";
+  PetscBool   set, same = PETSC_FALSE;
+  PetscInt    k;
+
+  PetscFunctionBegin;
+  for (k = 0; k < count; k++) {
+    PetscCall(PetscStrlcat(list, k ? " " : "", sizeof(list)));
+    PetscCall(PetscStrlcat(list, words[k], sizeof(list)));
+  }
+  PetscCall(PetscSNPrintf(help, sizeof(help), "%s (one of) %s", text, list));
+  PetscCall(PetscOptionsString(name, help, function, words[*value], word, sizeof(word), &set));
+  for (k = 0; set && k < count; k++) {
+    PetscCall(PetscStrcasecmp(word, words[k], &same));
+    if (same) break;
+  }
+  PetscCheckUser(!set || same, PetscOptionsObject->comm, "-%s%s %s does not exist; choose from %s", prefix, name + 1,
+                 word, list);
+  if (set) *value = k;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadNumbers(OptionItems PetscOptionsObject, const OptionRow *row, const char function[],
                                   OptionNumbers *numbers)
 {

@@ -79,22 +79,13 @@ PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject
 static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[], const char what[],
                                    PetscInt d, PetscInt first, PetscInt last)
 {
-  char      option[NAME_LENGTH], help[2 * NAME_LENGTH], value[NAME_LENGTH];
-  PetscBool found, same = PETSC_FALSE;
-  PetscInt  type;
+  char     option[NAME_LENGTH], help[2 * NAME_LENGTH];
+  PetscInt type = domain->face[d][first];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s", name));
-  PetscCall(PetscSNPrintf(help, sizeof(help), "Type of %s (one of) open periodic wall symmetry", what));
-  PetscCall(PetscOptionsString(option, help, "DomainSetFromOptions", FaceTypes[domain->face[d][first]], value,
-                               sizeof(value), &found));
-  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
-  for (type = FACE_OPEN; type <= FACE_SYMMETRY; type++) {
-    PetscCall(PetscStrcasecmp(value, FaceTypes[type], &same));
-    if (same) break;
-  }
-  PetscCheckUser(same, domain->comm, "%s %s is not a face type; there are open, periodic, wall and symmetry", option,
-                 value);
+  PetscCall(PetscSNPrintf(help, sizeof(help), "Type of %s", what));
+  PetscCall(OptionWord(option, help, FACE_SYMMETRY + 1, FaceTypes, &type));
   for (PetscInt side = first; side <= last; side++) domain->face[d][side] = (FaceType)type;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -174,22 +165,14 @@ static PetscErrorCode CheckBox(Domain domain)
 static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObject)
 {
   static const char *const choices[] = {"2", "3", "axisymmetric"};
-  char                     value[NAME_LENGTH];
-  PetscInt                 choice;
-  PetscBool                found, same = PETSC_FALSE;
+  PetscInt                 choice    = 1;
 
   PetscFunctionBegin;
   PetscCall(
-    PetscOptionsString("-dimension",
-                       "Number of dimensions (one of) 2 3 axisymmetric; axisymmetric: particles are rings, x is "
-                       "the distance from the axis, y the position along the axis",
-                       "DomainSetFromOptions", choices[1], value, sizeof(value), &found));
-  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
-  for (choice = 0; choice < 3; choice++) {
-    PetscCall(PetscStrcasecmp(value, choices[choice], &same));
-    if (same) break;
-  }
-  PetscCheckUser(same, domain->comm, "-dimension is %s; it must be 2, 3 or axisymmetric", value);
+    OptionWord("-dimension",
+               "Number of dimensions; axisymmetric: particles are rings, x is the distance from the axis, y the "
+               "position along the axis",
+               3, choices, &choice));
   domain->dim   = choice == 1 ? 3 : 2;
   domain->rings = (PetscBool)(choice == 2);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -198,23 +181,16 @@ static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObjec
 /* -spacing_follow and its numbers, after -spacing. */
 static PetscErrorCode ReadFollowing(Domain domain, OptionItems PetscOptionsObject)
 {
-  PetscReal band               = DEFAULT_BAND;
-  char      value[NAME_LENGTH] = "";
-  PetscBool found, same = PETSC_FALSE;
-  PetscInt  type;
+  PetscReal band = DEFAULT_BAND;
+  PetscInt  type = FOLLOW_NONE;
 
   PetscFunctionBegin;
   domain->per_radius = DEFAULT_PER_RADIUS;
-  PetscCall(PetscOptionsString("-spacing_follow",
-                               "What the spacing follows (one of) none surface curvature: it is -spacing at free "
-                               "surfaces, or where they are curved, and grows to -spacing_coarse away from them",
-                               "DomainSetFromOptions", FollowTypes[FOLLOW_NONE], value, sizeof(value), &found));
-  for (type = FOLLOW_NONE; found && type <= FOLLOW_CURVATURE; type++) {
-    PetscCall(PetscStrcasecmp(value, FollowTypes[type], &same));
-    if (same) break;
-  }
-  PetscCheckUser(!found || same, domain->comm, "-spacing_follow is %s; it must be none, surface or curvature", value);
-  if (found) domain->follow = (FollowType)type;
+  PetscCall(OptionWord("-spacing_follow",
+                       "What the spacing follows: it is -spacing at free surfaces, or where they are curved, and grows "
+                       "to -spacing_coarse away from them",
+                       FOLLOW_CURVATURE + 1, FollowTypes, &type));
+  domain->follow = (FollowType)type;
   PetscCall(OptionReal("-spacing_band",
                        "With -spacing_follow: distance from the surface over which the spacing does not grow, in "
                        "units of -spacing (1)",

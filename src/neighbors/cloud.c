@@ -101,7 +101,7 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    if ((f != FIELD_VISCOSITY && f != FIELD_COLOUR) || ParticlesHave(cloud->particles, f))
+    if ((f != FIELD_VISCOSITY && f != FIELD_COLOUR && f != FIELD_LINE) || ParticlesHave(cloud->particles, f))
       PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));

@@ -5,7 +5,7 @@
 
 #include "cloud.h"
 
-#define SORTED_WIDTH 10 /* columns: x, y, z, then the quantities that a pass sums */
+#define SORTED_WIDTH 11 /* columns: x, y, z, then the quantities that a pass sums */
 #define SORTED_REACH 5  /* cells that lines reach at most */
 
 /* A range of places in the sorted order. */

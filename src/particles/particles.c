@@ -14,7 +14,7 @@ struct _p_Particles {
   MPI_Comm  comm;
   Domain    domain; /* borrowed */
   DM        swarm;
-  PetscBool viscosity;       /* FIELD_VISCOSITY is stored */
+  PetscBool viscosity, line; /* FIELD_VISCOSITY, FIELD_LINE is stored */
   PetscBool balance_surface; /* the partition divides the work near the free surface, too */
   PetscInt  global;          /* expected global number of particles, checked after each migration */
   PetscInt  portion;         /* most particles in one message */
@@ -25,10 +25,11 @@ PetscBool ParticlesHave(Particles particles, PetscInt f)
   if (f == FIELD_VOLUME) return (PetscBool)(particles->domain->rings || particles->domain->graded);
   if (f == FIELD_COLOUR) return (PetscBool)(particles->domain->follow != FOLLOW_NONE);
   if (f == FIELD_SIZE) return DomainStoresSizes(particles->domain);
+  if (f == FIELD_LINE) return particles->line;
   return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);
 }
 
-PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, Particles *particles)
+PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, PetscBool line, Particles *particles)
 {
   Particles p;
 
@@ -37,6 +38,7 @@ PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, Particles *pa
   p->comm      = domain->comm;
   p->domain    = domain;
   p->viscosity = viscosity;
+  p->line      = line;
   p->portion   = PETSC_MPI_INT_MAX / PARTICLE_BYTES;
   PetscCall(DMCreate(p->comm, &p->swarm));
   PetscCall(DMSetType(p->swarm, DMSWARM));

@@ -29,7 +29,9 @@ typedef enum {
   X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, "Pa s",                                                                  \
     "viscosity in the last step; stored if the viscosity of a body depends on the shear rate")                         \
   X(COLOUR, "colour", 1, PARITY_SCALAR, "1",                                                                           \
-    "part of the volume that was of the first body at the start; stored if bodies mix (-spacing_follow)")
+    "part of the volume that was of the first body at the start; stored if bodies mix (-spacing_follow)")              \
+  X(LINE, "line_capillary_number", 1, PARITY_SCALAR, "1",                                                              \
+    "mu U/sigma of the contact line nearby, positive if it advances; stored with -wall_contact_law")
 
 #define STORED_INTS(X)                                                                                                 \
   X(ID, "id", "identity, unique and permanent")                                                                        \
@@ -92,7 +94,8 @@ typedef struct {
 
 /* ParticlesHave - whether the swarm stores field f < FIELD_STORED_COUNT. It stores volumes if they differ; else every
    particle has the domain's volume. It stores sizes if DomainStoresSizes; else the size of a graded particle follows
-   from its volume. It stores viscosities if they vary, and colours with -spacing_follow. Not collective. */
+   from its volume. It stores colours with -spacing_follow, viscosities and the numbers of contact lines if
+   ParticlesCreate says so. Not collective. */
 PetscBool ParticlesHave(Particles particles, PetscInt f);
 
 /* ParticleVolume - volume of particle a, m3 (m2 in two dimensions). Not collective. */
@@ -118,9 +121,9 @@ static inline PetscReal ParticleSumVolume(Domain domain, const ParticleArrays *a
   return domain->rings ? volume / DomainRingLength(domain, x, ParticleSize(domain, arrays, a)) : volume;
 }
 
-/* ParticlesCreate - makes an empty swarm with the stored fields; viscosity: FIELD_VISCOSITY, too. Collective on the
-   domain's communicator. */
-PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, Particles *particles);
+/* ParticlesCreate - makes an empty swarm with the stored fields; viscosity, line: FIELD_VISCOSITY, FIELD_LINE, too.
+   Collective on the domain's communicator. */
+PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, PetscBool line, Particles *particles);
 PetscErrorCode ParticlesDestroy(Particles *particles);
 PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer);
 /* ParticlesAppend - appends 'count' particles on this rank, with all fields zero. The caller sets their fields (id,

@@ -144,6 +144,7 @@ static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
     change->arrays.real[FIELD_COLOUR][b] = colour;
     *body = colour >= 0.5 ? 0 : PetscMax(cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]);
   }
+  if (change->arrays.real[FIELD_LINE]) change->arrays.real[FIELD_LINE][b] = Mean(cloud, cloud->field[FIELD_LINE], a, b);
   change->changed[b] = PETSC_TRUE;
   report->energy += 0.5 * cloud->rest_density[b] * sum * of_a * of_b * Dot(dv, dv);
 }

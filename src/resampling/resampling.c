@@ -175,6 +175,7 @@ static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, c
     arrays.real[FIELD_VOLUME][b]   = 0.5 * cloud->volume[a];
     if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][b] = ShareSize(cloud, change, a, 0.5);
     if (arrays.real[FIELD_COLOUR]) arrays.real[FIELD_COLOUR][b] = cloud->field[FIELD_COLOUR][a];
+    if (arrays.real[FIELD_LINE]) arrays.real[FIELD_LINE][b] = cloud->field[FIELD_LINE][a];
     arrays.integer[INT_ID][b] = arrays.integer[INT_PARENT][b] = id[k];
     arrays.integer[INT_BODY][b]                               = cloud->integer[INT_BODY][a];
     arrays.integer[INT_SURFACE][b]                            = cloud->integer[INT_SURFACE][a];
@@ -211,6 +212,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   if (ParticlesHave(cloud->particles, FIELD_COLOUR)) PetscCall(CloudUpdate(cloud, FIELD_COLOUR));
+  if (ParticlesHave(cloud->particles, FIELD_LINE)) PetscCall(CloudUpdate(cloud, FIELD_LINE));
   if (cloud->domain->follow) PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
   PetscCall(ChangeCreate(cloud, resampling, &change));
   for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)

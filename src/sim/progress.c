@@ -34,6 +34,23 @@ static PetscErrorCode SayUnderresolved(Sim sim, Progress *progress)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define FAST_LINE 0.01 /* capillary number from which the angle of a line differs by ten degrees or more */
+
+/* Says once that a contact line moves so fast that its angle at rest does not describe it. */
+static PetscErrorCode SayFastLine(Sim sim, Progress *progress)
+{
+  const PetscReal Ca = StepperFastestLine(sim->stepper);
+
+  PetscFunctionBegin;
+  if (progress->fast_line || Ca < FAST_LINE || TensionHasLaw(sim->tension)) PetscFunctionReturn(PETSC_SUCCESS);
+  progress->fast_line = PETSC_TRUE;
+  PetscCall(PetscPrintf(sim->comm,
+                        "%st = %8.3f ms: a contact line moves at the capillary number %.2g with the angle of a line at "
+                        "rest, so liquid spreads too far and recedes too slowly; -wall_contact_law has other angles\n",
+                        isatty(STDOUT_FILENO) ? "\n" : "", (double)sim->state.time * 1e3, (double)Ca));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 {
   const StepState *state   = &sim->state;
@@ -45,6 +62,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
   PetscFunctionBegin;
   progress->iterations += state->iterations;
   PetscCall(SayUnderresolved(sim, progress));
+  PetscCall(SayFastLine(sim, progress));
   PetscCall(ProgressDue(sim->comm, last, &due));
   if (due)
     PetscCall(ProgressPrint(sim->comm, Done(sim, progress),

@@ -67,6 +67,11 @@ static PetscBool HasHysteresis(Sim sim)
   return (PetscBool)(sim->tension && TensionHasHysteresis(sim->tension));
 }
 
+static PetscBool HasLaw(Sim sim)
+{
+  return (PetscBool)(sim->tension && TensionHasLaw(sim->tension));
+}
+
 #define RINGS      "-dimension axisymmetric"
 #define GRADED     "-spacing_coarse"
 #define FIXED      "-spacing_coarse without -spacing_follow"
@@ -79,6 +84,7 @@ static PetscBool HasHysteresis(Sim sim)
 #define THINNING   "a viscosity that depends on the shear rate"
 #define ANGLES     "contact angles other than 90 degrees or hysteresis"
 #define HYSTERESIS "a contact angle with hysteresis"
+#define LAW        "-wall_contact_law"
 #define FRAME      "-frame_rotation_rate"
 #define INTERFACE  "-interface_tension"
 #define POISSON    "-packing_type poisson"
@@ -102,6 +108,7 @@ static const struct {
   {FREE, SolidsFree},     {WET, SolidsHaveAngles},
   {DENSITIES, Densities}, {THINNING, ViscosityVaries},
   {ANGLES, HasAngles},    {HYSTERESIS, HasHysteresis},
+  {LAW, HasLaw},
 };
 
 typedef enum { NOT_WITH, NEEDS } Relation;
@@ -157,6 +164,7 @@ static const struct {
   {INTERFACE, NEEDS, CONSISTENT, ", the default"},
   {INTERFACE, NEEDS, CURVATURE, ", the default"},
   {HYSTERESIS, NEEDS, CONSISTENT, ", the default"},
+  {LAW, NEEDS, CONSISTENT, ", the default"},
   {WET, NEEDS, CURVATURE, ", the default"},
 };
 

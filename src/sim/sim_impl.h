@@ -36,7 +36,8 @@ typedef struct {
   double    started; /* s, on the program's clock */
   PetscReal start_time;
   PetscInt  start_step, iterations;
-  PetscBool underresolved; /* the line on underresolved liquid was printed */
+  PetscBool underresolved; /* the line on underresolved liquid was printed ... */
+  PetscBool fast_line;     /* ... and that on contact lines that move */
 } Progress;
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);

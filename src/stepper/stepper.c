@@ -231,6 +231,11 @@ PetscInt StepperUnderresolved(Stepper stepper)
   return stepper->underresolved;
 }
 
+PetscReal StepperFastestLine(Stepper stepper)
+{
+  return stepper->fastest_line;
+}
+
 /* Stores a viscosity that varies in the swarm, after a search: the first step uses it as that of the step before. */
 static PetscErrorCode StoreViscosity(Stepper stepper)
 {
@@ -355,6 +360,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
   stepper->underresolved = (PetscInt)trial.sum[SUM_UNDERRESOLVED];
+  stepper->fastest_line  = trial.largest[LARGEST_LINE];
   StepHook(stepper, commit, &trial, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

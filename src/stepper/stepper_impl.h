@@ -35,6 +35,7 @@ typedef enum {
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
   LARGEST_SHARE,        /* volume of a particle over its volume at the start, 1: for resampling */
+  LARGEST_LINE,         /* capillary number of a contact line */
   LARGEST_COUNT
 } TrialLargest;
 
@@ -154,6 +155,7 @@ struct _p_Stepper {
   PetscReal               time;                         /* s, at the start of the step */
   PetscBool               first;                        /* the step is the first of a run */
   PetscInt                underresolved;                /* StepperUnderresolved */
+  PetscReal               fastest_line;                 /* StepperFastestLine */
   PetscReal free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
   PetscReal free_follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */
   /* chosen by the scheme at its creation */

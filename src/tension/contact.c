@@ -84,6 +84,7 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
   PetscReal common = 90, hysteresis = 0;
 
   PetscFunctionBegin;
+  PetscCall(LineSetFromOptions(tension, PetscOptionsObject));
   PetscCall(OptionReal("-wall_contact_angle",
                        "angle in the liquid at which the free surface meets the walls of the box (degrees)", "(0, 180)",
                        &common));
@@ -110,6 +111,7 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
   }
   for (PetscInt s = 0; s < tension->solid.count; s++)
     if (tension->solid.angle[s].image_tilt != 0) tension->tilted = PETSC_TRUE;
+  if (TensionHasLaw(tension) && (tension->walls || tension->solid.count)) tension->tilted = PETSC_TRUE;
   tension->images.used = (PetscBool)(tension->tilted || tension->solid.count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -178,14 +180,31 @@ PetscErrorCode ContactView(Tension tension, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM])
+/* The contact angle of a line with this capillary number, for images: the friction of hysteresis adds its part. */
+static ContactAngle Moving(Tension tension, const ContactAngle *contact, PetscReal capillary)
+{
+  const PetscReal friction = capillary > 0 ? contact->hysteresis_force : -contact->hysteresis_force;
+  PetscReal       angle;
+  ContactAngle    moving;
+
+  if (capillary == 0) return *contact;
+  angle  = LineAngle(tension, acos(contact->cosine - friction), capillary);
+  moving = FromDegrees(acos(PetscMin(1, PetscMax(-1, PetscCosReal(angle) + friction))) * (180 / PETSC_PI), 0);
+  moving.hysteresis_force = contact->hysteresis_force;
+  return moving;
+}
+
+PetscBool ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM], ContactAngle *contact)
 {
   const SolidContact *solid = &tension->solid;
   const PetscReal    *n     = image->contact ? image->inward : solid->meeting + DIM * a;
   const PetscInt      index = image->contact ? 0 : (PetscInt)solid->mirror[DIM * a + 2];
 
   for (PetscInt d = 0; d < DIM; d++) inward[d] = n[d];
-  return image->contact ? image->contact : index < 0 ? NULL : &solid->angle[index];
+  if (index < 0) return PETSC_FALSE;
+  *contact = Moving(tension, image->contact ? image->contact : &solid->angle[index],
+                    TensionHasLaw(tension) ? tension->line.of[a] : 0);
+  return PETSC_TRUE;
 }
 
 /* Largest sum of the distances (m) from a wall of a particle of a cell and a neighbour whose image is within the
@@ -238,9 +257,11 @@ static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const P
   for (PetscInt w = 0; w < width; w++) copy[w * stride] = from[w * stride];
   if (tension->weighted) copy[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
   if (width > DIM) {
-    const PetscReal normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
+    const PetscReal    normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
+    const ContactAngle moving      = Moving(tension, contact, TensionHasLaw(tension) ? from[LINE_COLUMN * stride] : 0);
 
-    if (!MirrorNormal(contact, inward, normal, image)) return PETSC_FALSE;
+    if (TensionHasLaw(tension)) copy[LINE_COLUMN * stride] = from[LINE_COLUMN * stride];
+    if (!MirrorNormal(&moving, inward, normal, image)) return PETSC_FALSE;
     for (PetscInt e = 0; e < DIM; e++) copy[(DIM + e) * stride] = image[e];
   }
   return PETSC_TRUE;
@@ -365,14 +386,14 @@ void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscR
   const PetscBool normals = Shifts(tension, around->width);
 
   for (PetscInt g = 0; g < around->images && tension->tilted; g++) {
-    PetscReal           inward[DIM], tilt[DIM] = {0, 0, 0}, flat[DIM], into, length;
-    const ContactAngle *contact = ContactOf(tension, &around->image[g], a, inward);
+    PetscReal    inward[DIM], tilt[DIM] = {0, 0, 0}, flat[DIM], into, length;
+    ContactAngle contact;
 
-    if (contact) {
+    if (ContactOf(tension, &around->image[g], a, inward, &contact)) {
       into = Dot(outward, inward);
       for (PetscInt d = 0; d < DIM; d++) flat[d] = outward[d] - into * inward[d];
-      length = PetscMax(Norm(flat), PARALLEL * contact->sine * full);
-      for (PetscInt d = 0; d < DIM; d++) tilt[d] = 2 * contact->image_tilt * flat[d] / length;
+      length = PetscMax(Norm(flat), PARALLEL * contact.sine * full);
+      for (PetscInt d = 0; d < DIM; d++) tilt[d] = 2 * contact.image_tilt * flat[d] / length;
     }
     if (normals && !SeesWall(tension, &around->image[g], a, x))
       RemoveImages(tension, &around->image[g]);
@@ -448,6 +469,7 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
   if (faces || solids) columns = COLUMNS(0, width);
   if (tension->weighted) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   if (solids) columns |= COLUMNS(SOLID_COLUMN, 1);
+  if (TensionHasLaw(tension) && width > DIM) columns |= COLUMNS(LINE_COLUMN, 1);
   PetscCall(
     SortedCellsCollect(liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1), &around->real));
   PetscCall(GrowImages(&tension->images, liquid->stride));

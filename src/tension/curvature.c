@@ -192,12 +192,13 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
     for (PetscInt d = 0; d < DIM; d++) g[d] += of[k][d];
   }
   for (PetscInt k = 0; k < around->images; k++) {
-    const ContactAngle *contact = ContactOf(tension, &around->image[k], a, inward[k]);
-    PetscReal           flat[DIM], along, into = Dot(g, inward[k]);
+    ContactAngle    contact;
+    const PetscBool found = ContactOf(tension, &around->image[k], a, inward[k], &contact);
+    PetscReal       flat[DIM], along, into = Dot(g, inward[k]);
 
     for (PetscInt d = 0; d < DIM; d++) flat[d] = g[d] - into * inward[k][d];
     along   = Dot(of[k], flat);
-    turn[k] = contact && along > 0 ? 2 * along / (Norm(flat) * contact->residual_tan) : 0;
+    turn[k] = found && along > 0 ? 2 * along / (Norm(flat) * contact.residual_tan) : 0;
   }
   for (PetscInt k = 0; k < around->images; k++)
     for (PetscInt d = 0; d < DIM && turn[k] != 0; d++) g[d] -= turn[k] * inward[k][d];
@@ -577,6 +578,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
     SortedCellsLoad(liquid, DIM, DIM, normal);
     SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
     if (tension->tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
+    if (TensionHasLaw(tension)) SortedCellsLoad(liquid, LINE_COLUMN, 1, tension->line.of);
     if (liquid->count > tension->fit_capacity[l]) {
       tension->fit_capacity[l] = liquid->count + liquid->count / 4;
       PetscCall(PetscFree(tension->fit[l]));
@@ -623,8 +625,10 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudGetWork(cloud, 1, &scalar));
   PetscCall(CloudGetWork(cloud, 1, &share));
   PetscCall(ContactFindSolids(tension, cloud));
+  PetscCall(LineStart(tension, cloud));
   PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
   PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
+  PetscCall(LineFind(tension, cloud, normal));
   PetscCall(SortNormals(tension, cloud, normal, scalar));
   if (tension->tilted) { /* first the depths, to which the places of images belong */
     PetscReal *deeper;

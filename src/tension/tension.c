@@ -162,6 +162,8 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscCall(PetscFree((*tension)->place));
   PetscCall(PetscFree((*tension)->loose));
   PetscCall(PetscFree((*tension)->close));
+  PetscCall(PetscFree((*tension)->line.wanted));
+  PetscCall(PetscFree((*tension)->line.start));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
     PetscCall(SortedCellsReset(&(*tension)->liquids[l]));
     PetscCall(SortedCellsReset(&(*tension)->surface[l]));

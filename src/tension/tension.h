@@ -45,6 +45,12 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
 PetscBool      TensionHasHysteresis(Tension tension);
 PetscBool      TensionHasAngles(Tension tension);
+/* TensionHasLaw - whether the angle of a contact line depends on its speed (-wall_contact_law). TensionMoveLines - then
+   the change of FIELD_LINE in dt (s), after TensionApply. TensionFastestLine - the largest capillary number mu U/sigma
+   of a contact line on this rank, at the last TensionApply; 0 unless the liquid meets a wall. Not collective. */
+PetscBool      TensionHasLaw(Tension tension);
+void           TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt);
+PetscReal      TensionFastestLine(Tension tension);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);
 

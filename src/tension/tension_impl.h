@@ -10,10 +10,11 @@
 #define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
 
 /* Columns of the sorted liquid (SortedCells) with fixed contents: the cloud's weights, if they differ (for rings the
-   area over V_0); the local index, if solids have a contact angle (contact.c). */
+   area over V_0); the local index, if solids have a contact angle (contact.c); FIELD_LINE (moving_line.c). */
 #define DEPTH_COLUMN  7
 #define WEIGHT_COLUMN 8
 #define SOLID_COLUMN  9
+#define LINE_COLUMN   10
 
 /* --- the models --- */
 
@@ -34,6 +35,18 @@ typedef struct {
   PetscReal residual_tan;        /* 1/(cot(angle) - image_tilt) */
   PetscReal hysteresis_force;    /* (cos r - cos a)/2, over sigma: see hysteresis.c */
 } ContactAngle;
+
+#define LINE_TABLE 1024
+
+/* Contact lines that move, moving_line.c. */
+typedef struct {
+  PetscInt         law;               /* of the angle; 0: as at rest */
+  PetscReal        slip;              /* m */
+  PetscReal        x[LINE_TABLE + 1]; /* X over the angle */
+  const PetscReal *of;                /* [n_total] borrowed: FIELD_LINE of the cloud */
+  PetscReal        fastest;           /* largest capillary number of a line on this rank, at the last TensionApply */
+  PetscReal       *start, *wanted;    /* [n_fluid] FIELD_LINE before the step, and what it tends to */
+} MovingLine;
 
 /* The images that one wall, or all solids, add to the collected particles: begin to end - 1. */
 typedef struct {
@@ -110,6 +123,7 @@ struct _p_Tension {
   PetscReal      part;
   unsigned char *phases;
   SolidContact   solid;
+  MovingLine     line;
   Images         images;
   PetscBool      tilted;                   /* a contact angle is not 90 degrees: see ContactTilt */
   PetscBool      hysteresis;               /* some contact angle has hysteresis: see hysteresis.c */
@@ -207,11 +221,20 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
    vector out of the liquid. They move less if its part along the wall is shorter than that of a vector of length 'full'
    of a surface that meets the wall. ContactVolume - the volume of the collected image k over that of its particle, as
    seen from x (m); only if images.used. ContactOf - the contact angle of a group of images at particle a, and the unit
-   vector from the wall into the liquid; NULL: no solid is near. Not collective. */
-void                ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM],
-                                const PetscReal outward[DIM], PetscReal full);
-float               ContactVolume(Tension tension, PetscInt k, const PetscReal x[DIM]);
-const ContactAngle *ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM]);
+   vector from the wall into the liquid; false: no solid is near. Not collective. */
+void      ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM],
+                      const PetscReal outward[DIM], PetscReal full);
+float     ContactVolume(Tension tension, PetscInt k, const PetscReal x[DIM]);
+PetscBool ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM], ContactAngle *contact);
+
+/* LineSetFromOptions - reads -wall_contact_law and -wall_contact_slip, inside an options block. LineAngle - the angle
+   (rad) of a line with this angle at rest (rad) and capillary number, beside particles of tension->size. LineStart -
+   gives ghosts their FIELD_LINE. LineFind - from the normals ([n_total][3]) out of the liquid, what TensionMoveLines
+   needs, and the fastest line. Collective but for LineAngle. */
+PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+PetscReal      LineAngle(Tension tension, PetscReal at_rest, PetscReal capillary);
+PetscErrorCode LineStart(Tension tension, Cloud cloud);
+PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[]);
 
 /* SheetShare - the degree to which a particle with phi and |grad phi| (1/m) is in a sheet too thin for normals: 0: not,
    1: wholly. Here and below the size of a graded particle is tension->size. Not collective. */

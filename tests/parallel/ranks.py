@@ -72,6 +72,7 @@ WETTED = """-spacing 0.8e-3 -box_lower 0,0,0 -box_upper 12e-3,9.6e-3,8e-3 -box_x
  -ball_shape sphere -ball_radius 2.4e-3 -ball_center 7e-3,8e-3,2e-3 -ball_velocity 0,0,0.1 -ball_contact_angle 120
  -wall_contact_hysteresis 30 -ball_contact_hysteresis 20
  -time_step 4e-5 """
+MOVING_LINE = WETTED + "-wall_contact_law cox_voinov "
 # A drop of one liquid sinks into the surface of another, between walls.
 LENS = """-dimension 2 -spacing 0.8e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81
  -bodies drop,bath -bodies_overlap -drop_shape sphere -drop_radius 3e-3 -drop_center 4e-3,4.8e-3 -drop_density 700
@@ -102,6 +103,7 @@ SCENES = {"splash": (SPLASH, (2, 3, 4), 0.8e-3, 3), "splash_paper": (PAPER, (2, 
           "graded_tori": (GRADED_TORI, (2, 4), 1e-3, 3), "following": (FOLLOWING, (2, 4), 1e-3, 3),
           "following_tori": (FOLLOWING_TORI, (2, 4), 1e-3, 3), "periodic_2d": (PERIODIC_2D, (2, 3, 4), 0.02, 4),
           "floating": (FLOATING, (2, 3, 4), 0.02, 1), "wetted": (WETTED, (2, 4), 0.8e-3, 1),
+          "moving_line": (MOVING_LINE, (2, 4), 0.8e-3, 1),
           "lens": (LENS, (2, 3, 4), 0.8e-3, 1), "lonely": (LONELY, (2, 4), 1e-3, 1)}
 for part in runs.parts(*SCENES):
     text, *others = SCENES[part]

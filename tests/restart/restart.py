@@ -33,6 +33,7 @@ RINGS = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-6e-3 -box_upper 1
  -checkpoint_interval 7e-4 -series_interval 1e-4 -snapshot_interval 3e-4
  -solids ball -ball_shape sphere -ball_radius 2e-3 -ball_center 0,-3e-3 -ball_velocity 0,1 -gauge_forces
  -ball_contact_angle 70 -wall_contact_angle 110 -wall_contact_hysteresis 30 -ball_contact_hysteresis 20
+ -wall_contact_law kistler
  -jet_type emitter -jet_lower 8e-3,3e-3 -jet_upper 11e-3,4e-3 -jet_velocity 0,-2 -jet_tension 0.067 """
 # Two rings of liquid, one that grows thin and one that grows fat: particles join and split.
 TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall

@@ -33,7 +33,7 @@ static inline PetscErrorCode RunCreate(const char options[], Run *run)
   PetscCall(KernelCreate(world, run->domain->dim, &run->kernel));
   PetscCall(KernelSetSmoothingLength(run->kernel, 1.3 * run->domain->spacing));
   PetscCall(DomainSetUp(run->domain, KernelSupport(run->kernel)));
-  PetscCall(ParticlesCreate(run->domain, PETSC_FALSE, &run->particles));
+  PetscCall(ParticlesCreate(run->domain, PETSC_FALSE, PETSC_FALSE, &run->particles));
   PetscCall(CloudCreate(run->domain, run->scene, run->kernel, run->particles, KernelSupport(run->kernel), &run->cloud));
   PetscCall(GaugesCreate(run->cloud, &run->gauges));
   PetscCall(GaugesSetFromOptions(run->gauges));

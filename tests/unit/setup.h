@@ -32,7 +32,8 @@ static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
   PetscCall(SceneSetFromOptions(s->scene));
   PetscCall(TensionCreate(s->domain, s->scene, s->kernel, &s->tension));
   PetscCall(TensionSetFromOptions(s->tension));
-  PetscCall(ParticlesCreate(s->domain, SceneViscosityVaries(s->scene), &s->particles));
+  PetscCall(ParticlesCreate(s->domain, SceneViscosityVaries(s->scene),
+                            s->tension ? TensionHasLaw(s->tension) : PETSC_FALSE, &s->particles));
   PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles,
                         PetscMax(KernelSupport(s->kernel), TensionReach(s->tension)), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));

@@ -28,7 +28,7 @@ static PetscErrorCode SetupScene(MPI_Comm comm, const char options[], Setup *s)
   PetscCall(SceneCreate(s->domain, &s->scene));
   PetscCall(SceneSetFromOptions(s->scene));
   PetscCall(DomainSetUp(s->domain, KernelSupport(s->kernel)));
-  PetscCall(ParticlesCreate(s->domain, PETSC_FALSE, &s->particles));
+  PetscCall(ParticlesCreate(s->domain, PETSC_FALSE, PETSC_FALSE, &s->particles));
   PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles, KernelSupport(s->kernel), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

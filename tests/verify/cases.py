@@ -201,6 +201,9 @@ ENTRIES += [Entry("contact_angle", "edge of a film, 12 spacings thick", file="ed
 ENTRIES += [Entry("contact_angle", f"plug, {angle} degrees, 10 spacings", f"-wall_contact_angle {angle}", TEST,
                   file="plug.opts") for angle in (45, 60, 120, 135)]
 ENTRIES += [Entry("contact_angle", "plug, 60 degrees, 20 spacings", "-spacing 0.05e-3", file="plug.opts")]
+ENTRIES += [Entry("contact_angle", f"plug that moves, {count} spacings",
+                  f"-gravity 0,-15 -wall_contact_law cox_voinov -spacing {1e-3 / count}", size, file="plug.opts")
+            for count, size in ((10, TEST), (20, "short"))]
 
 # two liquids that do not mix: tensions of the lens, the bath and between them, mN/m
 ENTRIES += [Entry("two_liquids", f"lens, {one:g}, {other:g} and {between:g} mN/m",
@@ -228,8 +231,10 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"), Entry("obstacle"),
             Entry("sloshing"), Entry("jet")]
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
+ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
+            Entry("dry_wall", "water", file="water.opts"), Entry("ink_drop", size=TEST)]
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
-           "sloshing", "jet", "stirred_tank"}
+           "sloshing", "jet", "stirred_tank", "ink_drop"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"column", "turning_box", "dragged_cylinder", "piston", "rotating_cup",
                 "coated_plate", "honey", "floating_box", "two_liquids"}

@@ -1,0 +1,262 @@
+/* Contact lines that move: the angle depends on the line's speed (-wall_contact_law).
+
+   A line that advances bends the free surface within a layer far thinner than a spacing, so that the angle that a
+   simulation sees is larger than the one at rest; behind a line that recedes it is smaller. Both laws have the form
+   X(angle) = X(angle at rest) + Ca L, with the capillary number Ca = mu U/sigma of the line, positive if it advances:
+
+   cox_voinov   X = int_0^angle (x - sin x cos x)/(2 sin x) dx and L = ln(spacing/slip length): Voinov (1976), Cox
+   (1986) for a liquid beside a gas. It holds what the liquid bends below the spacing; above, the flow is computed.
+   kistler      X is the inverse of Hoffman's function f(x) = acos(1 - 2 tanh(5.16 (x/(1 + 1.31 x^0.99))^0.706)) and
+                L = 1: Kistler (1993), the experiments of Hoffman (1975) in tubes of 2 mm. It holds what bends below a
+                millimetre, part of which a fine spacing resolves, too.
+
+   With hysteresis the angle at rest is the advancing or the receding one, and the dry friction of hysteresis.c has its
+   part of the force.
+
+   The speed of a line is that of the free surface along the wall, v.n/|n - (n.i) i| with n the normal of the surface
+   and i of the wall, in the mean over surface particles near the wall and around. It has a lag of the slowest wave of a
+   spacing's length, sqrt(rho d0^3/sigma): without it, angle and speed of viscous liquid would swing from step to step.
+   A particle that rolls onto the wall takes over the number of those around it. */
+#include "tension_impl.h"
+
+#define REACH 0.75 /* supports of W^H, distance from a wall to which particles tell the line's speed */
+#define ENDS  0.5  /* least part along the wall of the normal of a surface that ends there */
+#define ANGLE_LEAST                                                                                                    \
+  (20 * PETSC_PI / 180) /* where contact angles were tried, rad; a line that recedes faster leaves a ... */
+#define ANGLE_MOST (165 * PETSC_PI / 180) /* ... film, one that advances faster takes air with it */
+#define SLIP       1e-9                   /* m, default: molecular; ln(0.1 mm/1 nm) = 11.5, experiments have 9 to 13 */
+#define BISECTIONS 60
+
+typedef enum { LAW_STATIC, LAW_COX_VOINOV, LAW_KISTLER } Law;
+static const char *const Laws[] = {"static", "cox_voinov", "kistler"};
+
+/* The inverse of Hoffman's function. */
+static PetscReal Hoffman(PetscReal angle)
+{
+  const PetscReal wanted = PetscPowReal(PetscAtanhReal(0.5 * (1 - PetscCosReal(angle))) / 5.16, 1 / 0.706);
+  PetscReal       low = 0, high = 1;
+
+  while (high / (1 + 1.31 * PetscPowReal(high, 0.99)) < wanted) high *= 2;
+  for (PetscInt k = 0; k < BISECTIONS; k++) {
+    const PetscReal x = 0.5 * (low + high);
+
+    if (x / (1 + 1.31 * PetscPowReal(x, 0.99)) < wanted)
+      low = x;
+    else
+      high = x;
+  }
+  return 0.5 * (low + high);
+}
+
+static PetscReal CoxSlope(PetscReal x)
+{
+  return x > 0 ? (x - PetscSinReal(x) * PetscCosReal(x)) / (2 * PetscSinReal(x)) : 0;
+}
+
+PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
+{
+  MovingLine     *line = &tension->line;
+  const PetscReal d    = ANGLE_MOST / LINE_TABLE;
+
+  PetscFunctionBegin;
+  line->law  = LAW_STATIC;
+  line->slip = SLIP;
+  PetscCall(OptionWord("-wall_contact_law",
+                       "angle of a contact line that moves, on walls and solids: as at rest, or by its speed",
+                       LAW_KISTLER + 1, Laws, &line->law));
+  if (line->law == LAW_COX_VOINOV || HelpWanted())
+    PetscCall(OptionReal("-wall_contact_slip",
+                         "slip length of -wall_contact_law cox_voinov (m): 1e-9 is molecular; a rough wall has more",
+                         "(0, inf)", &line->slip));
+  line->x[0] = 0;
+  for (PetscInt k = 1; k <= LINE_TABLE; k++)
+    line->x[k] = line->law == LAW_KISTLER
+                   ? Hoffman(k * d)
+                   : line->x[k - 1] + d / 6 * (CoxSlope((k - 1) * d) + 4 * CoxSlope((k - 0.5) * d) + CoxSlope(k * d));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool TensionHasLaw(Tension tension)
+{
+  return (PetscBool)(tension->line.law != LAW_STATIC);
+}
+
+PetscReal LineAngle(Tension tension, PetscReal at_rest, PetscReal capillary)
+{
+  const MovingLine *line  = &tension->line;
+  const PetscReal   place = PetscMin(at_rest / ANGLE_MOST, 1) * LINE_TABLE,
+                  factor  = line->law == LAW_KISTLER
+                              ? 1
+                              : PetscMax(0, PetscLogReal(tension->size * tension->spacing / line->slip));
+  const PetscInt  k       = PetscMin((PetscInt)place, LINE_TABLE - 1);
+  const PetscReal x       = line->x[k] + (place - k) * (line->x[k + 1] - line->x[k]) + capillary * factor;
+  PetscInt        low = 0, high = LINE_TABLE;
+
+  while (high - low > 1) {
+    const PetscInt middle = (low + high) / 2;
+
+    if (line->x[middle] <= x)
+      low = middle;
+    else
+      high = middle;
+  }
+  return PetscMax(PetscMin(ANGLE_LEAST, at_rest),
+                  PetscMin(PetscMax(ANGLE_MOST, at_rest),
+                           (low + (x - line->x[low]) / (line->x[high] - line->x[low])) * (ANGLE_MOST / LINE_TABLE)));
+}
+
+PetscErrorCode LineStart(Tension tension, Cloud cloud)
+{
+  PetscFunctionBegin;
+  tension->line.of = cloud->field[FIELD_LINE];
+  if (TensionHasLaw(tension)) PetscCall(CloudUpdate(cloud, FIELD_LINE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The nearest wall or solid with a contact angle. */
+typedef struct {
+  PetscReal distance, inward[DIM], velocity[DIM]; /* m; unit vector into the liquid; m/s */
+} NearWall;
+
+/* Finds the wall within 'reach' (m) of particle a; false: none. */
+static PetscBool FindWall(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, NearWall *wall)
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
+  PetscBool        found  = PETSC_FALSE;
+  PetscInt         near   = 0;
+
+  wall->distance = reach;
+  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
+    const PetscInt  d = f / 2, side = f % 2;
+    const PetscReal y = PetscAbsReal(x[d] - (side ? domain->upper : domain->lower)[d]);
+
+    if (domain->face[d][side] != FACE_WALL || y >= wall->distance) continue;
+    found          = PETSC_TRUE;
+    wall->distance = y;
+    for (PetscInt e = 0; e < DIM; e++) {
+      wall->inward[e]   = e != d ? 0 : side ? -1 : 1;
+      wall->velocity[e] = domain->wall_velocity[d][side][e];
+    }
+  }
+  if (tension->solid.count) {
+    const PetscReal y = SceneSolidDistance(cloud->scene, x, &near);
+
+    if (y < wall->distance && tension->solid.angle[near].angle > 0) {
+      found          = PETSC_TRUE;
+      wall->distance = PetscMax(0, y);
+      SceneSolidNormal(cloud->scene, x, wall->inward);
+      BodyMotion(SceneSolid(cloud->scene, near), SceneSolidTime(cloud->scene), x, wall->velocity);
+    }
+  }
+  return found;
+}
+
+static PetscReal ViscosityOf(Cloud cloud, PetscInt a)
+{
+  return cloud->field[FIELD_VISCOSITY] && SceneViscosityVaries(cloud->scene)
+           ? cloud->field[FIELD_VISCOSITY][a]
+           : BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->viscosity;
+}
+
+/* The capillary number of the line that particle a with the normal n out of the liquid tells, and its weight; weight 0:
+   it is not at a line. */
+static void Tell(Tension tension, Cloud cloud, PetscInt a, const PetscReal n[DIM], PetscReal *capillary,
+                 PetscReal *weight)
+{
+  const PetscReal *v    = cloud->field[FIELD_VELOCITY] + DIM * a,
+                  reach = REACH * KernelSupport(tension->kernel) * cloud->size[a];
+  const Material *m     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]));
+  PetscReal       flat[DIM], into, length, speed = 0;
+  NearWall        wall;
+
+  *weight = *capillary = 0;
+  if (cloud->integer[INT_LAYER][a] || cloud->integer[INT_SURFACE][a] != 1 || Norm(n) == 0 || m->tension == 0) return;
+  if (!FindWall(tension, cloud, a, reach, &wall)) return;
+  into = Dot(n, wall.inward);
+  for (PetscInt d = 0; d < DIM; d++) {
+    flat[d] = n[d] - into * wall.inward[d];
+    speed += n[d] * (v[d] - wall.velocity[d]);
+  }
+  length = Norm(flat);
+  if (length < ENDS) return;
+  *capillary = ViscosityOf(cloud, a) * speed / (length * m->tension);
+  *weight    = cloud->weight[a] * (1 - wall.distance / reach);
+}
+
+/* Means over particle a and its neighbours: of what they tell, and of their stored numbers unless they are zero. */
+static void MeanAround(Tension tension, Cloud cloud, PetscInt a, const PetscReal told[], const PetscReal weight[],
+                       PetscReal *mean, PetscReal *stored)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION], *line = cloud->field[FIELD_LINE];
+  PetscReal        sum = weight[a] * told[a], w = weight[a], old = 0, w_old = 0;
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt  b       = cloud->list[k];
+    const PetscReal r[DIM]  = {x[DIM * a] - x[DIM * b], x[DIM * a + 1] - x[DIM * b + 1],
+                               x[DIM * a + 2] - x[DIM * b + 2]},
+                    support = KernelSupport(cloud->kernel) * CloudPairSize(cloud, a, b),
+                    part    = weight[b] * PetscMax(0, 1 - Dot(r, r) / PetscSqr(support));
+
+    sum += part * told[b];
+    w += part;
+    if (line && line[b] != 0) {
+      old += part * line[b];
+      w_old += part;
+    }
+  }
+  *mean   = w > 0 ? sum / w : 0;
+  *stored = w_old > 0 ? old / w_old : 0;
+}
+
+PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
+{
+  MovingLine      *line   = &tension->line;
+  const PetscReal *stored = cloud->field[FIELD_LINE];
+  PetscReal       *told, *weight;
+
+  PetscFunctionBegin;
+  line->fastest = 0;
+  if (!tension->walls && !tension->solid.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, 1, &told));
+  PetscCall(CloudGetWork(cloud, 1, &weight));
+  PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
+  for (PetscInt a = 0; a < cloud->n_total; a++) Tell(tension, cloud, a, normal + DIM * a, &told[a], &weight[a]);
+  if (TensionHasLaw(tension)) {
+    PetscCall(PetscRealloc(PetscMax(1, cloud->n_fluid) * sizeof(PetscReal), &line->wanted));
+    PetscCall(PetscRealloc(PetscMax(1, cloud->n_fluid) * sizeof(PetscReal), &line->start));
+  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal mean = 0, around = 0;
+    NearWall  wall;
+
+    if (Norm(normal + DIM * a) > 0 &&
+        FindWall(tension, cloud, a, KernelSupport(tension->kernel) * cloud->size[a], &wall))
+      MeanAround(tension, cloud, a, told, weight, &mean, &around);
+    line->fastest = PetscMax(line->fastest, PetscAbsReal(mean));
+    if (!TensionHasLaw(tension)) continue;
+    line->wanted[a] = mean;
+    line->start[a]  = mean == 0 ? 0 : stored[a] != 0 ? stored[a] : around;
+  }
+  PetscCall(CloudRestoreWork(cloud, &weight));
+  PetscCall(CloudRestoreWork(cloud, &told));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal TensionFastestLine(Tension tension)
+{
+  return tension->line.fastest;
+}
+
+void TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt)
+{
+  const MovingLine *line = &tension->line;
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const Material *m     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]));
+    const PetscReal s     = cloud->size[a] * tension->spacing,
+                    share = PetscMin(1, dt * PetscSqrtReal(m->tension / (m->density * s * s * s)));
+
+    cloud->field[FIELD_LINE][a] = line->start[a] + share * (line->wanted[a] - line->start[a]);
+  }
+}
