@@ -1,13 +1,18 @@
-/* Joining. A particle with too small a share proposes to its nearest neighbour; at fixed spacings a graded particle
-   without others of its size proposes to its nearest larger neighbour. A particle accepts the nearest proposer, unless
-   it has proposed to a third particle. If two particles propose to each other, the smaller id stays. Ids and positions
-   decide, so all ranks agree. */
+/* Joining. With -spacing_follow a particle with too small a share proposes to that neighbour with which it loses the
+   least kinetic energy. At fixed spacings such a ring proposes to its nearest neighbour, and a graded particle without
+   others of its size to its nearest larger one. A particle accepts the best proposer by the same rule, unless it has
+   proposed to a third particle. If two particles propose to each other, the smaller id stays. Ids, positions and
+   velocities decide, so all ranks agree.
+
+   With the nearest neighbour a drop impact whose spacing follows the liquid lost 11 uJ of 225 exchanged by joins, with
+   the cheapest 2.6 (and joins below a share of 0.3 in place of 0.45). */
 #include "resampling_impl.h"
 
 #define NOBODY      (-1)
 #define JOINED_MOST 1.3  /* largest share after joining */
 #define REACH       1.25 /* spacings, largest distance of two particles that join */
 #define PATH        0.45 /* spacings, largest distance times the smaller share: 0.75 spacings for a share of 0.6 */
+#define AS_ONE      1e-6 /* square of the least difference of velocities, over the velocity, that decides a choice */
 #define LARGER      1.5  /* ratio of sizes from which a neighbour is larger */
 #define TOUCHES     1.5  /* mean spacings of a pair: largest distance of graded particles that join */
 
@@ -88,9 +93,22 @@ static PetscBool SizesFit(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
                      SameLiquid(cloud->scene, cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]));
 }
 
-/* Local index of the nearest neighbour that may join a, or NOBODY. At equal distances the smaller id decides. proposal:
-   [n_total], the neighbour must have proposed to a; NULL: any neighbour. */
-static PetscInt Nearest(Cloud cloud, const Change *change, PetscInt a, const PetscInt proposal[])
+/* What speaks against joining a and b, d2 (m2) apart squared: the energy that it takes, over half of a's mass, m2/s2;
+   at fixed spacings the distance. Liquid that moves as one has differences by rounding only, which no choice may depend
+   on: there the distance decides. */
+static PetscReal Price(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
+{
+  const PetscReal *u = cloud->field[FIELD_VELOCITY] + DIM * a, *v = cloud->field[FIELD_VELOCITY] + DIM * b;
+  const PetscReal  dv[DIM] = {u[0] - v[0], u[1] - v[1], u[2] - v[2]};
+
+  if (!cloud->domain->follow) return d2;
+  return Dot(dv, dv) * cloud->volume[b] / (cloud->volume[a] + cloud->volume[b]) +
+         AS_ONE * (Dot(u, u) + PETSC_MACHINE_EPSILON) * d2 / PetscSqr(cloud->domain->spacing);
+}
+
+/* Local index of the neighbour that may join a at the least price, or NOBODY. At equal prices the smaller id decides.
+   proposal: [n_total], the neighbour must have proposed to a; NULL: any neighbour. */
+static PetscInt Cheapest(Cloud cloud, const Change *change, PetscInt a, const PetscInt proposal[])
 {
   const PetscInt *id    = cloud->integer[INT_ID];
   PetscReal       least = PETSC_MAX_REAL;
@@ -98,12 +116,12 @@ static PetscInt Nearest(Cloud cloud, const Change *change, PetscInt a, const Pet
 
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
     const PetscInt  b  = cloud->list[k];
-    const PetscReal d2 = Distance2(cloud, a, b);
+    const PetscReal d2 = Distance2(cloud, a, b), price = Price(cloud, a, b, d2);
 
-    if (d2 > least || (d2 == least && id[b] > id[best])) continue;
+    if (price > least || (price == least && id[b] > id[best])) continue;
     if (id[b] == id[a] || !MayJoin(cloud, b) || (proposal && proposal[b] != id[a])) continue;
     if (!(ByShare(cloud->domain) ? SharesFit(cloud, change, a, b, d2) : SizesFit(cloud, a, b, d2))) continue;
-    least = d2;
+    least = price;
     best  = b;
   }
   return best;
@@ -162,14 +180,14 @@ PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *chan
     if (a < cloud->n_fluid && MayJoin(cloud, a))
       small =
         ByShare(cloud->domain) ? (PetscBool)(change->share[a] < resampling->least) : IsAlone(cloud, resampling, a);
-    chosen[a]   = small ? Nearest(cloud, change, a, NULL) : NOBODY;
+    chosen[a]   = small ? Cheapest(cloud, change, a, NULL) : NOBODY;
     proposal[a] = chosen[a] == NOBODY ? NOBODY : id[chosen[a]];
   }
   PetscCall(CloudUpdateIntArray(cloud, proposal));
   for (PetscInt b = 0; b < cloud->n_owned; b++) {
     PetscInt a = NOBODY;
 
-    if (b < cloud->n_fluid && MayJoin(cloud, b)) a = Nearest(cloud, change, b, proposal);
+    if (b < cloud->n_fluid && MayJoin(cloud, b)) a = Cheapest(cloud, change, b, proposal);
     if (a != NOBODY && proposal[b] != NOBODY && (proposal[b] != id[a] || id[b] > id[a])) a = NOBODY;
     accepted[b] = a == NOBODY ? NOBODY : id[a];
     if (a != NOBODY) Absorb(cloud, b, a, change, report);

@@ -26,15 +26,15 @@
 #define SAME_SIDE 0.2
 /* Least 1 + s k with which a curvature at the depth s is carried to the surface. No reference. */
 #define THINNEST 0.3
+#define ROUNDS   5 /* steps of Newton's method in Together */
 /* Least number of normals of a fit: one more than it has coefficients. */
 #define FEWEST_NORMALS (DIM + 2)
 /* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
 #define REGULARITY 1e-6
 /* Largest distance of a particle outside the liquid, spacings. */
 #define LARGEST_OUTSIDE 0.5
-/* Room for a chunk, whose last vector may go beyond its end. */
-#define ROOM      (CHUNK + WIDE)
-#define BELOW_ONE (1 - 1e-9)
+#define ROOM            (CHUNK + WIDE) /* for a chunk, whose last vector may go beyond its end */
+#define BELOW_ONE       (1 - 1e-9)
 /* With half of this limit drops, threads, sheets and contact lines behave the same, in up to twice the steps. */
 #define STEP_LIMIT 0.5
 /* The curvature is smoothed over H, so short waves are slow: forces at the middle of the step are stable up to 7.6 to
@@ -324,6 +324,24 @@ static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, Pet
   return k1 / PetscMax(1 + depth * k1, THINNEST) + k2 / PetscMax(1 + depth * k2, THINNEST);
 }
 
+/* The curvature (1/m) of the free surface, which makes a surface of the curvatures k1 and k2 deeper by c times itself
+   than 'depth': the root of kappa = CarryToSurface(depth + c kappa), at most 'limit'. The right side falls as kappa
+   grows: one root, no rounding amplified. (With kappa at 'depth' a thread of two spacings loses 4 % of its pressure.)
+ */
+static PetscReal Together(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth, PetscReal c, PetscReal limit)
+{
+  PetscReal kappa = PetscMax(-limit, PetscMin(limit, CarryToSurface(tension, k1, k2, depth)));
+
+  for (PetscInt round = 0; round < ROUNDS; round++) {
+    const PetscReal s = depth + c * kappa, first = k1 / PetscMax(1 + s * k1, THINNEST),
+                    second = k2 / PetscMax(1 + s * k2, THINNEST);
+
+    kappa -= (kappa - first - second) / (1 + c * (first * first + second * second));
+    kappa = PetscMax(-limit, PetscMin(limit, kappa));
+  }
+  return kappa;
+}
+
 /* The slope (1/m) of the line through the axis that fits n_r around a particle at r (m). */
 static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 {
@@ -338,6 +356,7 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
                            const PetscReal n[DIM], PetscBool loose, PetscReal *deeper)
 {
   const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / (tension->size * tension->spacing);
+  const PetscReal c     = 0.5 * tension->moment / tension->plane * PetscSqr(tension->size);
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
 
   *deeper = 0;
@@ -364,12 +383,10 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   k2    = 0.5 * trace - root;
   depth = m->s / m->w;
   if (tension->rings) { /* phi is a sum over the plane, so k2 does not lower it */
-    k1    = trace;
-    k2    = loose ? 0 : HoopCurvature(m, x[0]);
-    kappa = CarryToSurface(tension, k1, 0, depth);
-  } else
-    kappa = CarryToSurface(tension, k1, k2, depth);
-  *deeper = 0.5 * PetscMax(-limit, PetscMin(limit, kappa)) * tension->moment / tension->plane * PetscSqr(tension->size);
+    k1 = trace;
+    k2 = loose ? 0 : HoopCurvature(m, x[0]);
+  }
+  *deeper = c * Together(tension, k1, tension->rings ? 0 : k2, depth, c, limit);
   kappa   = CarryToSurface(tension, k1, k2, depth + *deeper);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }

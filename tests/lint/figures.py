@@ -93,6 +93,9 @@ QUOTED = [
      [verified("laplace_jump, 3-d", DROP, column) for column in ("default scheme", "expected", "as printed")]),
     ("README.md", r"oscillating drop \|[^|]*\| ([\d.]+) ms \| ([\d.]+) ms \| ([\d.]+) ms",
      [verified("oscillating_drop, 3-d", "period", column) for column in ("default scheme", "expected", "as printed")]),
+    ("README.md", r"drop of water on a wall \|[^|]*\| ([\d.]+) \| ([\d.]+)",
+     [verified("dry_wall, water", "the same, fit by Lee et al."),
+      verified("dry_wall, water", "the same, fit by Lee et al.", "expected")]),
     ("README.md", r"Couette flow \|[^|]*\| ([\d.]+) % \| *\| ([\d.]+) %",
      [verified("couette", "rms velocity error over U, largest of all times", column)
       for column in ("default scheme", "as printed")]),

@@ -116,12 +116,62 @@ static PetscErrorCode TestLaws(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define FOOT                                                                                                           \
+  "-dimension 2 -spacing 1 -box_lower -20,0 -box_upper 20,20 -box_ymin wall -wall_contact_law cox_voinov "             \
+  "-bodies a -a_tension 2 -a_viscosity 4 -a_shape sphere -a_radius 9 "
+
+/* The number of the line at the right (x > 0) or left end of a drop, mean over the particles that have one. */
+static PetscReal Number(Setup *s, PetscBool right)
+{
+  PetscReal sum = 0, count = 0;
+
+  for (PetscInt a = 0; a < s->cloud->n_fluid; a++) {
+    const PetscReal line = s->cloud->field[FIELD_LINE][a];
+
+    if (line == 0 || (s->cloud->field[FIELD_POSITION][DIM * a] > 0) != right) continue;
+    sum += line;
+    count++;
+  }
+  return SetupSum(sum) / PetscMax(1, SetupSum(count));
+}
+
+/* A drop that moves beside its wall, or the wall beside it, has lines of exactly mu U/sigma, one of which recedes. A
+   particle without a number takes over that of those around it. */
+static PetscErrorCode TestNumbers(void)
+{
+  const char *const motion[] = {"-a_velocity 0.3,0", "-box_ymin_velocity -0.3,0"};
+  char              options[512];
+  Setup             s;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscInt first = -1;
+
+    PetscCall(PetscSNPrintf(options, sizeof(options), FOOT "%s ", motion[k]));
+    PetscCall(SetupPack(options, &s));
+    PetscCall(SetupMoments(&s));
+    PetscCall(TensionApply(s.tension, s.cloud));
+    TensionMoveLines(s.tension, s.cloud, 1e9);
+    CHECK_CLOSE(Number(&s, PETSC_TRUE), 0.6, 1e-9, "line_advances");
+    CHECK_CLOSE(Number(&s, PETSC_FALSE), -0.6, 1e-9, "line_recedes");
+    for (PetscInt a = 0; a < s.cloud->n_fluid && first < 0; a++)
+      if (s.cloud->field[FIELD_LINE][a] != 0) first = a;
+    if (first >= 0) s.cloud->field[FIELD_LINE][first] = 0;
+    PetscCall(TensionApply(s.tension, s.cloud));
+    TensionMoveLines(s.tension, s.cloud, 0);
+    CHECK(first < 0 || PetscAbsReal(PetscAbsReal(s.cloud->field[FIELD_LINE][first]) - 0.6) < 1e-9, "newcomer");
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestFloor());
   PetscCall(TestLaws());
+  PetscCall(TestNumbers());
   PetscCall(TestOption("9,5", "-tension_sharpening 1", "-tension_sharpening 3"));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

@@ -163,8 +163,8 @@ static PetscErrorCode TestShapes(void)
 {
   const PetscInt cube[DIM] = {30, 30, 30}, square[DIM] = {54, 54, 1}, tube[DIM] = {20, 20, 12},
                  slab[DIM] = {14, 14, 10};
-  const PetscReal ball[] = {0, 8}, disc[] = {0, 16}, hole[] = {7, 12}, hollow[] = {16, 26}, wire[] = {8},
-                  thick[] = {10}, inner[] = {0, 9.5}, around[] = {0, 21};
+  const PetscReal ball[] = {0, 8}, disc[] = {0, 16}, hole[] = {7, 12}, hollow[] = {16, 26}, wire[] = {8}, thin[] = {2},
+                  three[] = {3}, thick[] = {10}, inner[] = {0, 9.5}, around[] = {0, 21};
   Outcome  o;
   PetscInt n;
 
@@ -179,6 +179,12 @@ static PetscErrorCode TestShapes(void)
   n = Fill(InTube, wire, tube, (const PetscReal[DIM]){0, 0, 6}, JITTER);
   PetscCall(Measure(LONG, n, 0, NULL, NULL, &o));
   CHECK_CLOSE(o.mean * PetscSqrtReal(n / (12 * PETSC_PI)), 1, 0.02, "cylinder");
+  n = Fill(InTube, thin, tube, (const PetscReal[DIM]){0, 0, 6}, JITTER);
+  PetscCall(Measure(LONG, n, 0, NULL, NULL, &o));
+  CHECK_CLOSE(o.mean * PetscSqrtReal(n / (12 * PETSC_PI)), 1, 0.032, "thread_of_2");
+  n = Fill(InTube, three, tube, (const PetscReal[DIM]){0, 0, 6}, JITTER);
+  PetscCall(Measure(LONG, n, 0, NULL, NULL, &o));
+  CHECK_CLOSE(o.mean * PetscSqrtReal(n / (12 * PETSC_PI)), 1, 0.008, "thread_of_3");
   n = Fill(InSlab, thick, slab, origin, JITTER);
   PetscCall(Measure(FILM, n, 0, NULL, NULL, &o));
   CHECK_CLOSE(o.mean, 0, 0.002, "plane");

@@ -10,10 +10,10 @@ import runs  # noqa: E402
 
 SCENE = """-options_file cases/drop_impact/case.opts -options_file options/quarter.opts -spacing 1e-3 -time_end 1e-3
  -ksp_rtol 1e-11 -checkpoint_interval 0"""
-FIGURES = {"step": 19, "crater_depth": -6.49328638545e-06, "kinetic_energy": 0.000150205017666,
-           "potential_energy": -0.000862914399856, "surface_energy": 0.000109067106924,
-           "viscous_work": -1.6072416109e-06, "tension_work": 1.99315364351e-06, "density_error": 0.0174199577285,
-           "divergence": 0.00059940382269, "highest": 0.0011296182126, "particles": 4008}
+FIGURES = {"step": 19, "crater_depth": -6.53589669356e-06, "kinetic_energy": 0.000150406917196,
+           "potential_energy": -0.000862914950692, "surface_energy": 0.000109067641869,
+           "viscous_work": -1.61032658336e-06, "tension_work": 2.11182285643e-06, "density_error": 0.0174184151316,
+           "divergence": 0.000603010967079, "highest": 0.00112651659379, "particles": 4008}
 TOLERANCE = 3e-6  # code for any x86-64 processor, without fused operations, differs by up to 5e-7
 
 for ranks in (1, 2):
