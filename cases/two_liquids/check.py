@@ -123,9 +123,9 @@ def lens(states, options):
                 number(options, "-interface_tension")]
     last = [angles(head, f).mean(axis=0) for _, head, f in states[-3:]]
     measured, wanted = np.mean(last, axis=0), balanced(*tensions)
-    liquid = states[-1][2]["body"] >= 0
     flow = []
     for _, head, f in states[-3:]:
+        liquid = f["body"] >= 0
         v, volume = f["velocity"][liquid], physics.volumes(head, f)[liquid]
         flow.append((np.average(v, weights=volume, axis=0), np.linalg.norm(v, axis=1).max()))
     mu = number(options, f"-{one}_viscosity")

@@ -196,6 +196,8 @@ PetscBool StepViscosityFused(Stepper stepper);
    from StepSearch. In steps that StepSize made implicit viscosity acts at the new velocity. Sums the works of the
    forces. Boundaries that follow the liquid get their velocity in FIELD_VELOCITY_STAR. */
 PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial);
+/* StepTensionWork - sums the work of the pressure of tension on free surfaces and interfaces, after StepKick. */
+PetscErrorCode StepTensionWork(Stepper stepper, PetscReal dt, StepTrial *trial);
 /* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR. The
    divergence is that of the particles moved on for time_offset (s). */
 PetscErrorCode StepDivergence(Stepper stepper, PetscReal time_offset);
@@ -261,8 +263,9 @@ void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
    divergence of FIELD_VELOCITY, at the positions of the last StepSearch. Not collective. */
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);
 /* TrialInterface - n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds the flow
-   (m3/s) into a's liquid through a's part of the interface to *flow, unless this is NULL. Not collective. */
-void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow);
+   (m3/s) into a's liquid through a's part of the interface at the velocity v ([n_total][3], m/s) to *flow, unless this
+   is NULL. Not collective. */
+void TrialInterface(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal n[DIM], PetscReal *flow);
 /* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
 PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
 /* TrialReduce - adds kinetic energy and mass, and reduces sums and largest values over all ranks. Collective. */

@@ -72,6 +72,7 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(PressureAcceleration(stepper->pressure, a));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */
   PetscCall(CloudRestoreWork(cloud, &a));
+  PetscCall(StepTensionWork(stepper, dt, trial));
   StepHook(stepper, kick, dt, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_KICK), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

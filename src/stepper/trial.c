@@ -10,9 +10,9 @@ PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a)
   return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
 }
 
-void TrialInterface(Cloud cloud, PetscInt a, PetscReal n[DIM], PetscReal *flow)
+void TrialInterface(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal n[DIM], PetscReal *flow)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY];
+  const PetscReal *x = cloud->field[FIELD_POSITION];
   PetscReal        scale_w, scale_f, inverse_h2;
 
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
@@ -39,7 +39,7 @@ static PetscReal InterfaceEnergy(Cloud cloud)
   PetscReal       area  = 0, n[DIM];
 
   for (PetscInt a = 0; a < cloud->n_fluid && sigma > 0; a++) {
-    TrialInterface(cloud, a, n, NULL);
+    TrialInterface(cloud, a, NULL, n, NULL);
     area += cloud->volume[a] * Norm(n);
   }
   return sigma * area;
