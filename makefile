@@ -11,6 +11,7 @@
 #   make pictures       of a run: RUN=output/my FLAGS="--color speed"; film, mesh, report: other views of it
 #   make tradeoff       what each choice costs in a scene of your own: SCENE=my.opts GAUGES=a,b
 #   make bench          speed; SIZE=full: of a million particles too
+#   make answer         a value with its error bar: SCENE=my.opts QUANTITY=highest:max ACCURACY=5; make study: VARY too
 #   make install        PREFIX=$HOME/isph: program, manual page, completion, options, cases, pictures
 #   make clean          removes what was built
 #   make targets        all others: studies, tables of the documents, sweeps; each is in the rules.mk of its folder
@@ -77,7 +78,7 @@ $(BUILD)/tests/unit/%: tests/unit/%.c $(OBJECTS) $(BUILD)/flags
 	@mkdir -p $(dir $@); echo LD $@; $(CC) $(TEST_FLAGS) -o $@ $< $(OBJECTS) $(LIBS)
 
 # Studies, tables of the documents and sweeps stand in the folders that they belong to.
-RULES = $(wildcard cases/*/rules.mk options/rules.mk src/pictures/rules.mk tests/*/rules.mk)
+RULES = $(wildcard cases/*/rules.mk options/rules.mk src/*/rules.mk tests/*/rules.mk)
 include $(RULES)
 
 # Processes that run at a time; the tests choose their number themselves, unless it is given.
@@ -88,7 +89,8 @@ NUMBER := $(if $(filter command,$(origin JOBS)),--jobs "$$JOBS")
 
 # What users give reaches the shell in the environment and is never read by it: recipes say "$$RUN". Lists of words are
 # split at blanks and nothing else: set -f; $$FLAGS. The values are kept as they are typed, also before make.
-GIVEN = BASE BUDGET CASE COMMIT FLAGS FROM GAUGES JOBS MUTANT ONLY RANKS RUN SCENE SIZE STATE TARGET WAYS
+GIVEN = ACCURACY BASE BUDGET CASE COMMIT FLAGS FROM GAUGES JOBS MUTANT ONLY QUANTITY RANKS RUN SCENE SIZE STATE TARGET VARY \
+  WAYS
 $(foreach name,$(GIVEN),$(eval override $(name) := $$(value $(name))))
 export $(GIVEN) DESTDIR PREFIX
 
@@ -119,7 +121,8 @@ install: isph
 	install -D -m 755 isph "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
 	  install -D -m 755 $(BUILD)/lib/$$library "$$DESTDIR$$PREFIX"/lib/isph/$$library || exit 1; done
-	install -d $(SHARE)/pictures $(SHARE)/options/cluster
+	install -d $(SHARE)/pictures $(SHARE)/answers $(SHARE)/options/cluster
+	install -m 644 src/answers/*.py $(SHARE)/answers
 	install -m 644 options/*.opts $(SHARE)/options
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
 	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/viewer.js $(SHARE)/pictures
@@ -127,8 +130,9 @@ install: isph
 	install -d "$$DESTDIR$$PREFIX"/share/man/man1 "$$DESTDIR$$PREFIX"/share/bash-completion/completions
 	$(PYTHON) options/manual.py > "$$DESTDIR$$PREFIX"/share/man/man1/isph.1
 	$(PYTHON) options/manual.py --completion > "$$DESTDIR$$PREFIX"/share/bash-completion/completions/isph
-	for tool in pictures film mesh report; do printf '#!/bin/sh\nexec %s "%s/share/isph/pictures/%s.py" "$$@"\n' $(PYTHON) "$$PREFIX" $$tool \
-	  > "$$DESTDIR$$PREFIX"/bin/isph-$$tool && chmod 755 "$$DESTDIR$$PREFIX"/bin/isph-$$tool; done
+	for tool in pictures/pictures pictures/film pictures/mesh pictures/report answers/answer answers/study answers/reduce; do \
+	  name="$$DESTDIR$$PREFIX"/bin/isph-$${tool#*/}; \
+	  printf '#!/bin/sh\nexec %s "%s/share/isph/%s.py" "$$@"\n' $(PYTHON) "$$PREFIX" $$tool > "$$name" && chmod 755 "$$name"; done
 
 # The tests. All are built with as many processes as run at a time. ONLY=NAME: those with NAME in their name; after a
 # change of the sources CHANGED=1 (and BASE=COMMIT) takes those that watch what changed since the commit, tests/table.txt.

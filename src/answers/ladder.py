@@ -1,0 +1,67 @@
+"""What a ladder of spacings and packings says of a value: the value, its error by the spacing, its error by chance.
+
+The error by the spacing: a line value = limit + slope spacing through the means of all spacings, the last FEW at most,
+says how far the finest is from the limit; to this comes the scatter of the means about the line. SPH with free surfaces
+converges with order one, and single differences of two spacings are as often chance as not: the order that they suggest
+is shown, but not believed. The bar is MARGIN times that. The error by chance is that of the mean of the packings at the
+finest spacing."""
+import math
+
+FEW = 5
+MARGIN = 1.25
+TWICE = 2.0
+
+
+def mean(values):
+    return sum(values) / len(values)
+
+
+def deviation(values):
+    """The standard deviation of a sample."""
+    m = mean(values)
+    return math.sqrt(sum((v - m)**2 for v in values) / (len(values) - 1))
+
+
+class Verdict:
+    """value, spacing (error), chance (error), bar, order (nan: does not converge), words."""
+
+    def __init__(self, rungs):
+        """rungs: [(spacing, [values of the packings])], coarse to fine."""
+        self.value = mean(rungs[-1][1])
+        self.chance = chance(rungs)
+        self.order = math.nan
+        means = [mean(values) for _, values in rungs]
+        if len(rungs) < 3:
+            self.spacing = abs(means[-1] - means[-2]) * (1 + MARGIN) if len(rungs) == 2 else math.inf
+            self.words = "two spacings only: no order" if len(rungs) == 2 else "one spacing: no error"
+        else:
+            self.converge(rungs, means)
+        self.bar = math.hypot(self.spacing, self.chance)
+
+    def converge(self, rungs, means):
+        spacings, means = [spacing for spacing, _ in rungs][-FEW:], means[-FEW:]
+        middle, level = mean(spacings), mean(means)
+        slope = (sum((s - middle) * (m - level) for s, m in zip(spacings, means)) /
+                 sum((s - middle)**2 for s in spacings))
+        off = [m - level - slope * (s - middle) for s, m in zip(spacings, means)]
+        scatter = math.sqrt(sum(o * o for o in off) / (len(off) - 2))
+        self.spacing = MARGIN * math.hypot(slope * spacings[-1], scatter)
+        before, last = means[-2] - means[-3], means[-1] - means[-2]
+        if before * last > 0:
+            self.order = math.log(before / last) / math.log(spacings[-2] / spacings[-1])
+            self.words = f"the last three spacings go one way, with order {self.order:.2g}"
+        elif max(abs(before), abs(last)) <= math.sqrt(2) * self.chance:
+            self.words = "the last three spacings differ by no more than packings do"
+        else:
+            self.words = "the last three spacings go up and down"
+
+
+def chance(rungs):
+    """The error of the mean at the finest spacing by chance: TWICE the standard deviation of the mean, with that of the
+    last two spacings that have several packings, pooled."""
+    several = [values for _, values in rungs if len(values) > 1][-2:]
+    if not several:
+        return math.inf
+    freedom = sum(len(values) - 1 for values in several)
+    spread = math.sqrt(sum((len(values) - 1) * deviation(values)**2 for values in several) / freedom)
+    return TWICE * spread / math.sqrt(len(rungs[-1][1]))

@@ -1,0 +1,107 @@
+"""Runs of ./isph for an answer or a study: several at a time, each with its processor time."""
+import concurrent.futures
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "pictures"))
+import tables  # noqa: E402
+
+KEPT = ("series.csv", "options.opts", "log.txt", "droplets.csv")  # of a run; the rest is not needed
+
+
+def program():
+    """The path of isph: of $ISPH, of this tree, or of the PATH."""
+    here = os.path.join(HERE, "..", "..", "isph")
+    found = os.environ.get("ISPH") or (here if os.path.exists(here) else shutil.which("isph"))
+    if not found:
+        raise tables.RunError("there is no isph, neither beside these tools nor in PATH; build it with make, or name "
+                              "it in ISPH.")
+    return os.path.abspath(found)
+
+
+def command(scene, options):
+    return [program(), "-options_file", scene, *options]
+
+
+def text_of(scene, options):
+    """The command as it would be typed."""
+    return " ".join(["isph", "-options_file", scene, *options])
+
+
+def start(scene, options, timeout=math.inf):
+    """Runs isph to its end: (exit code, its last words, processor seconds)."""
+    with tempfile.TemporaryFile("w+") as out:
+        process = subprocess.Popen(command(scene, options), stdout=out, stderr=subprocess.STDOUT,
+                                   env=dict(os.environ, OMP_NUM_THREADS="1"))
+        end = time.monotonic() + timeout
+        done, status, usage = os.wait4(process.pid, os.WNOHANG)
+        while not done:
+            if time.monotonic() > end:
+                process.kill()
+            time.sleep(0.02)
+            done, status, usage = os.wait4(process.pid, os.WNOHANG)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        lines = [line.strip() for line in out if line.strip()]
+    last = next((line for line in lines if "error:" in line), lines[-1] if lines else "")
+    if time.monotonic() > end:
+        last = f"not done after {timeout:g} s"
+    return process.returncode, last.replace("isph: error: ", ""), usage.ru_utime + usage.ru_stime
+
+
+def dumped(scene, folder, more=()):
+    """All options of a scene, {name: value}, as the program reads them; its sentence ends us if it refuses."""
+    path = os.path.join(folder, "dump.opts")
+    code, last, _ = start(scene, [*more, "-dump_options", path])
+    if code:
+        raise tables.RunError(last)
+    options = {}
+    with open(path, encoding="utf-8") as file:
+        for line in file:
+            words = line.split("#")[0].split(None, 1)
+            if words and words[0].startswith("-"):
+                options[words[0]] = words[1].strip() if len(words) > 1 else ""
+    return options
+
+
+class Run:
+    """A run in a folder of its own. What is there from an earlier call with the same command is not run again."""
+
+    def __init__(self, scene, options, folder, timeout=math.inf):
+        self.scene, self.options, self.folder, self.timeout = scene, options, folder, timeout
+        self.cpu, self.reason, self.series = 0.0, "", None
+
+    def go(self):
+        mark, wanted = os.path.join(self.folder, "command.txt"), text_of(self.scene, self.options)
+        try:
+            with open(mark, encoding="utf-8") as file:
+                done, cpu = file.read().rstrip("\n").rsplit("\n", 1)
+            if done == wanted:
+                self.cpu, self.series = float(cpu), tables.read_series(self.folder)
+                return self
+        except (OSError, ValueError, tables.RunError):
+            pass
+        code, last, self.cpu = start(self.scene, [*self.options, "-output_dir", self.folder, "-output_overwrite",
+                                           "-snapshot_interval", "0", "-checkpoint_interval", "0"], self.timeout)
+        if code:
+            self.reason = last
+            return self
+        self.series = tables.read_series(self.folder)
+        for name in os.listdir(self.folder):
+            if name not in KEPT and os.path.isfile(os.path.join(self.folder, name)):
+                os.remove(os.path.join(self.folder, name))
+        with open(mark, "w", encoding="utf-8") as file:
+            file.write(f"{wanted}\n{self.cpu}\n")
+        return self
+
+
+def together(all_runs, jobs):
+    """Runs them, 'jobs' at a time."""
+    with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
+        return list(pool.map(Run.go, all_runs))

@@ -1,0 +1,134 @@
+#!/usr/bin/python3
+"""How often the bar of an answer contains the right value.
+
+    coverage.py [--budget 40] [--case NAME] [--readme]
+    make coverage [BUDGET=40] [CASE=sessile]
+
+Asks src/answers/answer.py for quantities of cases/ whose value is known, exactly or by a volume-of-fluid computation,
+with a budget that is too small for most, and prints value, bar, right value and whether the bar contains it. Writes
+output/coverage/coverage.csv; --readme puts the table into tests/answers/README.md.
+"""
+import argparse
+import csv
+import math
+import os
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, "..", "verify"), os.path.join(HERE, ".."),
+                os.path.join(HERE, "..", "..", "src", "answers")]
+import numpy as np  # noqa: E402
+import answer  # noqa: E402
+import physics  # noqa: E402
+import quantity  # noqa: E402
+import runs  # noqa: E402
+import tables  # noqa: E402
+
+OUTPUT = os.path.join(runs.ROOT, "output", "coverage")
+COLUMNS = ("kind", "scene", "quantity", "value", "bar", "right", "inside", "confidence", "seconds")
+REFERENCE = 0.01  # error of the volume-of-fluid computations: what half their cells change
+README = os.path.join(HERE, "README.md")
+
+
+def reference(case, name, take):
+    """A value of the curves of a volume-of-fluid computation in cases/."""
+    return quantity.Quantity(take).of({k: v for k, v in tables.read_table(
+        os.path.join(runs.ROOT, "cases", case, name)).items()})
+
+
+def channel():
+    """Kinetic energy (J/m) of the plane flow between walls of cases/poiseuille at its end: the sum of its modes."""
+    y, g, nu, t, height, length = np.linspace(0, 1e-3, 4001), 1e-4, 1e-6, 0.6, 1e-3, 5e-4
+    u = g / (2 * nu) * y * (height - y)
+    for n in range(1, 40, 2):
+        u -= 4 * g * height**2 / (nu * (n * math.pi)**3) * np.sin(n * math.pi * y / height) * math.exp(
+            -nu * (n * math.pi / height)**2 * t)
+    return 0.5 * 1000 * length * np.trapz(u * u, y)
+
+
+def segment(degrees):
+    """Height (m) of the segment of a circle that half a circle of 2 mm becomes at a contact angle."""
+    t = math.radians(degrees)
+    return math.sqrt(math.pi / 2 * 4e-6 / (t - math.sin(t) * math.cos(t))) * (1 - math.cos(t))
+
+
+def rows():
+    """(kind, case, file, further options, [(quantity, right value), ...])."""
+    energy = 0.25 * math.exp(-16 * math.pi**2 * 0.01)
+    ellipse = physics.ellipse(100, 0, [0, 0.0076])
+    angle = [("wetting", "contact_angle", "case.opts", f"-wall_contact_angle {degrees}\n-time_end 0.15",
+              [("highest:end", segment(degrees))]) for degrees in (60, 120)]
+    box, deep, wall = "reference_box.csv", "reference.csv", "reference.csv"
+    return [
+        ("flow", "taylor_green", "case.opts", "", [("kinetic_energy:end", energy),
+                                                   ("kinetic_energy:at=0.5", 0.25 * (energy / 0.25)**0.5)]),
+        ("flow", "poiseuille", "case.opts", "", [("kinetic_energy:end", channel())]),
+        ("flow", "standing_wave", "case.opts", "-time_end 1.5", [("kinetic_energy:max", 0.25 * 1000 * 9.81 * 1e-4)]),
+        ("flow", "stretching_drop", "case.opts", "", [("highest:end", float(ellipse[-1][0]))]),
+        ("flow", "central_force", "case.opts", "-time_end 10", [
+            (f"highest:at={t}", float(physics.ellipse(-0.5, 1, [0, t])[-1][1])) for t in (4, 9)]),
+        *angle,
+        ("wetting", "sessile_drop", "rings.opts", "-time_end 0.4", [("highest:end", 2.5644e-3)]),
+        ("wetting", "dry_wall", "rings.opts", "", [
+            (q, reference("dry_wall", wall, q.replace("highest", "height"))) for q in (
+                "highest:at=1e-3", "highest:at=0.5e-3", "kinetic_energy:at=0.5e-3", "kinetic_energy:at=1e-3")]),
+        ("impact", "deep_pool", "rings.opts", "", [
+            (f"{q}", reference("deep_pool", deep, q)) for q in ("crater_depth:max", "kinetic_energy:at=5e-3",
+                                                                "crater_diameter:at=10e-3")]),
+        ("impact", "drop_impact", "axisymmetric.opts", "-time_end 36e-3", [
+            (f"{q}", reference("drop_impact", box, q)) for q in (
+                "crater_depth:max", "crater_depth:at=5e-3", "crater_diameter:at=10e-3", "kinetic_energy:at=5e-3",
+                "kinetic_energy:at=10e-3", "crown_height:max")])]
+
+
+def ask(kind, case, name, options, wanted, budget):
+    """The rows of a scene."""
+    folder = os.path.join(OUTPUT, case + "_" + "".join(c for c in options if c.isalnum())[:24])
+    os.makedirs(folder, exist_ok=True)
+    scene = os.path.join(folder, "scene.opts")
+    text = f"-options_file {os.path.join(runs.ROOT, 'cases', case, name)}\n{options}\n"
+    with open(scene, "w", encoding="utf-8") as file:
+        file.write(text)
+    arguments = argparse.Namespace(output=folder, budget=budget, accuracy=0.3, jobs=1)
+    asked = answer.Answer(scene, [quantity.Quantity(q) for q, _ in wanted], arguments)
+    verdicts, _ = asked.climb()
+    slack = REFERENCE if case in ("dry_wall", "deep_pool", "drop_impact") else 0
+    return [{"kind": kind, "scene": f"{case} {name}", "quantity": q, "value": f"{v.value:.5g}", "bar": f"{v.bar:.2g}",
+             "right": f"{right:.5g}", "inside": "yes" if abs(v.value - right) <= v.bar + slack * right else "no",
+             "confidence": answer.confidence(v, 5), "seconds": f"{asked.spent:.0f}"}
+            for (q, right), v in zip(wanted, verdicts)]
+
+
+def table(found):
+    lines = ["| kind | scene | quantity | value | bar | right | inside |", "|---|---|---|---|---|---|---|"]
+    lines += ["| " + " | ".join(row[name] for name in COLUMNS[:7]) + " |" for row in found]
+    kinds = sorted({row["kind"] for row in found})
+    counts = [(kind, sum(row["inside"] == "yes" for row in found if row["kind"] == kind),
+               sum(row["kind"] == kind for row in found)) for kind in kinds]
+    inside = sum(n for _, n, _ in counts)
+    return "\n".join(lines) + f"\n\nInside: {inside} of {len(found)}; " + ", ".join(
+        f"{kind} {n} of {m}" for kind, n, m in counts) + "."
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--budget", type=float, default=40)
+    parser.add_argument("--case", default="")
+    parser.add_argument("--readme", action="store_true")
+    arguments = parser.parse_args()
+    os.makedirs(OUTPUT, exist_ok=True)
+    found = []
+    for kind, case, name, options, wanted in rows():
+        if arguments.case in case:
+            found += ask(kind, case, name, options, wanted, arguments.budget)
+    with open(os.path.join(OUTPUT, "coverage.csv"), "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(found)
+    print(table(found))
+    if arguments.readme:
+        runs.replace(README, "coverage", table(found))
+
+
+if __name__ == "__main__":
+    main()
