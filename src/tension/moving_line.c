@@ -166,12 +166,13 @@ static void Tell(Tension tension, Cloud cloud, PetscInt a, const PetscReal n[DIM
 {
   const PetscReal *v    = cloud->field[FIELD_VELOCITY] + DIM * a,
                   reach = REACH * KernelSupport(tension->kernel) * cloud->size[a];
-  const Material *m     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]));
-  PetscReal       flat[DIM], into, length, speed = 0;
-  NearWall        wall;
+  PetscReal flat[DIM], into, length, sigma, speed = 0;
+  NearWall  wall;
 
   *weight = *capillary = 0;
-  if (cloud->integer[INT_LAYER][a] || cloud->integer[INT_SURFACE][a] != 1 || Norm(n) == 0 || m->tension == 0) return;
+  if (cloud->integer[INT_LAYER][a] || cloud->integer[INT_SURFACE][a] != 1 || Norm(n) == 0) return;
+  sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
+  if (sigma == 0) return;
   if (!FindWall(tension, cloud, a, reach, &wall)) return;
   into = Dot(n, wall.inward);
   for (PetscInt d = 0; d < DIM; d++) {
@@ -180,7 +181,7 @@ static void Tell(Tension tension, Cloud cloud, PetscInt a, const PetscReal n[DIM
   }
   length = Norm(flat);
   if (length < ENDS) return;
-  *capillary = ViscosityOf(cloud, a) * speed / (length * m->tension);
+  *capillary = ViscosityOf(cloud, a) * speed / (length * sigma);
   *weight    = cloud->weight[a] * (1 - wall.distance / reach);
 }
 
