@@ -4,6 +4,7 @@ beside those written by hand, and the programs themselves on a short scene."""
 import math
 import os
 import random
+import re
 import subprocess
 import sys
 
@@ -124,7 +125,29 @@ def programs():
     refused(lambda: study.values_of("1..2"), "LOW..HIGH/COUNT", "refuses_range")
 
 
-PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "programs": programs}
+def models():
+    """A half and rings give what the whole gives within what another packing changes: energy and height of drops."""
+    head = ("-spacing 0.25e-3 -box_lower -4e-3,-4e-3,-4e-3 -box_upper 4e-3,4e-3,4e-3 -time_end 1e-3 -packing_jitter 0 "
+            "-snapshot_interval 0 -checkpoint_interval 0 -series_interval 1e-4 ")
+    scenes = {"pair": ("-bodies a,b -a_shape sphere -a_radius 1e-3 -a_center -1.1e-3,0,0 -a_velocity 1,0,0 "
+                       "-b_shape sphere -b_radius 1.25e-3 -b_center 1.3e-3,0,0 -b_velocity -1,0,0", 0.03),
+              "drop": ("-bodies a -a_shape ellipsoid -a_radii 2e-3,2e-3,1.5e-3 -a_tension 0.072 -a_velocity 0,0,-0.3",
+                       0.05)}
+    for name, (bodies, tolerance) in scenes.items():
+        path, lean = runs.scratch(f"{name}.opts"), runs.scratch(f"{name}_reduced.opts")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(re.sub(" (?=-[a-z])", "\n", head + bodies) + "\n")
+        text, why = reduce.text(path)
+        with open(lean, "w", encoding="utf-8") as file:
+            file.write(text)
+        whole, part = (runs.series(runs.run(f"-options_file {scene} ", os.path.basename(scene)[:-5]))
+                       for scene in (path, lean))
+        for column in ("kinetic_energy", "highest"):
+            ratio = part[column][-1] / whole[column][-1]
+            runs.check_within(ratio, 1 - tolerance, 1 + tolerance, f"{name}_{column}: {why[:30]}")
+
+
+PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
