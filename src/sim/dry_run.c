@@ -187,6 +187,10 @@ static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal besid
     PetscCall(PetscPrintf(sim->comm, " (the whole run was tried)\n"));
   else
     PetscCall(PetscPrintf(sim->comm, " (trial steps alone); a flow that accelerates needs more\n"));
+  if (sim->domain->dim == DIM)
+    PetscCall(PetscPrintf(sim->comm,
+                          "  cheaper: make reduce SCENE=my.opts writes the scene as rings, if it is a body of "
+                          "revolution, or as a quarter or a half, if it has mirrors\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
