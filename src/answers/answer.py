@@ -29,6 +29,7 @@ RATIO = math.sqrt(2)  # of two spacings that follow each other
 COARSEST = 4  # the first spacing is RATIO**COARSEST times the scene's
 FINEST = 6  # the last is the scene's over RATIO**FINEST
 GROWTH = 4.0  # a finer run costs RATIO to this power, until two runs tell
+PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost, by the clock; s
 CHEAP = ((5, 0.05), (3, 0.2), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
 
 
@@ -48,7 +49,8 @@ class Answer:
     def run(self, spacing, seeds):
         """The runs at a spacing that ended well."""
         together = [launch.Run(self.scene, self.more + ["-spacing", f"{spacing:.6g}", "-packing_seed", str(seed)],
-                               os.path.join(self.folder, f"run_{spacing:.6g}_{seed}")) for seed in seeds]
+                               os.path.join(self.folder, f"run_{spacing:.6g}_{seed}"), self.patience(spacing))
+                    for seed in seeds]
         launch.together(together, self.arguments.jobs)
         good = [run for run in together if run.series]
         self.spent += sum(run.cpu for run in together)
@@ -56,6 +58,11 @@ class Answer:
             if not run.series:
                 self.notes.append(f"{launch.text_of(self.scene, run.options)}: {run.reason}")
         return good
+
+    def patience(self, spacing):
+        """Seconds after which a run at a spacing is given up: one that has a step of nothing never ends."""
+        guess = self.guess(spacing)
+        return PATIENCE * guess + LEAST_PATIENCE if math.isfinite(guess) else self.arguments.budget + LEAST_PATIENCE
 
     def guess(self, spacing):
         """What one run at a spacing will cost, s; nan: unknown."""
