@@ -34,15 +34,13 @@ static PetscErrorCode SayUnderresolved(Sim sim, Progress *progress)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define FAST_LINE 0.01 /* capillary number from which the angle of a line differs by ten degrees or more */
-
 /* Says once that a contact line moves so fast that its angle at rest does not describe it. */
 static PetscErrorCode SayFastLine(Sim sim, Progress *progress)
 {
   const PetscReal Ca = StepperFastestLine(sim->stepper);
 
   PetscFunctionBegin;
-  if (progress->fast_line || Ca < FAST_LINE || TensionHasLaw(sim->tension)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (progress->fast_line || Ca < TENSION_FAST_LINE || TensionHasLaw(sim->tension)) PetscFunctionReturn(PETSC_SUCCESS);
   progress->fast_line = PETSC_TRUE;
   PetscCall(PetscPrintf(sim->comm,
                         "%st = %8.3f ms: a contact line moves at the capillary number %.2g with the angle of a line at "

@@ -217,11 +217,11 @@ PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
   PetscReal       *told, *weight;
 
   PetscFunctionBegin;
+  if ((!tension->walls && !tension->solid.count) || (!TensionHasLaw(tension) && line->fastest >= TENSION_FAST_LINE))
+    PetscFunctionReturn(PETSC_SUCCESS);
   line->fastest = 0;
-  if (!tension->walls && !tension->solid.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, 1, &told));
   PetscCall(CloudGetWork(cloud, 1, &weight));
-  PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_total; a++) Tell(tension, cloud, a, normal + DIM * a, &told[a], &weight[a]);
   if (TensionHasLaw(tension)) {
     PetscCall(PetscRealloc(PetscMax(1, cloud->n_fluid) * sizeof(PetscReal), &line->wanted));

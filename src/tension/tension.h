@@ -45,6 +45,9 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
 PetscBool      TensionHasHysteresis(Tension tension);
 PetscBool      TensionHasAngles(Tension tension);
+/* TENSION_FAST_LINE - capillary number from which the angle of a line differs by ten degrees or more from that at rest;
+   lines with their angle at rest are watched until one is so fast. */
+#define TENSION_FAST_LINE 0.01
 /* TensionHasLaw - whether the angle of a contact line depends on its speed (-wall_contact_law). TensionMoveLines - then
    the change of FIELD_LINE in dt (s), after TensionApply. TensionFastestLine - the largest capillary number mu U/sigma
    of a contact line on this rank, at the last TensionApply; 0 unless the liquid meets a wall. Not collective. */

@@ -230,7 +230,8 @@ PetscBool ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscR
 /* LineSetFromOptions - reads -wall_contact_law and -wall_contact_slip, inside an options block. LineAngle - the angle
    (rad) of a line with this angle at rest (rad) and capillary number, beside particles of tension->size. LineStart -
    gives ghosts their FIELD_LINE. LineFind - from the normals ([n_total][3]) out of the liquid, what TensionMoveLines
-   needs, and the fastest line. Collective but for LineAngle. */
+   needs, and the fastest line; INT_SURFACE of ghosts must be current. Only LineSetFromOptions and LineStart are
+   collective. */
 PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
 PetscReal      LineAngle(Tension tension, PetscReal at_rest, PetscReal capillary);
 PetscErrorCode LineStart(Tension tension, Cloud cloud);
