@@ -82,8 +82,8 @@ def pull(states, options):
 
 
 def pull_of_plug(states, options):
-    """The pressure between the menisci of a plug over -2 sigma cos(contact angle)/gap: mean of the particles within a
-    third of the gap from its middle, in the second half of the run."""
+    """The pressure between the menisci of a plug over -2 sigma cos(contact angle)/gap, in a tube, of rings, over its
+    radius: mean of the particles within a third of that from its middle, in the second half of the run."""
     gap = float(options["-plug_upper"].split(",")[0]) - float(options["-plug_lower"].split(",")[0])
     exact = -2 * SIGMA * np.cos(np.radians(float(options["-wall_contact_angle"]))) / gap
     late = [f["pressure"][np.abs(f["position"][:, 1]) < gap / 3].mean() for _, _, f in states[len(states) // 2:]]

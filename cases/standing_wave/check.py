@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Period, damping and energy of a standing gravity wave.
+"""Period, damping and energy of a standing gravity wave; with -gravity_amplitude, twice as fast as the wave, the growth
+of its parametric resonance.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -53,6 +54,12 @@ def mode(head, f):
     return (volume * up).sum() / norm, wave, rest, np.linalg.norm(v[:, :2] - share * u, axis=1)
 
 
+def resonance(damping, options):
+    """Growth of a'' + w^2 (1 + e sin 2wt) a = 0, Mathieu's equation: e w/4 to first order of e."""
+    share = float(options["-gravity_amplitude"].split(",")[1]) / -G
+    return [physics.relative("growth rate of the resonance", -damping, share * exact(PLANE) / 4, 0.1, "1/s")]
+
+
 def check(folder):
     states = list(physics.snapshots(folder))
     head, first, last = states[0][1], states[0][2], states[-1][2]
@@ -62,6 +69,8 @@ def check(folder):
     a, wave, rest = np.array([m[:3] for m in modes]).T
     # J0^2, of the wave's second order, has a part along J0, as cos^2 has none along cos
     rate, damping, residual = fit(t, a, exact(k), physics.rings(head))
+    if "-gravity_amplitude" in physics.options(head):
+        return resonance(damping, physics.options(head))
     return [physics.relative("period", 2 * np.pi / rate, 2 * np.pi / exact(k), 0.01, "s"),
             physics.shown("effective viscosity", damping / (2 * k**2), 1e-6, "m2/s"),
             physics.shown("amplitude lost in a period, share", 1 - np.exp(-damping * 2 * np.pi / rate)),

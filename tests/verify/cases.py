@@ -139,7 +139,9 @@ WAVE = f"{QUINTIC} {REGULAR} -time_centered -pressure_gradient symmetric"
 ENTRIES += [Entry("standing_wave", "40 spacings", WAVE + " -spacing 0.025 -time_end 2", TEST)]
 ENTRIES += [Entry("standing_wave", "50 spacings", WAVE + " -spacing 0.02", spacings=(0.04, 0.02, 0.0125)),
             Entry("standing_wave", "50 spacings", PRINTED + "-spacing 0.02", printed=True),
-            Entry("standing_wave", "rings", WAVE, file=RINGS)]
+            Entry("standing_wave", "rings", WAVE, file=RINGS),
+            Entry("standing_wave", "parametric resonance", "-gravity_amplitude 0,-2.943 -gravity_frequency 2.4944 "
+                  "-water_wave_amplitude 2e-3 -spacing 0.02", TEST)]
 PATCH = "-fine patch -patch_shape box -patch_lower 0.25,0.2 -patch_upper 0.75,0.6"
 ENTRIES += [Entry("standing_wave", "graded, 50 spacings, 100 in a patch", f"-spacing_coarse 0.02 {PATCH}")]
 ENTRIES += [Entry("dam_break", "collapse", REGULAR, TEST, spacings=(5.715e-3, 2.8575e-3, 1.42875e-3)),
@@ -201,6 +203,8 @@ ENTRIES += [Entry("contact_angle", "edge of a film, 12 spacings thick", file="ed
 ENTRIES += [Entry("contact_angle", f"plug, {angle} degrees, 10 spacings", f"-wall_contact_angle {angle}", TEST,
                   file="plug.opts") for angle in (45, 60, 120, 135)]
 ENTRIES += [Entry("contact_angle", "plug, 60 degrees, 20 spacings", "-spacing 0.05e-3", file="plug.opts")]
+ENTRIES += [Entry("contact_angle", f"plug in a tube, {angle} degrees, 20 spacings", f"-wall_contact_angle {angle}",
+                  file="tube.opts") for angle in (60, 120)]
 ENTRIES += [Entry("contact_angle", f"plug that moves, {count} spacings",
                   f"-gravity 0,-15 -wall_contact_law cox_voinov -spacing {1e-3 / count}", size, file="plug.opts")
             for count, size in ((10, TEST), (20, "short"))]
