@@ -131,14 +131,19 @@ class Answer:
         print(f"{spacing:.3g} m, {len(runs)} packings, {self.spent:.0f} s so far: {values}", flush=True)
 
 
+def finest(scene, folder):
+    """The options of the finest run, at which the model must hold."""
+    os.makedirs(folder, exist_ok=True)
+    return ["-spacing", f"{float(launch.dumped(scene, folder)['-spacing']) * RATIO**-FINEST:.6g}"]
+
+
 def model(scene, folder):
     """(path of the cheapest model of a scene, what it is): the reduced scene, or the scene itself."""
     try:
-        text, why = reduce.text(scene)
+        text, why = reduce.text(scene, finest(scene, folder))
     except tables.RunError as error:
         return scene, f"the scene as it is: {error}"
     path = os.path.join(folder, "reduced.opts")
-    os.makedirs(folder, exist_ok=True)
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
     return path, why

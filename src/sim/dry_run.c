@@ -187,10 +187,6 @@ static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal besid
     PetscCall(PetscPrintf(sim->comm, " (the whole run was tried)\n"));
   else
     PetscCall(PetscPrintf(sim->comm, " (trial steps alone); a flow that accelerates needs more\n"));
-  if (sim->domain->dim == DIM)
-    PetscCall(PetscPrintf(sim->comm,
-                          "  cheaper: make reduce SCENE=my.opts writes the scene as rings, if it is a body of "
-                          "revolution, or as a quarter or a half, if it has mirrors\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -285,6 +281,7 @@ PetscErrorCode SimDryRun(Sim sim)
   ProgressBegin("the dry run", "nothing is lost");
   PetscCall(PetscTime(&now));
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
+  PetscCall(ModelPrint(sim));
   PetscCall(Picture(sim));
   PetscCall(PrintParticles(sim));
   PetscCall(PrintBounds(sim));

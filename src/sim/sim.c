@@ -35,6 +35,10 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(PetscOptionsBool(
     "-dry_run", "print particles, memory, bounds of the time step, estimated time and output, draw the scene, and stop",
     "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
+  PetscCall(PetscOptionsBool("-scene_model",
+                             "print which models hold for the scene (rings, mirrors, a plane; without tension, "
+                             "viscosity or gravity), and stop",
+                             "ModelPrint", sim->model, &sim->model, NULL));
   PetscCall(OptionReal("-progress_interval",
                        "wall-clock time between progress lines (s); 0: none but the summary at the end", "[0, inf)",
                        &sim->progress_interval));
@@ -159,6 +163,10 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(DumpFinish(sim));
   if (*stop) PetscCall(RefusalsHelp(comm));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE, OwnNames));
+  if (!*stop && sim->model) {
+    PetscCall(ModelPrint(sim));
+    *stop = PETSC_TRUE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,7 +23,7 @@ struct _p_Sim {
   PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping, relaxation_step,
     relaxation_speed;
   PetscInt    steps_max;
-  PetscBool   has_end, dry_run;
+  PetscBool   has_end, dry_run, model;
   PetscViewer monitor; /* NULL: none */
   PetscInt    monitor_lines;
   PetscBool   monitor_csv, monitor_draw;
@@ -86,6 +86,9 @@ PetscErrorCode TrySteps(Sim sim, StepTimes *times);
    bounds of the time step give the run's. A restart, and a run of a given number of steps, have no rehearsal.
    Collective. */
 PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run);
+/* ModelPrint - prints which models hold for the scene: rings, mirrors, a plane; and whether tension, viscosity and
+   gravity can matter. Collective. */
+PetscErrorCode ModelPrint(Sim sim);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);

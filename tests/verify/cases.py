@@ -180,7 +180,9 @@ ENTRIES += [Entry("capillary_wave", "32 a wave length", "-spacing 0.03125", TEST
 ENTRIES += tensions("capillary_wave", spacings=(0.0625, 0.03125, 0.015625), as_printed=LATTICE + " -spacing 0.03125")
 ENTRIES += tensions("rayleigh_plateau", spacings=(0.25e-3, 1e-3 / 6, 0.125e-3),
                     coarse=(0.25e-3, 0.2e-3, 1e-3 / 6))
-ENTRIES += [Entry("rayleigh_plateau", "rings", file=RINGS)]
+ENTRIES += [Entry("rayleigh_plateau", "rings", file=RINGS),
+            Entry("rayleigh_plateau", "rings, pinching, R/d0 = 32", "-spacing 0.03125e-3 -thread_viscosity 0 "
+                  "-snapshot_interval 0.1e-3 -time_end 48e-3", file=RINGS)]
 ENTRIES += [Entry("contact_angle", f"{angle} degrees", f"-wall_contact_angle {angle}",
                   spacings=(0.25e-3, 1e-3 / 6, 0.125e-3)) for angle in (60, 90, 120)]
 ENTRIES += [Entry("contact_angle", f"{angle} degrees, {where}", f"-{name}_contact_angle {angle}", file=f"{name}.opts")
