@@ -24,6 +24,7 @@ PetscErrorCode BodyDestroy(Body *body)
 {
   PetscFunctionBegin;
   if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < (*body)->holes; k++) PetscCall(BodyDestroy(&(*body)->hole[k]));
   PetscCall(PetscFree((*body)->shape_data));
   PetscCall(PetscFree((*body)->velocity_data));
   PetscCall(PetscFree((*body)->viscosity_data));
@@ -80,13 +81,21 @@ PetscReal BodyContactHysteresis(Body solid)
   return solid->contact_hysteresis;
 }
 
+PetscReal ShapeDistance(Body body, const PetscReal x[DIM])
+{
+  PetscReal s = body->shape->distance(body, x);
+
+  for (PetscInt k = 0; k < body->holes; k++) s = PetscMax(s, -body->hole[k]->shape->distance(body->hole[k], x));
+  return s;
+}
+
 PetscReal BodyDistance(Body body, const PetscReal x[DIM])
 {
   PetscReal y[DIM];
 
-  if (!body->motion) return body->shape->distance(body, x);
+  if (!body->motion) return ShapeDistance(body, x);
   MotionBack(body, x, y);
-  return body->shape->distance(body, y);
+  return ShapeDistance(body, y);
 }
 
 PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM])
@@ -118,7 +127,7 @@ PetscBool BodyContains(Body body, const PetscReal x[DIM])
   for (PetscInt d = 0; d < body->domain->dim; d++) {
     if (!(x[d] >= body->domain->lower[d] && x[d] <= body->domain->upper[d])) return PETSC_FALSE;
   }
-  return body->shape->distance(body, x) < -POINT_TOLERANCE * body->domain->spacing ? PETSC_TRUE : PETSC_FALSE;
+  return ShapeDistance(body, x) < -POINT_TOLERANCE * body->domain->spacing ? PETSC_TRUE : PETSC_FALSE;
 }
 
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])

@@ -30,6 +30,36 @@ static PetscErrorCode ReadChoice(Body body, OptionItems PetscOptionsObject, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The names of the holes; ReadHoles reads their shapes, outside the body's block of options. */
+static PetscErrorCode ReadHoleNames(Body body, OptionItems PetscOptionsObject, char *names[], PetscInt *count)
+{
+  PetscFunctionBegin;
+  *count = BODY_HOLES_MOST;
+  PetscCall(PetscOptionsStringArray("-holes",
+                                    "Names of shapes that are cut out of the body or solid, separated by commas; each "
+                                    "has a shape like a body, and may be a body itself",
+                                    "SceneSetFromOptions", names, count, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadHoles(Body body, const BodyChoices *choices, char *names[], PetscInt count)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < count; k++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcmp(names[k], body->name, &same));
+    PetscCheckUser(names[k][0] && !same, body->domain->comm, "-%sholes: '%s' cannot be a hole of %s", body->prefix,
+                   names[k], body->name);
+    PetscCall(BodyCreate(body->domain, names[k], k, &body->hole[k]));
+    body->holes++;
+    PetscCall(RegionSetFromOptions(body->hole[k], choices));
+    PetscCall(BodyCheckInside(body->hole[k]));
+    PetscCall(PetscFree(names[k]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
 {
   const BodyChoice *choice;
@@ -132,13 +162,15 @@ static PetscErrorCode ReadAndSetUpShape(Body body, OptionItems PetscOptionsObjec
 
 PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
 {
-  char              title[2 * SCENE_NAME_LENGTH];
+  char              title[2 * SCENE_NAME_LENGTH], *holes[BODY_HOLES_MOST];
+  PetscInt          count;
   const BodyChoice *type;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
   PetscCall(Read(body, PetscOptionsObject, material, body));
   PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
   PetscCall(ReadAndSetUp(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
@@ -148,6 +180,7 @@ PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
     ReadType(body, PetscOptionsObject, choices->types, &type)); /* last: an emitter looks at shape and velocity */
   PetscCall(ReadAndSetUp(type, body, PetscOptionsObject, &body->emitter));
   PetscOptionsEnd();
+  PetscCall(ReadHoles(body, choices, holes, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,12 +204,17 @@ static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject
 
 PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
 {
-  char title[2 * SCENE_NAME_LENGTH];
+  char     title[2 * SCENE_NAME_LENGTH], *holes[BODY_HOLES_MOST];
+  PetscInt count;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
+  PetscOptionsEnd();
+  PetscCall(ReadHoles(body, choices, holes, count)); /* the mass of a free body needs them */
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscCall(MotionSetUp(body));
   PetscCall(ReadContactAngle(body, PetscOptionsObject));
@@ -224,12 +262,15 @@ PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
   Domain            domain;
   Body              body;
   const BodyChoice *type;
+  char             *holes[BODY_HOLES_MOST];
+  PetscInt          count;
 
   PetscFunctionBegin;
   PetscCall(DomainCreate(comm, &domain));
   PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no name of a scene's body has these signs */
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
   PetscCall(Read(body, PetscOptionsObject, material, body));
   PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
   PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));

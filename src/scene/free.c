@@ -107,7 +107,7 @@ static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, Pe
 
     for (PetscInt d = 0; d < domain->dim; d++)
       x[d] = lower[d] + (upper[d] - lower[d]) * ((PetscReal)index[d] + 0.5) / SHAPE_SAMPLES;
-    if (body->shape->distance(body, x) > 0) continue;
+    if (ShapeDistance(body, x) > 0) continue;
     share = cell * DomainRingLength(domain, x, 1);
     *volume += share;
     for (PetscInt d = 0; d < DIM; d++) {

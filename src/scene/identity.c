@@ -38,6 +38,10 @@ static void PrintRows(FILE *text, Body body, const OptionRow rows[], const void 
 
 static void PrintShape(FILE *text, Body body)
 {
+  for (PetscInt k = 0; k < body->holes; k++) {
+    fprintf(text, "hole %d of -%sholes = %s\n", (int)k + 1, body->prefix, body->hole[k]->name);
+    PrintShape(text, body->hole[k]);
+  }
   fprintf(text, "-%sshape = %s\n", body->prefix, body->shape_type);
   PrintRows(text, body, body->shape->choice.options, body->shape_data);
 }

@@ -4,9 +4,9 @@
      x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)) + table(t),
 
    with X its position at the time 0, where the solid has the position of its shape, c the centre of rotation, and R(t)
-   the rotation by the angle |rate| t about the direction of the rate. The table is a file of lines t, x, y (and z). A
-   cubic curve connects its points, with velocity zero at the first and the last point; before and after them the
-   displacement is constant. */
+   the rotation by the angle |rate| t about the direction of the rate, or by that of the table about its axis. The table
+   is a file of lines t, x, y (and z), and perhaps an angle. A cubic curve connects its points, with velocity zero at
+   the first and the last point; before and after them the displacement is constant. */
 #include "scene_impl.h"
 #include <ctype.h>
 #include <stddef.h>
@@ -18,7 +18,9 @@
 #define LINE_LENGTH   4096
 #define NUMBER_MOST   (PETSC_MAX_REAL / 4) /* in a table: differences are finite */
 #define BYTE_ORDER    "\xef\xbb\xbf"       /* byte-order mark, which some programs write at the start of a text file */
-#define TABLE_SAMPLES 16                   /* between two rows of a table, for its largest speed */
+#define MOVES         (DIM + 1)            /* of a table's row, after its time: displacement and angle */
+#define TABLE_ROW     (1 + MOVES)
+#define TABLE_SAMPLES 16 /* between two rows of a table, for its largest speed */
 
 struct _p_Motion {
   PetscReal     velocity[DIM];            /* m/s */
@@ -27,76 +29,85 @@ struct _p_Motion {
   OptionNumbers rate_given;
   PetscReal     center_given[DIM];          /* m */
   PetscReal     rate[DIM], center[DIM];     /* rad/s, m */
+  PetscReal     axis[DIM];                  /* of the table's angles */
   OptionFile    file;                       /* of the table; empty: none */
   PetscReal     shift[DIM], turn[DIM][DIM]; /* s and R at the time of MotionSetTime */
   PetscInt      rows;                       /* of the table */
-  PetscReal    *table;                      /* [rows][1 + 3]: time (s), displacement (m) */
+  PetscReal    *table;                      /* [rows][TABLE_ROW]: time (s), displacement (m), angle (rad) */
 };
 
-/* Displacement (m) and velocity (m/s) at a row of the table. The velocity is the difference of the rows after and
-   before over that of their times, and 0 at the first and the last row. */
-static void Row(const struct _p_Motion *m, PetscInt k, PetscReal displacement[DIM], PetscReal rate[DIM])
+/* Displacement (m) and angle (rad) at a row of the table, and their rates (m/s, rad/s). The velocity is the difference
+   of the rows after and before over that of their times, and 0 at the first and the last row. */
+static void Row(const struct _p_Motion *m, PetscInt k, PetscReal move[MOVES], PetscReal rate[MOVES])
 {
-  const PetscReal *row = m->table + (DIM + 1) * k;
+  const PetscReal *row = m->table + TABLE_ROW * k, *before = row - TABLE_ROW, *after = row + TABLE_ROW;
 
-  for (PetscInt d = 0; d < DIM; d++) {
-    displacement[d] = row[1 + d];
-    rate[d] = k == 0 || k == m->rows - 1 ? 0 : (row[DIM + 2 + d] - row[d - DIM]) / (row[DIM + 1] - row[-(DIM + 1)]);
+  for (PetscInt d = 0; d < MOVES; d++) {
+    move[d] = row[1 + d];
+    rate[d] = k == 0 || k == m->rows - 1 ? 0 : (after[1 + d] - before[1 + d]) / (after[0] - before[0]);
   }
 }
 
-/* Adds the table's displacement (m) and velocity (m/s) at a time (s): a cubic Hermite curve between the rows. */
-static void AddTable(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
+/* The table's displacement (m) and angle (rad) at a time (s), and their rates: a cubic Hermite curve between the
+   rows. */
+static void Table(const struct _p_Motion *m, PetscReal time, PetscReal move[MOVES], PetscReal rate[MOVES])
 {
   PetscInt  k = 0, last = m->rows - 1;
-  PetscReal a[DIM], b[DIM], va[DIM], vb[DIM], length, u;
+  PetscReal a[MOVES], b[MOVES], va[MOVES], vb[MOVES], length, u;
 
+  for (PetscInt d = 0; d < MOVES; d++) move[d] = rate[d] = 0;
   if (m->rows == 0) return;
   while (last - k > 1) {
     const PetscInt middle = (k + last) / 2;
 
-    if (m->table[(DIM + 1) * middle] <= time)
+    if (m->table[TABLE_ROW * middle] <= time)
       k = middle;
     else
       last = middle;
   }
   Row(m, k, a, va);
   Row(m, k + 1, b, vb);
-  length = m->table[(DIM + 1) * (k + 1)] - m->table[(DIM + 1) * k];
-  u      = (time - m->table[(DIM + 1) * k]) / length;
+  length = m->table[TABLE_ROW * (k + 1)] - m->table[TABLE_ROW * k];
+  u      = (time - m->table[TABLE_ROW * k]) / length;
   if (u < 0 || u > 1) { /* before the first or after the last row */
-    for (PetscInt d = 0; d < DIM; d++) shift[d] += u < 0 ? a[d] : b[d];
+    for (PetscInt d = 0; d < MOVES; d++) move[d] = u < 0 ? a[d] : b[d];
     return;
   }
-  for (PetscInt d = 0; d < DIM; d++) {
+  for (PetscInt d = 0; d < MOVES; d++) {
     const PetscReal step = b[d] - a[d], cubic = length * (va[d] + vb[d]) - 2 * step,
                     square = 3 * step - length * (2 * va[d] + vb[d]);
 
-    shift[d] += a[d] + u * (length * va[d] + u * (square + u * cubic));
-    if (rate) rate[d] += va[d] + u * (2 * square + 3 * u * cubic) / length;
+    move[d] = a[d] + u * (length * va[d] + u * (square + u * cubic));
+    rate[d] = va[d] + u * (2 * square + 3 * u * cubic) / length;
   }
 }
 
-/* s (m) and, unless 'rate' is NULL, its derivative (m/s) at a time (s), for a prescribed motion. */
-static void Shift(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal rate[DIM])
+/* s (m) and R at a time (s), of a prescribed motion, and their rates (m/s, rad/s). */
+static void Prescribed(const struct _p_Motion *m, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM],
+                       PetscReal velocity[DIM], PetscReal spin[DIM])
 {
+  PetscReal move[MOVES], rate[MOVES], angle[DIM];
+
+  Table(m, time, move, rate);
   for (PetscInt d = 0; d < DIM; d++) {
-    shift[d] =
-      m->velocity[d] * time + m->amplitude[d] * (PetscSinReal(m->w * time + m->phase) - PetscSinReal(m->phase));
-    if (rate) rate[d] = m->velocity[d] + m->amplitude[d] * m->w * PetscCosReal(m->w * time + m->phase);
+    shift[d] = m->velocity[d] * time + move[d] +
+               m->amplitude[d] * (PetscSinReal(m->w * time + m->phase) - PetscSinReal(m->phase));
+    velocity[d] = m->velocity[d] + m->amplitude[d] * m->w * PetscCosReal(m->w * time + m->phase) + rate[d];
+    spin[d]     = m->rate[d] + m->axis[d] * rate[DIM];
+    angle[d]    = m->rate[d] * time + m->axis[d] * move[DIM]; /* one of both is 0 */
   }
-  AddTable(m, time, shift, rate);
+  RotationMatrix(angle, 1, turn);
 }
 
 /* s and R of a solid at a time (s). */
 static void Pose(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM])
 {
+  PetscReal velocity[DIM], spin[DIM];
+
   if (body->free)
     FreePose(body, time, shift, turn);
-  else {
-    Shift(body->motion, time, shift, NULL);
-    RotationMatrix(body->motion->rate, time, turn);
-  }
+  else
+    Prescribed(body->motion, time, shift, turn, velocity, spin);
 }
 
 /* y = c + R^T (x - c - s): the position at the time 0 of the point that is at x. */
@@ -123,9 +134,11 @@ const OptionRow MotionOptions[] = {
    "Point on the axis of the solid's rotation (m), which moves with the solid; for a solid with a mass the centre of "
    "mass, by default that of its shape",
    NULL, ROW_POINT, offsetof(struct _p_Motion, center_given)},
+  {"-rotation_axis", "Direction of the axis of the angles in -motion_file", NULL, ROW_AXIS,
+   offsetof(struct _p_Motion, axis)},
   {"-motion_file",
    "File of lines t,x,y or t,x,y,z: displacements of the solid (m) at increasing times (s), which a smooth curve "
-   "connects",
+   "connects; one number more is an angle (degrees) about -rotation_axis through -rotation_center",
    NULL, ROW_FILE, offsetof(struct _p_Motion, file)},
   {.name = NULL},
 };
@@ -161,7 +174,7 @@ enum {
 };
 
 /* Reads the numbers of a line. Returns their count, LINE_BAD or LINE_NAMES. */
-static int ReadLine(char line[], PetscReal number[DIM + 2])
+static int ReadLine(char line[], PetscReal number[TABLE_ROW + 1])
 {
   int       count = 0, others = 0;
   PetscBool named = PETSC_FALSE;
@@ -178,7 +191,7 @@ static int ReadLine(char line[], PetscReal number[DIM + 2])
       others++;
       continue;
     }
-    if (*end || !(PetscAbsReal(value) < NUMBER_MOST) || count == DIM + 2) return LINE_BAD;
+    if (*end || !(PetscAbsReal(value) < NUMBER_MOST) || count == TABLE_ROW + 1) return LINE_BAD;
     number[count++] = value;
   }
   return others == 0 ? count : named && count == 0 ? LINE_NAMES : LINE_BAD;
@@ -192,19 +205,20 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
   FILE          *file = NULL;
   struct stat    info;
   char           line[LINE_LENGTH];
-  PetscReal      before = -PETSC_MAX_REAL;
-  PetscBool      first  = PETSC_TRUE;
+  PetscReal      before  = -PETSC_MAX_REAL;
+  PetscBool      first   = PETSC_TRUE;
+  int            columns = 0;
 
   PetscFunctionBegin;
   *bad = -1;
   if (stat(m->file.path, &info) || !S_ISREG(info.st_mode) || !(file = fopen(m->file.path, "r")))
     PetscFunctionReturn(PETSC_SUCCESS);
   *bad = 0;
-  PetscCall(PetscSegBufferCreate((DIM + 1) * sizeof(PetscReal), 64, &rows));
+  PetscCall(PetscSegBufferCreate(TABLE_ROW * sizeof(PetscReal), 64, &rows));
   for (int n = 1; !*bad && fgets(line, sizeof(line), file); n++) {
     const PetscBool whole = (PetscBool)(strchr(line, '\n') || feof(file)); /* neither too long nor with a byte 0 */
     char           *text  = line;
-    PetscReal       number[DIM + 2] = {0}, *row;
+    PetscReal       number[TABLE_ROW + 1] = {0}, *row;
     int             count;
 
     if (n == 1 && !strncmp(text, BYTE_ORDER, strlen(BYTE_ORDER))) text += strlen(BYTE_ORDER);
@@ -216,10 +230,12 @@ static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
       continue;
     }
     first = PETSC_FALSE;
-    if (count != dim + 1 || number[0] <= before) *bad = n;
+    if (columns == 0) columns = count;
+    if (count != columns || count < dim + 1 || count > dim + 2 || number[0] <= before) *bad = n;
     before = number[0];
     PetscCall(PetscSegBufferGet(rows, 1, &row));
-    for (PetscInt k = 0; k <= DIM; k++) row[k] = number[k];
+    for (PetscInt k = 0; k <= DIM; k++) row[k] = k <= dim ? number[k] : 0;
+    row[TABLE_ROW - 1] = DEGREE * number[dim + 1];
     m->rows++;
   }
   (void)fclose(file);
@@ -235,7 +251,7 @@ static PetscErrorCode CheckTable(Body body)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k + 1 < m->rows; k++) {
-    const PetscReal *a = m->table + (DIM + 1) * k, *b = a + DIM + 1,
+    const PetscReal *a = m->table + TABLE_ROW * k, *b = a + TABLE_ROW,
                     step[DIM] = {b[1] - a[1], b[2] - a[2], b[3] - a[3]}, speed = Norm(step) / (b[0] - a[0]);
 
     PetscCheckUser(speed <= SPEED_MAX, body->domain->comm,
@@ -262,20 +278,21 @@ static PetscErrorCode ShareTable(Body body)
   PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(&m->rows, 1, MPIU_INT, 0, comm));
   PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read or is no regular file", body->prefix, m->file.path);
-  PetscCheckUser(bad == 0, comm,
-                 "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, and a later time than the line "
-                 "before; the first line may have the names of the columns",
-                 body->prefix, m->file.path, bad, (int)body->domain->dim + 1,
-                 body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
+  PetscCheckUser(
+    bad == 0, comm,
+    "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, or in all lines an angle more, and "
+    "a later time than the line before; the first line may have the names of the columns",
+    body->prefix, m->file.path, bad, (int)body->domain->dim + 1, body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
   PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file.path);
-  if (rank) PetscCall(PetscMalloc1((DIM + 1) * m->rows, &m->table));
-  PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)((DIM + 1) * m->rows), MPIU_REAL, 0, comm));
+  if (rank) PetscCall(PetscMalloc1(TABLE_ROW * m->rows, &m->table));
+  PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)(TABLE_ROW * m->rows), MPIU_REAL, 0, comm));
   for (PetscInt k = 0; k < m->rows; k++)
-    PetscCheckUser(!body->domain->rings || m->table[(DIM + 1) * k + 1] == 0, comm,
-                   "-%smotion_file %s: with -dimension axisymmetric a solid can move along the axis only, so x must be "
-                   "0",
+    PetscCheckUser(!body->domain->rings || (m->table[TABLE_ROW * k + 1] == 0 && m->table[TABLE_ROW * (k + 1) - 1] == 0),
+                   comm,
+                   "-%smotion_file %s: with -dimension axisymmetric a solid can move along the axis only, so x and "
+                   "the angle must be 0",
                    body->prefix, m->file.path);
-  m->file.checksum = HashBytes(HASH_START, m->table, (DIM + 1) * (size_t)m->rows * sizeof(*m->table));
+  m->file.checksum = HashBytes(HASH_START, m->table, TABLE_ROW * (size_t)m->rows * sizeof(*m->table));
   PetscCall(CheckTable(body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -301,7 +318,16 @@ PetscErrorCode MotionSetUp(Body body)
   PetscCall(PetscArraycpy(m->center, m->center_given, DIM));
   PetscCall(PetscOptionsHasName(NULL, body->prefix, "-rotation_center", &centered));
   PetscCall(RateCheck(domain, body->prefix, &m->rate_given, m->rate));
+  if (domain->dim == 2 || Norm(m->axis) == 0) {
+    m->axis[0] = m->axis[1] = 0;
+    m->axis[2]              = 1;
+  }
   PetscCall(ShareTable(body));
+  for (PetscInt k = 0; k < m->rows; k++)
+    PetscCheckUser(
+      Norm(m->rate) == 0 || m->table[TABLE_ROW * (k + 1) - 1] == 0, domain->comm,
+      "-%srotation_rate and angles in -%smotion_file cannot be used together: the table must have them all",
+      body->prefix, body->prefix);
   PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
   PetscCheckUser(!domain->rings || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0), domain->comm,
@@ -388,12 +414,11 @@ void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[
 
   for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
   if (!m) return;
-  for (PetscInt d = 0; d < DIM; d++) rate[d] = m->rate[d];
   if (solid->free) {
     FreePose(solid, time, shift, turn);
     FreeVelocity(solid, v, rate);
   } else
-    Shift(m, time, shift, v);
+    Prescribed(m, time, shift, turn, v, rate);
   for (PetscInt d = 0; d < DIM; d++) r[d] = x[d] - m->center[d] - shift[d];
   Cross(rate, r, turned);
   for (PetscInt d = 0; d < DIM; d++) v[d] += turned[d];
@@ -417,18 +442,18 @@ PetscReal SceneSolidTime(Scene scene)
   return scene->solid_time;
 }
 
-/* The largest speed (m/s) of the table, from samples. */
-static PetscReal TableSpeed(const struct _p_Motion *m)
+/* The largest speed (m/s) of the table with an arm (m), from samples. */
+static PetscReal TableSpeed(const struct _p_Motion *m, PetscReal arm)
 {
   PetscReal speed = 0;
 
   for (PetscInt k = 0; k < TABLE_SAMPLES * (m->rows - 1); k++) {
-    const PetscReal *row  = m->table + (DIM + 1) * (k / TABLE_SAMPLES);
-    const PetscReal  time = row[0] + (row[DIM + 1] - row[0]) * ((PetscReal)(k % TABLE_SAMPLES) + 0.5) / TABLE_SAMPLES;
-    PetscReal        shift[DIM] = {0, 0, 0}, rate[DIM] = {0, 0, 0};
+    const PetscReal *row  = m->table + TABLE_ROW * (k / TABLE_SAMPLES);
+    const PetscReal  time = row[0] + (row[TABLE_ROW] - row[0]) * ((PetscReal)(k % TABLE_SAMPLES) + 0.5) / TABLE_SAMPLES;
+    PetscReal        move[MOVES], rate[MOVES];
 
-    AddTable(m, time, shift, rate);
-    speed = PetscMax(speed, Norm(rate));
+    Table(m, time, move, rate);
+    speed = PetscMax(speed, Norm(rate) + (rate[DIM] != 0 ? PetscAbsReal(rate[DIM]) * arm : 0));
   }
   return speed;
 }
@@ -452,5 +477,5 @@ PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upp
     FreeVelocity(body, velocity, rate);
     return Norm(velocity) + TurningSpeed(rate, arm);
   }
-  return Norm(m->velocity) + m->w * Norm(m->amplitude) + TurningSpeed(m->rate, arm) + TableSpeed(m);
+  return Norm(m->velocity) + m->w * Norm(m->amplitude) + TurningSpeed(m->rate, arm) + TableSpeed(m, Norm(arm));
 }

@@ -71,10 +71,12 @@ static const OptionRow options[] = {
   {"-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part", NULL, ROW_BOOL,
    offsetof(struct _p_Scene, overlap)},
   {"-gravity", "Acceleration of gravity (m/s2)", NULL, ROW_DIRECTION, offsetof(struct _p_Scene, gravity)},
-  {"-gravity_amplitude", "Amplitude a of an oscillating part a sin(2 pi f t) of gravity (m/s2): a shaken tank", NULL,
-   ROW_DIRECTION, offsetof(struct _p_Scene, amplitude)},
+  {"-gravity_amplitude", "Amplitude a of an oscillating part a sin(2 pi f t + phase) of gravity (m/s2): a shaken tank",
+   NULL, ROW_DIRECTION, offsetof(struct _p_Scene, amplitude)},
   {"-gravity_frequency", "Frequency f of that oscillating part (Hz)", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Scene, angular_frequency)},
+  {"-gravity_phase", "Phase of that oscillating part (degrees); 90: the tank is at its turning point at the time 0",
+   "[-360, 360]", ROW_REAL, offsetof(struct _p_Scene, phase)},
   {"-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Scene, central_rate)},
   {"-frame_rotation_rate",
@@ -277,7 +279,8 @@ Body SceneBody(Scene scene, PetscInt index)
 void SceneSetTime(Scene scene, PetscReal time)
 {
   for (PetscInt d = 0; d < DIM; d++)
-    scene->shake[d] = scene->amplitude[d] * PetscSinReal(scene->angular_frequency * time);
+    scene->shake[d] =
+      scene->amplitude[d] * PetscSinReal(scene->angular_frequency * time + scene->phase * PETSC_PI / 180);
 }
 
 void SceneShaking(Scene scene, PetscReal shake[DIM])

@@ -5,6 +5,7 @@
 #include "scene.h"
 
 #define SCENE_NAME_LENGTH 64
+#define BODY_HOLES_MOST   16
 
 /* The head of the tables of shapes, velocity fields, viscosity models and types of bodies. Members may be NULL or 0. */
 typedef struct {
@@ -52,8 +53,10 @@ struct _p_Body {
   char                velocity_type[SCENE_NAME_LENGTH];
   const ShapeOps     *shape;
   const VelocityOps  *velocity;
-  void               *shape_data;    /* the shape's own struct, freed with PetscFree */
-  void               *velocity_data; /* as shape_data */
+  void               *shape_data; /* the shape's own struct, freed with PetscFree */
+  PetscInt            holes;
+  struct _p_Body     *hole[BODY_HOLES_MOST]; /* shapes that are cut out; they have a shape only */
+  void               *velocity_data;         /* as shape_data */
   char                viscosity_type[SCENE_NAME_LENGTH];
   const ViscosityOps *viscosity;      /* NULL of a solid */
   void               *viscosity_data; /* as shape_data */
@@ -89,7 +92,8 @@ struct _p_Scene {
   PetscInt      liquid[SCENE_MAX_BODIES];           /* 0 or 1, see SceneLiquid */
   PetscReal     gravity[DIM];                       /* m/s2 */
   PetscReal     central_rate;                       /* 1/s */
-  PetscReal     amplitude[DIM], angular_frequency;  /* of the oscillating part of gravity, m/s2, rad/s */
+  PetscReal     amplitude[DIM];                     /* of the oscillating part of gravity, m/s2 */
+  PetscReal     angular_frequency, phase;           /* of that part, rad/s, degrees */
   OptionNumbers frame_given;                        /* -frame_rotation_rate */
   PetscReal     frame_rate[DIM], frame_center[DIM]; /* rad/s, m */
   PetscReal     solid_time;                         /* of SceneMoveSolids, s */
@@ -181,8 +185,10 @@ void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
    Not collective. */
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
-/* RegionSetFromOptions - reads the shape of a region of -fine. Collective. */
+/* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole. Collective. ShapeDistance - signed
+   distance (m) of x (m) to the shape without its holes, at the time 0. Not collective. */
 PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices);
+PetscReal      ShapeDistance(Body body, const PetscReal x[DIM]);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);
 

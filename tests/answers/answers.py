@@ -45,6 +45,8 @@ REDUCED = (
      0.05),
     ("piston_from_below", POOL + "-solids p -p_shape cylinder -p_radius 1.2e-3 -p_height 2e-3 -p_center 0,0,-2e-3 "
      "-p_oscillation_amplitude 0,0,0.4e-3 -p_oscillation_frequency 100", "rings", None),
+    ("comes_back", POOL + "-solids p -p_shape sphere -p_radius 1e-3 -p_center 0,0,-1e-3 -p_oscillation_amplitude "
+     "0.3e-3,0,0 -p_oscillation_frequency 1000 -p_oscillation_phase -90", "across y: a half", None),
     ("piston_from_aside", POOL + "-solids p -p_shape sphere -p_radius 1e-3 -p_center 0,0,-1e-3 -p_velocity 0.1,0,0",
      "across y: a half", None),
     ("channel", POOL + "-box_y periodic -b_shape cylinder -b_axis y", "uniform along y: a plane", 0.05),

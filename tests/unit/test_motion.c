@@ -63,6 +63,38 @@ static PetscErrorCode TestTable(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A solid whose table has angles turns as one with a rate, where the rows are on a line: places, velocities. */
+static PetscErrorCode TestAngles(void)
+{
+  const char *const both[] = {MOVING " -s_rotation_center 0.1,0", SQUARE BALL
+                              "-a_radius 0.1 -a_center 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 "
+                              "-s_rotation_center 0.1,0 -s_rotation_rate 1.57079632679489662 -s_velocity 0,0.1"};
+  PetscReal         place[2][DIM], speed[2][DIM], error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(WriteTable("-2,0,-0.2,-180\n-1,0,-0.1,-90\n0,0,0,0\n1,0,0.1,90\n2,0,0.2,180\n"));
+  for (PetscInt k = 0; k < 2; k++) {
+    Domain domain;
+    Scene  scene;
+
+    PetscCall(Read(both[k], &domain, &scene));
+    place[k][0] = 0.3;
+    place[k][1] = 0.1;
+    place[k][2] = 0;
+    BodyMove(SceneSolid(scene, 0), 0, 0.6, place[k]);
+    BodyMotion(SceneSolid(scene, 0), 0.6, place[k], speed[k]);
+    CHECK(Norm(speed[k]) <= 1.02 * SceneSolidSpeed(scene), "speed_of_angles");
+    PetscCall(Free(&domain, &scene));
+  }
+  for (PetscInt d = 0; d < DIM; d++)
+    error += PetscAbsReal(place[0][d] - place[1][d]) + PetscAbsReal(speed[0][d] - speed[1][d]);
+  CHECK_CLOSE(error, 0, 1e-12, "angles_of_a_table");
+  PetscCall(Refused(MOVING " -s_rotation_rate 1", "cannot be used together", "refuse_angles_and_rate"));
+  PetscCall(WriteTable("0,0,0,0\n1,0,0.1\n"));
+  PetscCall(Refused(MOVING, "line 2", "refuse_a_line_without_angle"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What a table's file may begin with, and what not: no line of numbers is dropped. */
 static PetscErrorCode TestTableText(void)
 {
@@ -158,6 +190,7 @@ static PetscErrorCode TestMotion(void)
   PetscCall(Free(&domain, &scene));
   PetscCall(TestTable());
   PetscCall(TestTableText());
+  PetscCall(TestAngles());
   PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_velocity 0,0,1e300", "m/s are allowed", "refuse_speed"));
   PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_rotation_rate 0,0,1e9", "m/s are allowed",
                     "refuse_speed_of_a_turn"));

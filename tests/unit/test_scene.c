@@ -97,6 +97,10 @@ static PetscErrorCode TestShapes(void)
   PetscCall(CheckDistance(half, 0.4, -0.3, 0.5, 0.3, "half_space_up"));
   PetscCall(
     CheckDistance(SQUARE "-bodies a -a_shape half_space -a_normal -1,0", 0.4, -0.3, 0.5, -0.4, "half_space_2d"));
+  PetscCall(
+    CheckShape(CUBE BALL "-a_holes b,c -b_shape sphere -b_radius 0.2 -b_center 0.2,0,0 -c_lower 0.2,-2,-2", "holes"));
+  PetscCall(CheckDistance(CUBE BALL "-a_holes b -b_shape sphere -b_radius 0.2", 0.1, 0, 0, 0.1, "inside_a_hole"));
+  PetscCall(CheckDistance(CUBE BALL "-a_holes b -b_shape sphere -b_radius 0.2", 0, 0.25, 0, -0.05, "beside_a_hole"));
   PetscCall(CheckDistance(ellipsoid, 0, 0, 0, -0.2, "ellipsoid_center"));
   PetscCall(CheckDistance(ellipsoid, 1.8, 0, 0, 1, "ellipsoid_along_x"));
   PetscCall(CheckDistance(ellipsoid, 0, 0, -0.3, 0.1, "ellipsoid_along_z"));
@@ -380,6 +384,8 @@ static PetscErrorCode TestRefusals(void)
   PetscFunctionBegin;
   PetscCall(Refused(CUBE, "-bodies is missing", "refuse_no_body"));
   PetscCall(Refused(CUBE "-bodies a,a", "twice", "refuse_twice"));
+  PetscCall(Refused(CUBE BALL "-a_holes a", "cannot be a hole", "refuse_hole_of_itself"));
+  PetscCall(Refused(CUBE BALL "-a_holes b -b_upper -2,0,0", "-b_upper must be above", "refuse_hole_without_size"));
   PetscCall(Refused(CUBE "-bodies 2a", "'2a' is not a name", "refuse_name"));
   PetscCall(Refused(CUBE "-bodies box", "taken", "refuse_box_name"));
   PetscCall(Refused(CUBE "-bodies a -a_shape cone", "half_space, stl, thread, wave", "refuse_shape"));
