@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The Debian packages the program needs:  tests/packages.sh [build] [pictures] [browser] [film] [reference]
-# Without a word: build, pictures. As root, installs what is missing; otherwise prints the line to type and exits 1. Silent if nothing is missing.
+# Without a word: build, pictures. As root, installs what is missing; otherwise prints the line to type and exits 1.
+# Silent if nothing is missing.
 set -u
 build="gcc libc6-dev make pkg-config libopenmpi-dev petsc-dev slepc-dev libhdf5-mpi-dev libmetis-dev"
 pictures="python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"

@@ -30,8 +30,8 @@ DIGITS = 6  # of their values
 
 
 def table(head, rows):
-    """An HTML table; numbers to the right. Columns without a value are left out."""
-    full = [k for k in range(len(head)) if any(row[k] not in ("", "0.") for row in rows)]
+    """An HTML table; numbers to the right. Columns of zeros or without a value are left out."""
+    full = [k for k in range(len(head)) if any(row[k] not in ("", "0") for row in rows)]
     head, rows = [head[k] for k in full], [[row[k] for k in full] for row in rows]
 
     def cells(kind, row):
@@ -142,8 +142,8 @@ def viewer(run, arguments):
     return ('<h2>The liquid through time</h2>\n<div id="view"></div>\n<p class="bar"><button id="play">Play</button>'
             '<input id="moment" type="range" min="0" value="0"><span id="time"></span>'
             '<label>colour <select id="color"></select></label></p>\n<div id="scale"></div>\n'
-            f'<p class="small">Drag to {turn}, scroll to zoom. Between the {len(found["states"])} times the scene '
-            f'changes alike.</p>\n{part("states", found, [*VIEWER, *here("viewer.js")])}')
+            f'<p class="small">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
+            f'{len(found["states"])} times.</p>\n{part("states", found, [*VIEWER, *here("viewer.js")])}')
 
 
 def curves(series, dim):

@@ -3,6 +3,7 @@ import base64
 from types import SimpleNamespace
 
 import matplotlib
+import matplotlib.ticker
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
@@ -20,7 +21,9 @@ MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
 STRIP = 0.015  # thickness of walls in two dimensions over the box
 AZIMUTH, ELEVATION = 25, 25  # degrees, of the first view
 SEVERAL = 1.01  # ratio of spacings that are worth a colour
-COLORS = ("speed", "pressure", "size")
+UNITS = {"speed": "m/s", "pressure": "Pa", "size": "m"}
+COLORS = tuple(UNITS)
+TICKS = 5  # steps of a colour scale, at most
 
 
 def packed(array, kind):
@@ -63,6 +66,7 @@ def walls(run):
                 low, high = run.lower.copy(), run.upper.copy()
                 low[d] = high[d] = face[d]
                 if run.dim == 2:
+                    low[2] = high[2] = 0
                     high[d] += (2 * side - 1) * STRIP * (run.upper - run.lower)[:2].max()
                 u, v = (0, 1) if run.dim == 2 else [e for e in range(3) if e != d]
                 quad = np.array([low, low, high, high])
@@ -146,11 +150,12 @@ def colorings(run, seen, several):
             continue
         low, high = views.limits([SimpleNamespace(**{name: values})], name)
         si = run.spacing if name == "size" else 1
-        factor, unit = columns.prefixed(si * max(abs(low), abs(high)),
-                                        {"speed": "m/s", "pressure": "Pa", "size": "m"}[name])
+        factor, unit = columns.prefixed(si * max(abs(low), abs(high)), UNITS[name])
+        ticks = matplotlib.ticker.MaxNLocator(TICKS).tick_values(low * si * factor, high * si * factor)
         shades = matplotlib.colormaps[views.MAPS[name]](np.arange(SHADES + 1))[:, :3]
-        found.append({"name": name, "title": "spacing" if name == "size" else name, "unit": unit, "ends": (low, high),
-                      "low": low * si * factor, "high": high * si * factor, "map": packed(SHADES * shades, "u1")})
+        found.append({"name": name, "title": "spacing" if name == "size" else name, "unit": unit,
+                      "ends": (ticks[0] / si / factor, ticks[-1] / si / factor),
+                      "ticks": [f"{tick:.6g}" for tick in ticks], "map": packed(SHADES * shades, "u1")})
     return found
 
 

@@ -111,16 +111,16 @@
       }
       return;
     }
-    const map = numbers(coloring.map, Uint8Array), strip = document.createElement('div'), TICKS = 4;
+    const map = numbers(coloring.map, Uint8Array), strip = document.createElement('div');
     const stops = [0, 32, 64, 96, 128, 160, 192, 224, 255].map(k => `rgb(${map.subarray(3 * k, 3 * k + 3).join()})`);
     strip.style.background = `linear-gradient(to right, ${stops.join()})`;
     strip.className = 'strip';
     scale.appendChild(strip);
-    for (let k = 0; k <= TICKS; k++) {
-      const tick = document.createElement('span'), value = coloring.low + k / TICKS * (coloring.high - coloring.low);
-      tick.textContent = +value.toPrecision(3) + (k === TICKS ? ' ' + coloring.unit : '');
+    coloring.ticks.forEach((value, k, all) => {
+      const tick = document.createElement('span');
+      tick.textContent = k === all.length - 1 ? `${value} ${coloring.unit}` : value;
       scale.appendChild(tick);
-    }
+    });
   }
 
   function resize() {
@@ -145,7 +145,7 @@
   scene.add(new THREE.HemisphereLight(0xffffff, 0xa0b0c0, 0.95));
   const light = new THREE.DirectionalLight(0xffffff, 0.5);
   light.position.set(0.5, -1, 1.5);
-  scene.add(light, faint(data.walls, data.flat ? 0.8 : 0.18));
+  scene.add(light, faint(data.walls, data.flat ? 0.8 : 0.1));
   if (data.box) {
     const corners = data.box.map(corner => new THREE.Vector3(...unit(corner)));
     scene.add(new THREE.Box3Helper(new THREE.Box3(...corners), 0xbbbbbb));

@@ -129,7 +129,7 @@ def look(name, size, text):
     runs.check_within(found["colored"][0] / found["last"][0], 0.7, 1.1, f"{name}: liquid coloured by speed")
     ends = [float(tick.split()[0]) for tick in (found["scale"][0], found["scale"][-1])]
     unit = {"10 um": 1e-6, "1 mm": 1e-3, "10 m": 1}[name]
-    runs.check(ends[0] == 0 and 1 <= ends[1] * unit / size <= 1.2 and found["scale"][-1].endswith("m/s"),
+    runs.check(ends[0] == 0 and 1 <= ends[1] * unit / size <= 1.5 and found["scale"][-1].endswith("m/s"),
                f"{name}: scale", found["scale"])
     series = tables.read_series(folder)
     wanted = columns.chosen(series)
