@@ -133,9 +133,9 @@ def part(name, values, scripts):
     return f'<script id="{name}" type="application/json">{json.dumps(values)}</script>\n{script(scripts)}'
 
 
-def viewer(run, arguments):
+def through_time(run, arguments):
     """The part of the page with the liquid through time."""
-    found = states.states(run, arguments.states, arguments.triangles)
+    found = viewer.scene(run, arguments.states, arguments.triangles)
     if not found:
         return ""
     turn = "move" if found["flat"] else "turn"
@@ -205,7 +205,7 @@ def main():
     scene = [line for line in log[1:]
              if not line.startswith((" " * 4, "Output")) or line.startswith("    moves")]
     body = ("<h2>Scene</h2>\n" + liquids(log) + f"<pre>{html.escape(chr(10).join(scene))}</pre>\n"
-            + viewer(run, arguments) + pictures(arguments.folder, run.files) + curves(series, run.dim)
+            + through_time(run, arguments) + pictures(arguments.folder, run.files) + curves(series, run.dim)
             + "<h2>Where the energy went</h2>\n" + energy(whole) + "<h2>What it cost</h2>\n" + cost(series, log)
             + "<h2>Options</h2>\n" + options(arguments.folder)
             + f"<h2>How to cite</h2>\n<p>The program, isph {version[1]} (the isph authors), and Kuri, Yamaguchi, "
@@ -229,5 +229,5 @@ if __name__ == "__main__":
         import numpy as np
         import columns
         import run as data
-        import states
+        import viewer
         main()

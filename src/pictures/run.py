@@ -180,7 +180,7 @@ class Run:
         return points, solid
 
     def moments(self, times=None, count=6):
-        """The snapshots nearest to the times (s), or 'count' of them between which the scene changes by the same amount."""
+        """The snapshots nearest to the times (s), or 'count' of them with the same change of the scene between them."""
         if times is not None:
             return sorted({min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times})
         try:

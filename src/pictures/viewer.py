@@ -159,7 +159,7 @@ def colorings(run, seen, several):
     return found
 
 
-def states(run, count, most):
+def scene(run, count, most):
     """All that viewer.js draws; None if there is no liquid."""
     shapes, parts, seen, solids = Shapes(run), [], {name: [] for name in COLORS}, []
     bodies, coarser, last, several = len(run.names()), None, None, False
