@@ -125,7 +125,8 @@ install: isph
 	install -m 644 src/answers/*.py $(SHARE)/answers
 	install -m 644 options/*.opts $(SHARE)/options
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
-	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/viewer.js $(SHARE)/pictures
+	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/*.js $(SHARE)/pictures
+	install -m 644 -Dt $(SHARE)/pictures/uplot src/pictures/uplot/*
 	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
 	install -d "$$DESTDIR$$PREFIX"/share/man/man1 "$$DESTDIR$$PREFIX"/share/bash-completion/completions
 	$(PYTHON) options/manual.py > "$$DESTDIR$$PREFIX"/share/man/man1/isph.1

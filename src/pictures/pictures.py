@@ -14,7 +14,6 @@ Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a dis
 """
 import argparse
 import os
-import re
 import sys
 
 import tables
@@ -27,18 +26,14 @@ with tables.polite("pictures.py"):
     import matplotlib.pyplot as plt
     if __name__ == "__main__":
         with_display()
+    import columns
     import run as data
     import views
 
 COLUMNS = 3  # of panels; fewer if they are flat, more if they are tall
-SKIP = ("step", "wall_time", "rejected", "time")
-OF_RUNS = ("time_step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "volume",
-           "viscous_work", "tension_work", "outside_work")  # not of the flow: drawn with --curves all, or by name
-WORDS = {"lost": "left through open faces", "highest": "highest liquid", "outside_work": "work from outside"}
 INCH = 2.54  # cm
 WIDE = 12.0  # inches, for which figures are drawn
 LETTERS = 0.9  # inches, for title and numbers of a panel
-OF_STEPS = ("time_step", "iterations", "solver_error")  # values of the step before, of which the start has none
 
 
 def grid(count, width=4.0, height=3.0, columns=COLUMNS):
@@ -136,49 +131,19 @@ def scale_bar(panel, view):
     panel.text(x, y - 0.02 * views.PANEL[1], f"{length * unit:g} {name}{note}", fontsize=9)
 
 
-def columns_of(table, wanted):
-    """The columns of the series to draw, of those that change: those of the flow, or those with the wanted names."""
-    chosen = {}
-    for name, values in table.items():
-        values = np.array(values, dtype=float)
-        if name in OF_STEPS:
-            values[np.array(table["step"]) == 0] = np.nan  # no step yet
-        good = np.isfinite(values)
-        asked = name not in OF_RUNS if not wanted else "all" in wanted or any(name.startswith(w) for w in wanted)
-        if asked and name not in SKIP and good.sum() > 1 and np.ptp(values[good]) > 0:
-            chosen[name] = values
-    if wanted and not chosen:
-        raise tables.RunError(f"--curves {' '.join(wanted)}: no column of this name changes in the series; it has "
-                              + ", ".join(name for name in table if name not in SKIP))
-    return chosen
-
-
-def title(name, dim):
-    """Name and unit of a column: kinetic_energy (J), height_1_m, force_xmin_x_N/m."""
-    unit = tables.UNITS.get(name)
-    if unit:
-        unit = {"J": "J/m", "m3": "m2"}.get(unit, unit) if dim == 2 else unit
-    elif re.search(r"_(m|m/s|Pa|N|N/m|m2|m3|J|J/m|kg|rad|rad/s)$", name):
-        name, _, unit = name.rpartition("_")
-    return WORDS.get(name, name.replace("_", " ")), unit
-
-
 def curves(run, folder, arguments):
     """A panel for each column."""
     table = tables.read_series(run.folder)
     time = np.array(table["time"])
-    chosen = columns_of(table, arguments.curves)
+    chosen = columns.chosen(table, arguments.curves)
     if not chosen:
         return
     figure, axes = grid(len(chosen), height=2.2)
-    factor, unit = next(((f, u) for f, u in ((1, "s"), (1e3, "ms"), (1e6, "µs")) if np.abs(time).max() * f >= 1),
-                        (1e6, "µs"))
+    factor, unit = columns.prefixed(np.abs(time).max(), "s")
     for panel, (name, values) in zip(axes, chosen.items()):
-        words, unit_of = title(name, run.dim)
-        if unit_of == "m":
-            scale, unit_of = data.scale(np.nanmax(np.abs(values)))
-            values = scale * values
-        panel.plot(factor * time, values, color=views.BODY_COLORS[0], lw=1.3)
+        words, unit_of = columns.title(name, run.dim)
+        scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
+        panel.plot(factor * time, scale * values, color=views.BODY_COLORS[0], lw=1.3)
         panel.set_title(words + (f" ({unit_of})" if unit_of else ""), fontsize=9)
         panel.set_xlabel(f"time ({unit})", fontsize=9)
         panel.tick_params(labelsize=8)

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 """One page that shows a run: report.html in its folder, which needs no other file.
 
-    report.py RUN_FOLDER [--states 25] [--triangles 40000]          make report RUN=...
+    report.py RUN_FOLDER [--states 25] [--triangles 20000]          make report RUN=...
 
-It has scene and liquids, dimensionless numbers, the surface in three dimensions to turn and play, pictures, curves, the
-energy budget, the cost of the run, its options, and how to cite. The pictures are those of figures/; missing pictures
-are drawn first. --triangles: most triangles of the surface at a time.
+It has scene, liquids, walls, dimensionless numbers, the liquid through time to turn and play, pictures, curves to point
+at, the energy budget, the cost of the run, its options, and how to cite. The pictures are those of figures/; missing
+pictures are drawn first. --triangles: most triangles of the surface at a time, in two dimensions most particles.
 """
 import argparse
 import base64
@@ -21,17 +21,19 @@ import tables
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 THREE = "/usr/share/javascript/three"
-LIBRARY = ("three.min.js", "examples/js/controls/OrbitControls.js")
+VIEWER = [os.path.join(THREE, name) for name in ("three.min.js", "examples/js/controls/OrbitControls.js")]
 PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and jet beside the reference"),
-            ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"),
-            ("curves.png", "Curves"))
+            ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"))
 NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge"}
-STEPS = 65535  # of a 16-bit coordinate
-COARSEST = 2  # largest cells of the surface over those of a picture
+LINES = 2000  # most of the series that the curves have
+DIGITS = 6  # of their values
 
 
 def table(head, rows):
-    """An HTML table; numbers to the right."""
+    """An HTML table; numbers to the right. Columns of zeros or without a value are left out."""
+    full = [k for k in range(len(head)) if any(row[k] not in ("", "0") for row in rows)]
+    head, rows = [head[k] for k in full], [[row[k] for k in full] for row in rows]
+
     def cells(kind, row):
         return "".join(f'<{kind}{" class=n" if k else ""}>{html.escape(str(cell))}</{kind}>'
                        for k, cell in enumerate(row))
@@ -71,15 +73,24 @@ def liquids(log):
     if numbers:
         heads = [f"{NUMBERS[name]} {name}" for name in names]
         text += "<p></p>" + table(["body", "least extent, m", "in spacings", *heads], numbers)
-    return text
+    sides = walls(log)
+    return text + ("<p></p>" + table(["wall or solid", "kind", "contact angle, degrees"], sides) if sides else "")
 
 
-def scaled(value, unit):
-    """A value with an SI prefix."""
-    for factor, prefix in ((1, ""), (1e3, "m"), (1e6, "µ"), (1e9, "n")):
-        if abs(value) * factor >= 1:
-            return f"{value * factor:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"
+def walls(log):
+    """Rows of the walls of the box and of the solids: name, shape, contact angle if it has one."""
+    found = {}
+    for line in log:
+        face = re.match(r"  ([xyz]): .* m, (\w+) to (\w+), ", line)
+        solid = re.match(r"  solid +(\w+): (\w+)", line)
+        if face:
+            found.update({face[1] + end: "wall" for end, kind in zip(("min", "max"), face.groups()[1:])
+                          if kind == "wall"})
+        elif solid:
+            found[solid[1]] = solid[2]
+    angles = next((line.partition(":")[2] for line in log if line.startswith("Contact angles in degrees:")), "")
+    angles = dict(part.split(maxsplit=1) for part in angles.split(",") if part)
+    return [[name, kind, angles.get(name, "")] for name, kind in found.items()]
 
 
 def energy(log):
@@ -104,91 +115,65 @@ def cost(series, log):
     return f"<p>{text}.</p>"
 
 
-def packed(array, kind):
-    return base64.b64encode(np.ascontiguousarray(array, kind).tobytes()).decode()
+def script(paths):
+    """Scripts as parts of the page."""
+    text = ""
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            text += f"<script>{file.read()}</script>\n"
+    return text
 
 
-def thin(points, cells, most):
-    """The mesh with at most so many triangles."""
-    if len(cells) <= most or not len(cells):
-        return points, cells
-    mesh = vtkPolyData()
-    corners = vtkPoints()
-    corners.SetData(numpy_to_vtk(points, deep=True))
-    mesh.SetPoints(corners)
-    polygons = vtkCellArray()
-    polygons.SetCells(len(cells), numpy_to_vtkIdTypeArray(
-        np.column_stack([np.full(len(cells), 3), cells]).ravel().astype(np.int64), deep=True))
-    mesh.SetPolys(polygons)
-    fewer = vtkQuadricDecimation()
-    fewer.SetInputData(mesh)
-    fewer.SetTargetReduction(1 - most / len(cells))
-    fewer.Update()
-    out = fewer.GetOutput()
-    return (vtk_to_numpy(out.GetPoints().GetData()).astype(float),
-            vtk_to_numpy(out.GetPolys().GetData()).reshape(-1, 4)[:, 1:])
+def here(*names):
+    return [os.path.join(HERE, name) for name in names]
 
 
-def surfaces(run, count, most):
-    """The data of viewer.js: the surface at each time, coloured by body."""
-    span = run.upper - run.lower
-    data = {"lower": list(run.lower), "step": list(span / STEPS), "states": [],
-            "box": [list(run.lower), list(run.upper)]}
-    top, coarser = run.lower[2], None
-    for _, path in run.moments(count=count):
-        state = run.read(path)
-        share = views.value_table(state, "body", len(run.names()))
-        if coarser is None:  # so that few triangles must be removed
-            ratio = len(views.Fluid(run, state.points, share, state.share, state.size).mesh()[2]) / most
-            coarser = min(max(ratio if run.rings else math.sqrt(ratio), 1), COARSEST)
-        fluid = views.Fluid(run, state.points, share, state.share, state.size, coarser)
-        points, _, cells, _ = fluid.mesh()
-        points, cells = thin(np.asarray(points, float), np.asarray(cells), most)
-        if not len(cells):
-            continue
-        rgb = views.base_colors(fluid.values(points), "body", None, None)
-        places = np.clip((points - run.lower) / span, 0, 1) * STEPS
-        wide = len(points) > STEPS
-        data["states"].append({"time": moment(state.time), "points": packed(np.rint(places), "<u2"), "wide": wide,
-                               "colors": packed(np.rint(255 * np.clip(rgb, 0, 1)), "u1"),
-                               "cells": packed(cells, "<u4" if wide else "<u2")})
-        top = max(top, np.quantile(points[:, 2], 0.99))
-    middle = 0.5 * (run.lower + run.upper)
-    reach = max(*span[:2], top - run.lower[2])
-    data["focus"] = [middle[0], middle[1], 0.5 * (run.lower[2] + top)]
-    data["eye"] = [middle[0] + 0.7 * reach, middle[1] - 1.9 * reach, data["focus"][2] + 1.0 * reach]
-    return data
+def part(name, values, scripts):
+    """Data of the page and the scripts that read them."""
+    return f'<script id="{name}" type="application/json">{json.dumps(values)}</script>\n{script(scripts)}'
 
 
-def moment(seconds):
-    return scaled(seconds, "s") if seconds else "0 s"
-
-
-def viewer(run, arguments):
-    """The part of the page with the surface; empty in two dimensions."""
-    if run.dim != 3:
+def through_time(run, arguments):
+    """The part of the page with the liquid through time."""
+    found = viewer.scene(run, arguments.states, arguments.triangles)
+    if not found:
         return ""
-    data = surfaces(run, arguments.states, arguments.triangles)
-    if not data["states"]:
+    turn = "move" if found["flat"] else "turn"
+    return ('<h2>The liquid through time</h2>\n<div id="view"></div>\n<p class="bar"><button id="play">Play</button>'
+            '<input id="moment" type="range" min="0" value="0"><span id="time"></span>'
+            '<label>colour <select id="color"></select></label></p>\n<div id="scale"></div>\n'
+            f'<p class="small">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
+            f'{len(found["states"])} times.</p>\n{part("states", found, [*VIEWER, *here("viewer.js")])}')
+
+
+def curves(series, dim):
+    """The part of the page with the curves; empty if nothing changes."""
+    every = -(-len(series["time"]) // LINES)
+    factor, unit = columns.prefixed(max(map(abs, series["time"])), "s")
+
+    def thinned(values, scale):
+        return [float(f"{scale * value:.{DIGITS}g}") if math.isfinite(value) else None for value in values[::every]]
+
+    found = []
+    for name, values in columns.chosen(series).items():
+        words, unit_of = columns.title(name, dim)
+        scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
+        found.append({"title": words, "unit": unit_of or "", "values": thinned(values, scale)})
+    if not found:
         return ""
-    scripts = []
-    for name in LIBRARY:
-        with open(os.path.join(THREE, name), encoding="utf-8") as file:
-            scripts.append(file.read())
-    with open(os.path.join(HERE, "viewer.js"), encoding="utf-8") as file:
-        scripts.append(file.read())
-    code = "\n".join(f"<script>{script}</script>" for script in scripts)
-    return ('<h2>The surface through time</h2>\n<div id="view"></div>\n<p class="bar"><button id="play">Play</button>'
-            '<input id="moment" type="range" min="0" value="0"><span id="time"></span></p>\n<p class="small">Drag to '
-            'turn, scroll to zoom.</p>\n<script id="surfaces" type="application/json">'
-            f"{json.dumps(data)}</script>\n{code}\n")
+    values = {"time": thinned(series["time"], factor), "unit": unit, "factor": factor, "curves": found}
+    with open(here("uplot/uPlot.min.css")[0], encoding="utf-8") as style, \
+            open(here("uplot/LICENSE")[0], encoding="utf-8") as licence:
+        head = f"<!-- uPlot:\n{licence.read()}-->\n<style>{style.read()}</style>\n"
+    return ('<h2>Curves</h2>\n<p class="small">Point at a time to read all values; click to see the liquid then.</p>\n'
+            f'{head}<div id="curves"></div>\n{part("series", values, here("uplot/uPlot.iife.min.js", "curves.js"))}')
 
 
 def pictures(folder, files):
     """The pictures as parts of the page; draws them first if the last snapshot is newer."""
     figures = os.path.join(folder, "figures")
-    curves = os.path.join(figures, "curves.png")
-    if not os.path.exists(curves) or os.path.getmtime(curves) < os.path.getmtime(files[-1][1]):
+    drawn = os.path.join(figures, "section.png")
+    if not os.path.exists(drawn) or os.path.getmtime(drawn) < os.path.getmtime(files[-1][1]):
         subprocess.run([sys.executable, os.path.join(HERE, "pictures.py"), folder], check=True)
     text = ""
     for name, title in PICTURES:
@@ -208,27 +193,28 @@ def options(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
-    parser.add_argument("--states", type=int, default=25, help="number of times of the surface (25)")
-    parser.add_argument("--triangles", type=int, default=40000, help="most triangles of the surface at a time (40000)")
+    parser.add_argument("--states", type=int, default=25, help="number of times of the liquid (25)")
+    parser.add_argument("--triangles", type=int, default=20000,
+                        help="most triangles of the surface, or particles, at a time (20000)")
     arguments = parser.parse_args()
-    if not os.path.exists(os.path.join(THREE, LIBRARY[0])):
-        raise tables.RunError("the view in three dimensions needs three.js: apt-get install libjs-three")
+    if not os.path.exists(VIEWER[0]):
+        raise tables.RunError("the view of the liquid needs three.js: apt-get install libjs-three")
     run, (whole, log) = data.Run(arguments.folder), read_log(arguments.folder)
     series = tables.read_series(arguments.folder)
     version = re.match(r"=== isph (\S+), (\S+)", log[0])
     scene = [line for line in log[1:]
              if not line.startswith((" " * 4, "Output")) or line.startswith("    moves")]
     body = ("<h2>Scene</h2>\n" + liquids(log) + f"<pre>{html.escape(chr(10).join(scene))}</pre>\n"
-            + viewer(run, arguments) + pictures(arguments.folder, run.files)
+            + through_time(run, arguments) + pictures(arguments.folder, run.files) + curves(series, run.dim)
             + "<h2>Where the energy went</h2>\n" + energy(whole) + "<h2>What it cost</h2>\n" + cost(series, log)
             + "<h2>Options</h2>\n" + options(arguments.folder)
             + f"<h2>How to cite</h2>\n<p>The program, isph {version[1]} (the isph authors), and Kuri, Yamaguchi, "
             "Kagawa, Nakajima, Fujimura: <i>Simulations of Droplet Impact onto a Liquid Surface Using Incompressible "
-            "Smoothed Particle Hydrodynamics Method</i>, 2014. The view uses three.js (MIT licence).</p>\n")
+            "Smoothed Particle Hydrodynamics Method</i>, 2014. The page uses three.js and uPlot (MIT licences).</p>\n")
     with open(os.path.join(HERE, "report.html"), encoding="utf-8") as file:
         page = file.read()
     name = os.path.basename(os.path.abspath(arguments.folder))
-    ends = f"from {moment(series['time'][0])} to {moment(series['time'][-1])}"
+    ends = f"from {data.duration(series['time'][0])} to {data.duration(series['time'][-1])}"
     for key, value in (("title", html.escape(name)), ("subtitle", f"isph {version[1]}, {version[2]}; {ends}"),
                        ("body", body)):
         page = page.replace("{{" + key + "}}", value)
@@ -241,10 +227,7 @@ def main():
 if __name__ == "__main__":
     with tables.polite("report.py"):
         import numpy as np
+        import columns
         import run as data
-        import views
-        from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkPoints
-        from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-        from vtkmodules.vtkFiltersCore import vtkQuadricDecimation
+        import viewer
         main()

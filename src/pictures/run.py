@@ -5,6 +5,7 @@ import os
 import h5py
 import numpy as np
 
+import columns
 import tables
 from tables import RunError
 
@@ -15,6 +16,7 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
+FIELD_OF = {"speed": "velocity", "pressure": "pressure", "size": "volume"}  # of the snapshots, for each colour
 SOLID = -2  # INT_BODY of particles of the first of -solids; -3 is the second, and so on
 
 
@@ -178,18 +180,29 @@ class Run:
         return points, solid
 
     def moments(self, times=None, count=6):
-        """The snapshots nearest to the times (s), or 'count' of them spread over the run."""
-        if times is None:
-            first, last = self.files[0][0], self.files[-1][0]
-            times = [first + (last - first) * k / (count - 1) for k in range(count)] if count > 1 else [last]
-        nearest = [min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times]
-        return sorted(set(nearest))
+        """The snapshots nearest to the times (s), or 'count' of them with the same change of the scene between them."""
+        if times is not None:
+            return sorted({min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times})
+        try:
+            table = tables.read_series(self.folder)
+        except RunError:
+            table = {}
+        done = columns.progress(table, [time for time, _ in self.files])
+        count, last = min(count, len(done)), -1
+        found = []
+        for k, wanted in enumerate(np.linspace(0, 1, count) if count > 1 else [1]):
+            last = int(np.clip(np.abs(done - wanted).argmin(), last + 1, len(done) - count + k))
+            found.append(self.files[last])
+        return found
+
+    def has(self, color):
+        """Whether the snapshots have the field for this colour."""
+        return color == "body" or FIELD_OF[color] in self.fields
 
     def need(self, color):
         """Refuses to colour by a field that the snapshots lack."""
-        field = {"speed": "velocity", "size": "volume"}.get(color, color)
-        if field != "body" and field not in self.fields:
-            raise RunError(f"the snapshots of {self.folder} have no {field} (-snapshot_fields).")
+        if not self.has(color):
+            raise RunError(f"the snapshots of {self.folder} have no {FIELD_OF[color]} (-snapshot_fields).")
 
     def names(self):
         """Names of the bodies for the legend."""
@@ -198,15 +211,13 @@ class Run:
 
 def duration(seconds):
     """A time as text, with its unit."""
-    for factor, unit in ((1, "s"), (1e3, "ms"), (1e6, "µs")):
-        if abs(seconds) * factor >= 1:
-            return f"{seconds * factor:.3g} {unit}"
-    return f"{seconds * 1e6:.3g} µs" if seconds else "0 s"
+    factor, unit = columns.prefixed(seconds, "s")
+    return f"{seconds * factor:.3g} {unit}"
 
 
 def scale(length):
     """Factor and unit with which a length (m) is a handy number."""
-    return (1e6, "µm") if length < 1e-3 else (1e3, "mm") if length < 1 else (1, "m")
+    return columns.prefixed(length, "m")
 
 
 def bar(width):

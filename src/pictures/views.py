@@ -98,7 +98,8 @@ class Fluid:
             for side, beyond in ((0, nodes < run.lower[axis] - 0.5 * self.cell),
                                  (1, nodes > run.upper[axis] + 0.5 * self.cell)):
                 if run.faces[axis][side] != "open":
-                    np.moveaxis(self.fraction, d, 0)[beyond] = 0
+                    for field in (self.fraction, *self.moment):
+                        np.moveaxis(field, d, 0)[beyond] = 0
 
     def places(self, points):
         return (surface.in_plane(points, self.axes) - self.origin) / self.cell

@@ -231,8 +231,8 @@ def coating():
             runs.check(file.read(5).startswith(start), f"figures as {name[-3:]}")
     with open(os.path.join(coat, "figures", "curves.svg"), encoding="utf-8") as file:
         drawn = file.read()  # the text of a title stands in a comment beside its outlines
-        runs.check("<!-- kinetic energy (J/m)" in drawn and "<!-- time (ms)" in drawn and "<!-- potential" not in drawn,
-                   "curves that were asked for", re.findall("<!-- .* -->", drawn)[:20])
+        asked = "<!-- kinetic energy (µJ/m)" in drawn and "<!-- time (ms)" in drawn and "<!-- potential" not in drawn
+        runs.check(asked, "curves that were asked for", re.findall("<!-- .* -->", drawn)[:20])
     recipe = "".join(line[4:] for line in next(b for b in blocks if "import csv" in b).splitlines(True))
     done = subprocess.run([sys.executable, "-c", recipe.replace("output/coat", coat)], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, check=False)

@@ -9,10 +9,12 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
+import columns  # noqa: E402
 import pictures  # noqa: E402
 import report  # noqa: E402
 import run as data  # noqa: E402
 import tables  # noqa: E402
+import viewer  # noqa: E402
 import views  # noqa: E402
 
 D0 = 0.01  # m, the spacing
@@ -79,7 +81,7 @@ runs.check(not wrong, "units_of_columns", wrong)
 for name, dim, wanted in (("kinetic_energy", 2, ("kinetic energy", "J/m")), ("volume", 2, ("volume", "m2")),
                           ("kinetic_energy", 3, ("kinetic energy", "J")), ("highest", 3, ("highest liquid", "m")),
                           ("force_xmin_x_N/m", 2, ("force xmin x", "N/m")), ("height_1_m", 2, ("height 1", "m"))):
-    runs.check(pictures.title(name, dim) == wanted, f"title_of_{name}_{dim}", pictures.title(name, dim))
+    runs.check(columns.title(name, dim) == wanted, f"title_of_{name}_{dim}", columns.title(name, dim))
 
 # a run in space behind a mirror at x = 0.1, with a solid that has moved and one that stays
 STILL, START, THERE = (0.35, 0.1, 0.02), (0.3, 0.1, 0.25), (0.3, 0.1, 0.15)
@@ -132,6 +134,23 @@ runs.check(same(points[4:], extra) and sorted(number[4:]) == [2, 3], "images_for
 points, _ = views.images(run, np.array([(0.39, 0.1, 0.01)]), [np.arange(1)], 0.02)
 extra = [(0.41, 0.1, 0.01), (0.39, 0.1, -0.01), (0.41, 0.1, -0.01)]
 runs.check(same(points[1:], extra), "images_in_walls", points.tolist())
+
+# a value that is the same everywhere is so on the surface, at the floor and at a mirror too
+places = np.stack(np.meshgrid(*[D0 * (np.arange(8) + 0.5)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) + [0.1, 0, 0]
+one = np.ones(len(places))
+fluid = views.Fluid(run, places, 7 * one[:, None], one, one)
+values = fluid.values(fluid.mesh()[0])
+runs.check_within(values.min(), 6.9, 7, "least_value_on_the_surface")
+runs.check_within(values.max(), 7, 7.1, "greatest_value_on_the_surface")
+
+# colour scales of the page: round numbers, lengths for sizes; none of what does not vary
+seen = {"speed": [np.array([0, 0.31])], "pressure": [np.zeros(2)], "size": [np.array([1, 2.0])]}
+scales = viewer.colorings(run, seen, True)
+told = [(c["title"], c["unit"], c["ticks"][0], c["ticks"][-1]) for c in scales]
+runs.check(told == [("speed", "mm/s", "0", "320"), ("spacing", "mm", "10", "20")], "colour_scales", told)
+close([c["ends"] for c in scales], [(0, 0.32), (1, 2)], "ends_of_colour_scales")
+told = [c["title"] for c in viewer.colorings(run, seen, False)]
+runs.check(told == ["speed"], "one_size_has_no_scale", told)
 
 # views: from the front, a little to the right and from above; all liquid is in the picture
 block = np.stack(np.meshgrid([-0.1, 0.3], [0.02, 0.18], [0.01, 0.2], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -189,6 +208,23 @@ if "jet height (mm)" in panels:
     close(panels["jet height (mm)"].get_xdata(), (0, 10, 40), "curve_over_ms")
 label = FIGURES["curves"].axes[-1].get_xlabel()
 runs.check(label == "time (ms)", "time_of_curves", label)
+
+# moments between which the scene changes alike: nothing but the time passes until 6, then a height rises
+changes = {"time": [0, 6, 10], "step": [0, 1, 2], "highest": [1, 1, 3], "volume": [1, 2, 3], "height_1_m": [5] * 3}
+close(columns.progress(changes, [0, 6, 8, 10]), (0, 0.3, 0.65, 1), "half_of_the_change_is_the_height's")
+runs.check(list(columns.chosen(changes)) == ["highest"], "no_curve_of_a_constant", list(columns.chosen(changes)))
+run.files = [(time, "") for time in range(11)]
+with open(os.path.join(run.folder, "series.csv"), "w", encoding="utf-8") as file:
+    file.write("time_s,step,highest_m\n0,0,1\n6,1,1\n10,2,3\n")
+close([time for time, _ in run.moments(count=4)], (0, 6, 8, 10), "moments_of_equal_change")
+close([time for time, _ in run.moments(count=99)], range(11), "no_moment_twice")
+
+# the report: the walls and solids with their contact angles
+LOG = ["  x: 0. to 1 m, wall to open, 8 cells of 1 m", "  y: 0. to 1 m, open to wall, 8 cells of 1 m",
+       "  solid   ball: sphere within 0., 0., 0. to 1, 1, 1 m", "  solid   peg: box within 0., 0., 0. to 1, 1, 1 m",
+       "Contact angles in degrees: xmin 50 to 70, ymax 90, ball 60"]
+SIDES = [["xmin", "wall", "50 to 70"], ["ymax", "wall", "90"], ["ball", "sphere", "60"], ["peg", "box", ""]]
+runs.check(report.walls(LOG) == SIDES, "contact_angles", report.walls(LOG))
 
 # the report: the log's budget as it stands, and the cost, 8 s of 2 processes for 20 steps of 100 particles
 BUDGET = ["Error budget of the run", "  energy: 3 < 4 J", "  dominant: the tolerance"]

@@ -8,7 +8,8 @@
     tests: unit/test_pressure, unit/test_neighbors on 2, verify/couette-printed, input/bad_input.py
     survives: if no test sees it: why (an equivalent mutant, or a gap)
 
-A file is a source of the program, or a Python program of src/pictures, tests/tradeoff or tests/verify.
+A file is a source of the program, a Python program of src/pictures, tests/tradeoff or tests/verify, or a script of the
+report's page.
 Tests are parts of `make test`: unit programs, on some ranks if it says so; scripts; entries of tests/verify/cases.py of
 size test by their id. They run in this order until one fails."""
 import configparser
@@ -26,7 +27,7 @@ import run  # noqa: E402
 
 KEYS = {"file", "was", "is", "bug", "tests"}
 VERIFY = "verify/"
-PLACES = re.compile(r"src/\w+/\w+\.[ch]$|(src/pictures|tests/tradeoff|tests/verify)/\w+\.py$")
+PLACES = re.compile(r"src/\w+/\w+\.[ch]$|src/pictures/\w+\.js$|(src/pictures|tests/tradeoff|tests/verify)/\w+\.py$")
 
 
 class Mutant(NamedTuple):
@@ -85,6 +86,6 @@ def mistakes(mutants):
         if count != 1:
             lines.append(f"{m.name}: its text stands in {m.file} {count} times, not once: mend the edit")
         if m.was == m.becomes or not PLACES.match(m.file):
-            lines.append(f"{m.name}: it must change a source of the program or a Python program")
+            lines.append(f"{m.name}: it must change a source of the program, a Python program or a script of the page")
         lines += [f"{m.name}: {test} is no part of make test" for test in m.tests if not exists(test)]
     return lines

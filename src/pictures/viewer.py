@@ -1,0 +1,218 @@
+"""The data of viewer.js: the liquid, its colours, walls and solids at several times, as numbers of one or two bytes."""
+import base64
+from types import SimpleNamespace
+
+import matplotlib
+import matplotlib.ticker
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkQuadricDecimation
+
+import columns
+import run as data
+import surface
+import views
+
+STEPS, SHADES = 65535, 255  # of a 16-bit coordinate, of an 8-bit value
+COARSEST = 2  # largest cells of the surface over those of a picture
+MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
+STRIP = 0.015  # thickness of walls in two dimensions over the box
+AZIMUTH, ELEVATION = 25, 25  # degrees, of the first view
+SEVERAL = 1.01  # ratio of spacings that are worth a colour
+UNITS = {"speed": "m/s", "pressure": "Pa", "size": "m"}
+COLORS = tuple(UNITS)
+TICKS = 5  # steps of a colour scale, at most
+
+
+def packed(array, kind):
+    return base64.b64encode(np.ascontiguousarray(array, kind).tobytes()).decode()
+
+
+def thin(points, cells, most):
+    """The mesh with at most so many triangles."""
+    if len(cells) <= most or not len(cells):
+        return points, cells
+    mesh = vtkPolyData()
+    corners = vtkPoints()
+    corners.SetData(numpy_to_vtk(points, deep=True))
+    mesh.SetPoints(corners)
+    polygons = vtkCellArray()
+    polygons.SetCells(len(cells), numpy_to_vtkIdTypeArray(
+        np.column_stack([np.full(len(cells), 3), cells]).ravel().astype(np.int64), deep=True))
+    mesh.SetPolys(polygons)
+    fewer = vtkQuadricDecimation()
+    fewer.SetInputData(mesh)
+    fewer.SetTargetReduction(1 - most / len(cells))
+    fewer.Update()
+    out = fewer.GetOutput()
+    return (vtk_to_numpy(out.GetPoints().GetData()).astype(float),
+            vtk_to_numpy(out.GetPolys().GetData()).reshape(-1, 4)[:, 1:])
+
+
+def walls(run):
+    """The faces that are walls, as quadrilaterals [n][4][3]: in two dimensions strips outside the box, around rings
+    discs and a cylinder."""
+    found = []
+    turn = np.linspace(0, 2 * np.pi, surface.AROUND // 4 + 1)
+    rim = run.upper[0] * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    for d in range(run.dim):
+        for side, face in enumerate((run.lower, run.upper)):
+            if run.faces[d][side] != "wall":
+                continue
+            along = np.eye(3)[d]
+            if not run.rings:
+                low, high = run.lower.copy(), run.upper.copy()
+                low[d] = high[d] = face[d]
+                if run.dim == 2:
+                    low[2] = high[2] = 0
+                    high[d] += (2 * side - 1) * STRIP * (run.upper - run.lower)[:2].max()
+                u, v = (0, 1) if run.dim == 2 else [e for e in range(3) if e != d]
+                quad = np.array([low, low, high, high])
+                quad[1, u], quad[3, u] = high[u], low[u]
+                quad[[0, 1], v], quad[[2, 3], v] = low[v], high[v]
+                found.append(quad[None])
+            elif d == 2:
+                ring = rim + face[2] * along
+                middle = np.broadcast_to(face[2] * along, ring[1:].shape)
+                found.append(np.stack([middle, ring[:-1], ring[1:], middle], axis=1))
+            elif d == side == 0:
+                low, high = rim + [0, 0, run.lower[2]], rim + [0, 0, run.upper[2]]
+                found.append(np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1))
+    return np.concatenate(found) if found else np.zeros((0, 4, 3))
+
+
+class Shapes:
+    """Packs shapes: meshes in three dimensions, discs in two."""
+
+    def __init__(self, run):
+        span = run.upper - run.lower
+        room = MARGIN * span.max()
+        self.lower, self.span = run.lower - room, span + 2 * room
+        self.spacing = run.spacing
+
+    def pack(self, points, **more):
+        places = np.clip((points - self.lower) / self.span, 0, 1) * STEPS
+        return {"points": packed(np.rint(places), "<u2"), **more}
+
+    def mesh(self, points, cells):
+        wide = len(points) > STEPS
+        return self.pack(points, cells=packed(cells, "<u4" if wide else "<u2"), wide=wide)
+
+    def discs(self, points, size):
+        """size: diameters over the spacing."""
+        most = max(size.max(initial=0), 1e-9)
+        return self.pack(points, radii=packed(np.rint(size / most * SHADES), "u1"),
+                         largest=0.5 * most * self.spacing)
+
+
+def liquid(run, state, most, coarser):
+    """Points, triangles (in two dimensions None), sizes and the values at the points: shares of the bodies, then
+    COLORS."""
+    bodies = len(run.names())
+    table = np.hstack([views.value_table(state, color, bodies) for color in ("body", *COLORS)])
+    if run.dim == 2:  # each so many-th particle, as large as those that it stands for
+        every = -(-len(table) // most)
+        return state.points[::every], None, np.sqrt(every) * state.size[::every], table[::every]
+    fluid = views.Fluid(run, state.points, table, state.share, state.size, coarser)
+    points, _, cells, lonely = fluid.mesh()
+    balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
+    cells = np.concatenate([cells, balls[2] + len(points)])
+    points, cells = thin(np.concatenate([points, balls[0]]).astype(float), cells, most)
+    return points, cells, None, fluid.values(points)
+
+
+def coarseness(run, state, most):
+    """Size of the surface's cells over those of a picture, so that few triangles must be removed."""
+    if run.dim == 2:
+        return 1
+    cells = views.Fluid(run, state.points, np.zeros((len(state.points), 1)), state.share, state.size).mesh()[2]
+    ratio = len(cells) / most
+    return min(max(ratio if run.rings else np.sqrt(ratio), 1), COARSEST)
+
+
+def solid(run, state, most):
+    """Points and triangles (in two dimensions None) of the solids."""
+    if run.dim == 2:
+        return state.solid, None
+    points, _, cells = views.solid_mesh(run, state)
+    return thin(np.asarray(points, float), np.asarray(cells), most)
+
+
+def colorings(run, seen, several):
+    """The colours besides those of the bodies: name, title, ends of the scale and colours; seen: the values that the
+    page shows, for each of COLORS those at all times; several: particles have several sizes."""
+    found = []
+    for name in COLORS:
+        values = np.concatenate(seen[name])
+        if not run.has(name) or np.ptp(values) == 0 or name == "size" and not several:
+            continue
+        low, high = views.limits([SimpleNamespace(**{name: values})], name)
+        si = run.spacing if name == "size" else 1
+        factor, unit = columns.prefixed(si * max(abs(low), abs(high)), UNITS[name])
+        ticks = matplotlib.ticker.MaxNLocator(TICKS).tick_values(low * si * factor, high * si * factor)
+        shades = matplotlib.colormaps[views.MAPS[name]](np.arange(SHADES + 1))[:, :3]
+        found.append({"name": name, "title": "spacing" if name == "size" else name, "unit": unit,
+                      "ends": (ticks[0] / si / factor, ticks[-1] / si / factor),
+                      "ticks": [f"{tick:.6g}" for tick in ticks], "map": packed(SHADES * shades, "u1")})
+    return found
+
+
+def scene(run, count, most):
+    """All that viewer.js draws; None if there is no liquid."""
+    shapes, parts, seen, solids = Shapes(run), [], {name: [] for name in COLORS}, []
+    bodies, coarser, last, several = len(run.names()), None, None, False
+    for _, path in run.moments(count=count):
+        state = run.read(path)
+        several = several or state.size.max(initial=0) > SEVERAL * state.size.min(initial=np.inf)
+        coarser = coarser or coarseness(run, state, most)
+        points, cells, size, table = liquid(run, state, most, coarser)
+        if not len(points):
+            continue
+        if last is None or not np.array_equal(last.solid, state.solid):
+            last = SimpleNamespace(points=points, solid=state.solid)
+            places, corners = solid(run, state, most // 2)
+            solids.append(shapes.discs(places, np.ones(len(places))) if corners is None else
+                          shapes.mesh(places, corners))
+        for k, name in enumerate(COLORS):
+            seen[name].append(table[:, bodies + k])
+        shape = shapes.discs(points, size) if cells is None else shapes.mesh(points, cells)
+        shape.update(time=state.time, text=data.duration(state.time), solid=len(solids) - 1)
+        if bodies > 1:
+            shape["colors"] = packed(SHADES * views.base_colors(table[:, :bodies], "body", None, None), "u1")
+        parts.append((shape, SimpleNamespace(points=points, solid=state.solid)))
+    if not parts:
+        return None
+    colors = colorings(run, seen, several)
+    for color in colors:
+        low, high = color.pop("ends")
+        for (shape, _), values in zip(parts, seen[color["name"]]):
+            shade = np.clip((values - low) / (high - low), 0, 1) * SHADES
+            shape.setdefault("values", {})[color["name"]] = packed(np.rint(shade), "u1")
+    quads = walls(run)
+    corners = np.arange(4 * len(quads)).reshape(-1, 4)
+    return {"lower": list(shapes.lower), "step": list(shapes.span / STEPS), "flat": run.dim == 2,
+            "box": None if run.rings else [list(run.lower), list(run.upper)], "angle": views.ANGLE,
+            "solidColor": views.SOLID_COLOR,
+            "bodies": [{"name": name, "color": views.BODY_COLORS[k % len(views.BODY_COLORS)]}
+                       for k, name in enumerate(run.names())],
+            "walls": shapes.mesh(quads.reshape(-1, 3), np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])),
+            "solids": solids, "colorings": colors, "states": [shape for shape, _ in parts],
+            **camera(run, [points for _, points in parts])}
+
+
+def camera(run, shown):
+    """The first view: focus, eye, and height over width of the window."""
+    ratio = views.PANEL[1] / views.PANEL[0]
+    if run.dim == 3:
+        view, half = views.camera(run, shown, AZIMUTH, ELEVATION)
+        return {"focus": list(view["focus"]), "eye": list(view["position"]), "size": float(half), "ratio": 0.8 * ratio}
+    points = np.concatenate([part for state in shown for part in (state.points, state.solid)])
+    room = 2 * STRIP * (run.upper - run.lower)[:2].max()
+    lower, upper = np.maximum(run.lower, points.min(axis=0)) - room, np.minimum(run.upper, points.max(axis=0)) + room
+    focus, (wide, high, _) = 0.5 * (lower + upper), upper - lower
+    ratio = min(max(high / wide, 0.25), ratio)
+    distance = 0.5 * views.ROOM * max(high, wide * ratio) / np.tan(np.radians(views.ANGLE / 2))
+    return {"focus": list(focus), "eye": list(focus + [0, 0, distance]), "size": float(0.5 * np.hypot(wide, high)),
+            "ratio": ratio}
