@@ -186,7 +186,7 @@ void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
 PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM]);
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 /* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole. Collective. ShapeDistance - signed
-   distance (m) of x (m) to the shape without its holes, at the time 0. Not collective. */
+   distance (m) of x (m) to the shape less its holes, at the time 0. Not collective. */
 PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices);
 PetscReal      ShapeDistance(Body body, const PetscReal x[DIM]);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
