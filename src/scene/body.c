@@ -81,14 +81,6 @@ PetscReal BodyContactHysteresis(Body solid)
   return solid->contact_hysteresis;
 }
 
-PetscReal ShapeDistance(Body body, const PetscReal x[DIM])
-{
-  PetscReal s = body->shape->distance(body, x);
-
-  for (PetscInt k = 0; k < body->holes; k++) s = PetscMax(s, -body->hole[k]->shape->distance(body->hole[k], x));
-  return s;
-}
-
 PetscReal BodyDistance(Body body, const PetscReal x[DIM])
 {
   PetscReal y[DIM];

@@ -16,13 +16,14 @@
    -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes. Solids have the same no-slip condition as the
    walls of the box. They may touch and overlap each other and the faces of the box. A solid is fixed, or it has a
    prescribed motion (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
-   _rotation_center, _rotation_axis, _motion_file. Or it is a free body, which the liquid moves (free.c): -<s>_mass, _inertia, _turns.
+   _rotation_center, _rotation_axis, _motion_file. Or it is a free body, which the liquid moves (free.c): -<s>_mass,
+   _inertia, _turns.
    Functions about solids refer to the time of the last SceneMoveSolids unless they have an argument 'time'.
 
    -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: the particle spacing is -spacing in these regions
    and grows to -spacing_coarse outside (SceneSpacing). With -spacing_follow it is fine near free surfaces, too.
 
-   -<b>_holes pit,tube of a body or solid: shapes that are cut out of it; the liquid of a hole is air, or another body's.
+   -<b>_holes pit,tube of a body or solid: shapes that are cut out of it; a hole is air, or another body fills it.
 
    Shapes and their sizes (m):
    box         _lower, _upper (default: the simulation box)
