@@ -5,6 +5,9 @@
 #define BODY_SAMPLES 5   /* points a direction at which a body's velocity and body force are sampled */
 #define ACROSS_MIN   6   /* spacings across a body: fewer hardly resolve its flow */
 #define WAVE_MIN     12  /* spacings a wavelength: fewer hardly resolve the wave */
+#define RIM_SAMPLES  12  /* points a direction at which a solid is looked for */
+#define RIM_NEAR     1.5 /* spacings */
+#define WEBER_DRIPS  4   /* below, liquid drips from a tube instead of leaving as a jet (Clanet and Lasheras 1999) */
 #define BOND_MAX     1e4 /* with a larger Bond number tension cannot matter: a drop of water of a quarter of a metre */
 #define WEBER_MAX    1e7 /* with a larger Weber number the liquid is spray: a likely cause is lengths in mm */
 
@@ -62,6 +65,23 @@ static PetscErrorCode Warn(Body body, PetscReal across, PetscReal bond, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a solid, on whose rim a drop could hang, is within a spacing or two of an emitter's surface. */
+static PetscBool HasRim(Scene scene, Body body)
+{
+  const PetscReal d0 = scene->domain->spacing;
+  PetscReal       lower[DIM], upper[DIM];
+
+  BodyBounds(body, lower, upper);
+  for (PetscInt k = 0; k < RIM_SAMPLES * RIM_SAMPLES * RIM_SAMPLES; k++) {
+    const PetscInt at[DIM] = {k % RIM_SAMPLES, k / RIM_SAMPLES % RIM_SAMPLES, k / (RIM_SAMPLES * RIM_SAMPLES)};
+    PetscReal      x[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (RIM_SAMPLES - 1);
+    if (BodyDistance(body, x) < d0 && SceneSolidDistance(scene, x, NULL) < RIM_NEAR * d0) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Prints the least extent of body b, the dimensionless numbers of least extent, initial speed and body force, and the
    warnings. */
 static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
@@ -97,6 +117,13 @@ static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "least extent %.3g m, %.3g spacings%s\n", (double)L, (double)across, text));
   PetscCall(
     Warn(body, across, m->tension > 0 ? weight / m->tension : 0, m->tension > 0 ? inertia / m->tension : 0, viewer));
+  if (BodyEmits(body) && g > 0 && PetscMax(inertia / WEBER_DRIPS, viscosity * scales.speed) < m->tension &&
+      !HasRim(scene, body))
+    PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      "warning: %s is so slow that its liquid drips, but there is no solid on whose rim a drop could hang: drops will "
+      "be a tenth too small; give it a tube, as in cases/dripping\n",
+      body->name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
