@@ -16,5 +16,5 @@ study: isph
 	@$(MPI) $(PYTHON) src/answers/study.py "$$SCENE" --vary="$$VARY" --quantity="$$QUANTITY" \
 	  --accuracy="$${ACCURACY:-0}" --budget="$$BUDGET" --jobs="$$JOBS"
 
-reduce:
-	@$(PYTHON) src/answers/reduce.py "$$SCENE"
+reduce: isph
+	@$(MPI) $(PYTHON) src/answers/reduce.py "$$SCENE"
