@@ -16,5 +16,6 @@ study: isph
 	@$(MPI) $(PYTHON) src/answers/study.py "$$SCENE" --vary="$$VARY" --quantity="$$QUANTITY" \
 	  --accuracy="$${ACCURACY:-0}" --budget="$$BUDGET" --jobs="$$JOBS"
 
-reduce: isph
+reduce:
+	@$(MAKE) -s --no-print-directory isph >&2
 	@$(MPI) $(PYTHON) src/answers/reduce.py "$$SCENE"

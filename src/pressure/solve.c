@@ -59,7 +59,7 @@ static PetscErrorCode LocateRows(Pressure pressure)
   Cloud      cloud  = pressure->cloud;
   Domain     domain = cloud->domain;
   PetscBool  periodic[DIM], twolevel;
-  PetscReal *x = cloud->field[FIELD_POSITION];
+  PetscReal *x = cloud->field[FIELD_POSITION], *factor;
   PC         pc;
 
   PetscFunctionBegin;
@@ -68,7 +68,10 @@ static PetscErrorCode LocateRows(Pressure pressure)
   if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
   PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
-  PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight));
+  PetscCall(CloudGetWork(cloud, 1, &factor));
+  for (PetscInt a = 0; a < cloud->n_rows; a++) factor[a] = cloud->weight[a] * cloud->length[a];
+  PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight, factor));
+  PetscCall(CloudRestoreWork(cloud, &factor));
   if (domain->dim < DIM) {
     PetscCall(PetscMalloc1(domain->dim * cloud->n_rows, &x));
     for (PetscInt a = 0; a < cloud->n_rows; a++)

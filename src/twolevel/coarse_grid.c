@@ -374,7 +374,8 @@ static inline PetscInt64 StencilPlace(PetscInt node, PetscInt i, PetscInt j)
          ((j >> 1 & 1) - (i >> 1 & 1) + 1) * 3 + (j & 1) - (i & 1) + 1;
 }
 
-/* Adds cell c with its points to the stencils. Each of the 2^(dim-1) edges in a direction carries an equal part. */
+/* Adds cell c with its points to the stencils; points: the sum of their factors. Each of the 2^(dim-1) edges in a
+ * direction carries an equal part. */
 static void AddCell(CoarseGrid g, PetscInt c, PetscReal points, PetscReal energy, PetscReal stencil[], PetscInt node[])
 {
   const PetscInt *corner = g->corner + GRID_CORNERS * c;
@@ -391,14 +392,20 @@ static void AddCell(CoarseGrid g, PetscInt c, PetscReal points, PetscReal energy
 }
 
 /* Computes the stencils ([n_nodes][27]), and the node of each entry (same shape). */
-static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal surplus[],
-                         PetscReal stencil[], PetscInt node[])
+static PetscErrorCode FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const PetscReal factor[],
+                                   const PetscReal surplus[], PetscReal stencil[], PetscInt node[])
 {
-  PetscReal capacity = 1 / volume; /* points in a full cell */
+  PetscReal  capacity = 1 / volume; /* points in a full cell */
+  PetscReal *sum;                   /* of the factors of a cell's points */
 
+  PetscFunctionBegin;
   for (PetscInt d = 0; d < g->dim; d++) capacity *= g->h[d];
+  PetscCall(PetscCalloc1(g->n_cells, &sum));
+  for (PetscInt a = 0; a < g->n; a++)
+    if (g->cell[a] >= 0) sum[g->cell[a]] += factor ? factor[a] : 1;
   for (PetscInt c = 0; c < g->n_cells; c++)
-    AddCell(g, c, g->own_points[c] * PetscMin(1, capacity / g->points[c]), energy, stencil, node);
+    AddCell(g, c, sum[c] * PetscMin(1, capacity / g->points[c]), energy, stencil, node);
+  PetscCall(PetscFree(sum));
   for (PetscInt a = 0; a < g->n; a++) {
     const PetscInt *corner;
     PetscReal       w[GRID_CORNERS];
@@ -409,10 +416,11 @@ static void FillStencils(CoarseGrid g, PetscReal energy, PetscReal volume, const
     for (PetscInt i = 0; i < 1 << g->dim; i++)
       for (PetscInt j = 0; j < 1 << g->dim; j++) stencil[StencilPlace(corner[i], i, j)] += surplus[a] * w[i] * w[j];
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal point_volume, const PetscReal surplus[],
-                                Mat *A)
+PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal point_volume, const PetscReal factor[],
+                                const PetscReal surplus[], Mat *A)
 {
   PetscReal *stencil;
   PetscInt  *node, columns[GRID_STENCIL];
@@ -420,7 +428,7 @@ PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1((size_t)GRID_STENCIL * (size_t)g->n_nodes, &stencil));
   PetscCall(PetscMalloc1((size_t)GRID_STENCIL * (size_t)g->n_nodes, &node));
-  FillStencils(g, point_energy, point_volume, surplus, stencil, node);
+  PetscCall(FillStencils(g, point_energy, point_volume, factor, surplus, stencil, node));
   PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL,
                          GRID_STENCIL, NULL, A));
   PetscCall(

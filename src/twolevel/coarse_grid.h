@@ -26,9 +26,9 @@ PetscErrorCode CoarseGridRestrict(CoarseGrid grid, Vec fine, Vec coarse);
 /* CoarseGridProlongAdd - fine += P coarse. Collective. */
 PetscErrorCode CoarseGridProlongAdd(CoarseGrid grid, Vec coarse, Vec fine);
 /* CoarseGridMatrix - creates the symmetric matrix A: the 5/7-point matrix of the energy point_energy * sum over points
-   of |grad p|^2 (point_energy in [A] m2), plus P^T S P with the diagonal S = surplus ([n], [A]). A cell counts at most
-   one point per point_volume (m^dim). Collective. */
+   of factor |grad p|^2 (point_energy in [A] m2; factor: [n] 1, NULL: all 1), plus P^T S P with the diagonal S = surplus
+   ([n], [A]). A cell counts at most one point of volume 1 per point_volume (m^dim). Collective. */
 PetscErrorCode CoarseGridMatrix(CoarseGrid grid, PetscReal point_energy, PetscReal point_volume,
-                                const PetscReal surplus[], Mat *A);
+                                const PetscReal factor[], const PetscReal surplus[], Mat *A);
 
 #endif

@@ -44,9 +44,10 @@ typedef struct {
   PetscInt   dim, n;       /* n: points */
   PetscReal *x;            /* [n][dim] m */
   PetscReal *volume;       /* [n] relative volumes, see PCTwoLevelSetVolumes; NULL: all 1 */
+  PetscReal *factor;       /* [n] of the rows; NULL: all 1 */
   PetscReal  spacing_most; /* largest spacing, m */
   CoarseGrid grid;
-  PetscReal  point_energy; /* c of a point, [A] m2 */
+  PetscReal  point_energy; /* c of a point of factor 1, [A] m2 */
   Vec        jacobi;       /* omega D^-1 */
   Vec        coarse_b, coarse_x;
   Mat        A; /* coarse */
@@ -108,30 +109,34 @@ PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PCTwoLevelSetVolumes_TwoLevel(PC pc, PetscReal most, PetscInt n, const PetscReal volume[])
+static PetscErrorCode PCTwoLevelSetVolumes_TwoLevel(PC pc, PetscReal most, PetscInt n, const PetscReal volume[],
+                                                    const PetscReal factor[])
 {
   TwoLevel *two = (TwoLevel *)pc->data;
 
   PetscFunctionBegin;
   two->spacing_most = most;
-  PetscCall(PetscFree(two->volume));
-  PetscCall(PetscMalloc1(n, &two->volume));
+  PetscCall(PetscFree2(two->volume, two->factor));
+  PetscCall(PetscMalloc2(n, &two->volume, n, &two->factor));
   PetscCall(PetscArraycpy(two->volume, volume, n));
+  PetscCall(PetscArraycpy(two->factor, factor, n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal most, PetscInt n, const PetscReal volume[])
+PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal most, PetscInt n, const PetscReal volume[],
+                                    const PetscReal factor[])
 {
   PetscFunctionBegin;
-  PetscTryMethod(pc, "PCTwoLevelSetVolumes_C", (PC, PetscReal, PetscInt, const PetscReal[]), (pc, most, n, volume));
+  PetscTryMethod(pc, "PCTwoLevelSetVolumes_C", (PC, PetscReal, PetscInt, const PetscReal[], const PetscReal[]),
+                 (pc, most, n, volume, factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pair sum of row a, converted to that of a point of relative volume 1. Pair sums grow with the volume over the
-   square of the spacing. */
+/* The pair sum of row a, converted to that of a point of relative volume and factor 1. Pair sums grow with the factor
+   over the square of the spacing. */
 static PetscReal RowSize(const TwoLevel *two, PetscInt a, PetscReal sum)
 {
-  return two->volume ? sum * PetscPowReal(two->volume[a], 2. / two->dim - 1) : sum;
+  return two->volume ? sum * PetscPowReal(two->volume[a], 2. / two->dim) / two->factor[a] : sum;
 }
 
 /* Splits the diagonal of A, which it copies to two->jacobi. surplus: [n] diagonal minus pair sum; skip: [n] whether the
@@ -211,7 +216,7 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
   for (PetscInt a = 0; a < two->n; a++) {
     if (RowSize(two, a, PetscRealPart(diagonal[a]) - surplus[a]) < FULL_ROW * largest) continue;
     sum[0] += energy[a] - surplus[a];
-    sum[1] += two->volume ? two->volume[a] : 1;
+    sum[1] += two->factor ? two->factor[a] : 1;
   }
   PetscCall(VecRestoreArrayRead(two->jacobi, &diagonal));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)pc)));
@@ -302,7 +307,7 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
   if (nodes > 0) {
     for (PetscInt d = 0; d < two->dim; d++) volume *= two->spacing;
     PetscCall(MeasureEnergy(pc, two, surplus, largest));
-    PetscCall(CoarseGridMatrix(two->grid, two->point_energy, volume, surplus, &two->A));
+    PetscCall(CoarseGridMatrix(two->grid, two->point_energy, volume, two->factor, surplus, &two->A));
     PetscCall(MatCreateVecs(two->A, &two->coarse_x, &two->coarse_b));
     PetscCall(CreateCoarseSolver(pc, two, nodes));
   }
@@ -353,7 +358,7 @@ static PetscErrorCode PCDestroy_TwoLevel(PC pc)
   PetscFunctionBegin;
   PetscCall(PCReset_TwoLevel(pc));
   PetscCall(PetscFree(two->x));
-  PetscCall(PetscFree(two->volume));
+  PetscCall(PetscFree2(two->volume, two->factor));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetVolumes_C", NULL));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCSetCoordinates_C", NULL));
   PetscCall(PetscObjectComposeFunction((PetscObject)pc, "PCTwoLevelSetGrid_C", NULL));

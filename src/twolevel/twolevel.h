@@ -14,9 +14,11 @@ PetscErrorCode PCTwoLevelRegister(void);
    PCSetCoordinates sets the positions of the rows before each set-up. No effect on a PC of another type. Collective. */
 PetscErrorCode PCTwoLevelSetGrid(PC pc, PetscReal spacing, const PetscReal lower[DIM], const PetscReal upper[DIM],
                                  const PetscBool periodic[DIM]);
-/* PCTwoLevelSetVolumes - for points of different sizes, after PCTwoLevelSetGrid: sets the largest spacing (m) and the
-   relative volumes of the n points ([n], 1). A relative volume is the volume over spacing^dim; the rows of the matrix
-   are multiplied by it. No effect on a PC of another type. Collective. */
-PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal spacing_most, PetscInt n, const PetscReal volume[]);
+/* PCTwoLevelSetVolumes - for points of different sizes, after PCTwoLevelSetGrid: sets the largest spacing (m), the
+   relative volumes of the n points ([n], 1), which are volumes over spacing^dim, and the factors of the rows of the
+   matrix ([n], 1), which are these volumes, of rings times the ring's length (any unit). No effect on a PC of another
+   type. Collective. */
+PetscErrorCode PCTwoLevelSetVolumes(PC pc, PetscReal spacing_most, PetscInt n, const PetscReal volume[],
+                                    const PetscReal factor[]);
 
 #endif

@@ -70,10 +70,10 @@ static PetscErrorCode Measure(MPI_Comm comm, PetscReal widths, PetscBool twice, 
   PetscCall(CoarseGridProlongAdd(grid, coarse, fine));
   PetscCall(VecMin(fine, NULL, &out->least));
   PetscCall(VecMax(fine, NULL, &out->most));
-  PetscCall(CoarseGridMatrix(grid, 1, 0.5, surplus, &A)); /* some cells have more points than fit */
+  PetscCall(CoarseGridMatrix(grid, 1, 0.5, NULL, surplus, &A)); /* some cells have more points than fit */
   PetscCall(MatNorm(A, NORM_FROBENIUS, &out->matrix));
   PetscCall(MatDestroy(&A));
-  PetscCall(CoarseGridMatrix(grid, 1, 50, surplus, &A));
+  PetscCall(CoarseGridMatrix(grid, 1, 50, NULL, surplus, &A));
   PetscCall(MatNorm(A, NORM_FROBENIUS, &out->full));
   PetscCall(MatDestroy(&A));
   PetscCall(VecDestroy(&fine));
