@@ -162,6 +162,6 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
 void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[]);
 /* OperatorsComponentMinimum - sets each of the 'width' values of a particle, value [n_total][width], to the least in
    its connected piece, over all ranks. The caller sets the values of owned particles. width: 1, 3 or 6. Collective. */
-PetscErrorCode OperatorsComponentMinimum(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[]);
+PetscErrorCode OperatorsComponentMinimum(Cloud cloud, const PetscInt parent[], PetscInt width, PetscReal value[]);
 
 #endif

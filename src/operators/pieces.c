@@ -11,6 +11,8 @@ static PetscInt Find(PetscInt parent[], PetscInt a)
   return a;
 }
 
+/* Each pair of owned particles is looked at once. The root of a piece is its first particle, and in the end the parent
+   of all of them. */
 void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
 {
   const PetscReal *x     = cloud->field[FIELD_POSITION];
@@ -22,6 +24,7 @@ void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
       const PetscInt  b      = cloud->list[k];
       const PetscReal r[DIM] = {x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]};
 
+      if (b > a && b < cloud->n_fluid) continue;
       if (layer[b] == 0 && Dot(r, r) < PetscSqr(CloudPairSize(cloud, a, b) * distance)) {
         const PetscInt p = Find(parent, a), q = Find(parent, b);
 
@@ -29,41 +32,37 @@ void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
       }
     }
   }
+  for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = Find(parent, a);
 }
 
-/* Sets the value of each particle to the least of its piece. Returns whether the value of an owned particle changed.
-   least: [n_total] scratch. */
-static PetscBool TakeLeast(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[], PetscReal least[])
+/* Sets the values of each particle to the least of its piece. Returns whether a value of an owned particle changed.
+   least: [n_total][width] scratch. */
+static PetscBool TakeLeast(Cloud cloud, const PetscInt parent[], PetscInt width, PetscReal value[], PetscReal least[])
 {
   PetscBool changed = PETSC_FALSE;
 
-  for (PetscInt a = 0; a < cloud->n_total; a++) least[a] = PETSC_MAX_REAL;
-  for (PetscInt a = 0; a < cloud->n_total; a++) {
-    const PetscInt p = Find(parent, a);
-
-    least[p] = PetscMin(least[p], value[width * a]);
-  }
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal of_set = least[Find(parent, a)];
-
-    if (of_set < value[width * a]) changed = PETSC_TRUE;
-    value[width * a] = of_set;
-  }
+  for (PetscInt k = 0; k < width * cloud->n_total; k++) least[k] = PETSC_MAX_REAL;
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    for (PetscInt k = 0; k < width; k++)
+      least[width * parent[a] + k] = PetscMin(least[width * parent[a] + k], value[width * a + k]);
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    for (PetscInt k = 0; k < width; k++) {
+      changed              = (PetscBool)(changed || least[width * parent[a] + k] < value[width * a + k]);
+      value[width * a + k] = least[width * parent[a] + k];
+    }
   return changed;
 }
 
-PetscErrorCode OperatorsComponentMinimum(Cloud cloud, PetscInt parent[], PetscInt width, PetscReal value[])
+PetscErrorCode OperatorsComponentMinimum(Cloud cloud, const PetscInt parent[], PetscInt width, PetscReal value[])
 {
   PetscReal *least;
   PetscBool  changed;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(cloud->n_total, &least));
+  PetscCall(PetscMalloc1(width * cloud->n_total, &least));
   do {
-    changed = PETSC_FALSE;
     PetscCall(CloudUpdateArray(cloud, width, PARITY_SCALAR, value));
-    for (PetscInt k = 0; k < width; k++)
-      if (TakeLeast(cloud, parent, width, value + k, least)) changed = PETSC_TRUE;
+    changed = TakeLeast(cloud, parent, width, value, least);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPIU_BOOL, MPI_LOR, cloud->comm));
   } while (changed);
   PetscCall(PetscFree(least));
