@@ -1,11 +1,18 @@
-/* HDF5 files. Rank 0 builds a file in memory and writes the file in one piece; every rank reads its own rows. On a full
-   disk HDF5 over MPI-IO would wait for ever, and serial HDF5 1.10 would crash in closing the file. */
+/* HDF5 files. Rank 0 makes the structure of a file; HDF5 says where the rows of a data set lie, and each rank writes
+   its own there. Rows that are compressed go to rank 0, piece by piece. On a full disk HDF5 over MPI-IO would wait for
+   ever, and serial HDF5 1.10 would crash in closing the file, so the disk's space is reserved before HDF5 needs it.
+   Every rank reads its own rows. */
+#define _GNU_SOURCE /* pwrite, posix_fallocate */
 #include "storage.h"
+#include <fcntl.h>
+#include <unistd.h>
 
-#define TEXT_MAX    60000              /* bytes of a text attribute; HDF5's limit is 64 KB */
-#define ROWS_TAG    1                  /* of the messages that bring rows to rank 0 */
-#define MEMORY_STEP ((size_t)1 << 24)  /* bytes by which a file in memory grows */
-#define CHUNK_ROWS  ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors is a third of HDF5's cache */
+#define TEXT_MAX   60000              /* bytes of a text attribute; HDF5's limit is 64 KB */
+#define ROWS_TAG   1                  /* of the messages that bring rows to rank 0 */
+#define STRUCTURE  ((hsize_t)1 << 22) /* bytes that HDF5 may need for attributes and the structure of the file */
+#define DEFLATE    1.01               /* most bytes of a compressed data set, over those of its rows */
+#define PIECE      ((size_t)1 << 22)  /* bytes that go to rank 0 in one message */
+#define CHUNK_ROWS ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors is a third of HDF5's cache */
 
 PetscErrorCode RowsSet(MPI_Comm comm, PetscInt n, PetscInt width, Rows *rows)
 {
@@ -29,6 +36,20 @@ static PetscErrorCode AllAgree(H5File *h5, PetscBool ok_here, PetscBool *everywh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Rank 0 makes sure that the disk has room for so many bytes of rows, and for what HDF5 adds. */
+static void Reserve(H5File *h5, hsize_t bytes)
+{
+  hsize_t length = 0;
+
+  if (h5->id < 0 || h5->file < 0 || h5->failed) return;
+  if (H5Fget_filesize(h5->id, &length) < 0) h5->failed = PETSC_TRUE;
+  length += bytes + STRUCTURE;
+  if (length > h5->reserved && posix_fallocate(h5->file, (off_t)h5->reserved, (off_t)(length - h5->reserved)))
+    h5->failed = PETSC_TRUE;
+  else
+    h5->reserved = PetscMax(h5->reserved, length);
+}
+
 /* Opens or creates the file on the ranks that own it. */
 static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool writing, H5File *h5)
 {
@@ -41,7 +62,8 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   h5->external    = PETSC_FALSE;
   h5->length      = 0;
   h5->id          = -1;
-  h5->path[0]     = 0;
+  h5->file        = -1;
+  h5->reserved    = 0;
   h5->compression = 0;
   PetscCallMPI(MPI_Comm_rank(comm, &h5->rank));
   PetscCallMPI(MPI_Comm_size(comm, &h5->size));
@@ -51,15 +73,20 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   if (h5->owns_file) {
     access = H5Pcreate(H5P_FILE_ACCESS);
     (void)H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST); /* checksums of metadata */
-    if (writing) {
-      (void)H5Pset_fapl_core(access, MEMORY_STEP, 0);
-      PetscCall(PetscStrncpy(h5->path, path, sizeof(h5->path)));
-    }
+#if H5_VERSION_GE(1, 10, 7)
+    if (writing) (void)H5Pset_file_locking(access, PETSC_FALSE, PETSC_TRUE); /* the run's folder has its own lock */
+#endif
     h5->id = writing ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDONLY, access);
     (void)H5Pclose(access);
     if (!writing && h5->id >= 0 && H5Fget_filesize(h5->id, &h5->length) < 0) h5->length = 0;
   }
   PetscCall(AllAgree(h5, (PetscBool)(!h5->owns_file || h5->id >= 0), &all));
+  if (all && writing) {
+    h5->file = open(path, O_WRONLY | O_CLOEXEC);
+    if (h5->file < 0) h5->failed = PETSC_TRUE;
+    Reserve(h5, 0);
+    PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all));
+  }
   if (!all) {
     if (h5->id >= 0) (void)H5Fclose(h5->id);
     h5->id     = -1;
@@ -82,30 +109,18 @@ PetscErrorCode H5FileOpen(MPI_Comm comm, const char path[], H5File *h5)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the file from memory to the disk. Rank 0. */
-static void WriteImage(H5File *h5)
-{
-  void         *handle = NULL; /* of the core driver: a pointer to its memory */
-  const ssize_t length = H5Fflush(h5->id, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(h5->id, NULL, 0);
-  FILE         *file;
-
-  if (length < 0 || H5Fget_vfd_handle(h5->id, H5P_DEFAULT, &handle) < 0) h5->failed = PETSC_TRUE;
-  if (h5->failed) return;
-  file = fopen(h5->path, "wb");
-  if (!file || fwrite(*(void **)handle, 1, (size_t)length, file) != (size_t)length) h5->failed = PETSC_TRUE;
-  if (file && fclose(file)) h5->failed = PETSC_TRUE;
-}
-
 PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed)
 {
   PetscBool all;
 
   PetscFunctionBegin;
-  if (h5->id >= 0 && h5->path[0] && !h5->failed) WriteImage(h5);
+  if (h5->file >= 0 && close(h5->file)) h5->failed = PETSC_TRUE;
+  h5->file = -1;
+  PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all)); /* all rows are written: HDF5 cuts off what is reserved */
   if (h5->id >= 0 && H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
   h5->id = -1;
   (void)H5Eset_auto2(H5E_DEFAULT, h5->handler, h5->client);
-  PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all));
+  PetscCall(AllAgree(h5, (PetscBool)(all && !h5->failed), &all));
   *failed = (PetscBool)!all;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -180,47 +195,71 @@ static void WriteRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, Petsc
   (void)H5Sclose(file);
 }
 
-/* Rank 0 writes the rows of all ranks, one rank after the other. It receives every message even after a failure, so no
-   rank waits. */
+/* Rank 0 writes the rows of all ranks, one rank after the other, in pieces. It receives every message even after a
+   failure, so no rank waits. */
 static PetscErrorCode GatherRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, const void *values)
 {
-  const size_t size   = H5Tget_size(type) * (size_t)rows->width; /* of a row, bytes */
-  PetscInt     own[2] = {rows->n, rows->start}, *all = NULL, most = 0;
-  char        *buffer = NULL;
-  MPI_Datatype row;
+  const size_t   size   = H5Tget_size(type) * (size_t)rows->width; /* of a row, bytes */
+  const PetscInt piece  = (PetscInt)PetscMax(1, PIECE / size);
+  PetscInt       own[2] = {rows->n, rows->start}, *all = NULL;
+  char          *buffer = NULL;
+  MPI_Datatype   row;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Type_contiguous((int)size, MPI_BYTE, &row));
   PetscCallMPI(MPI_Type_commit(&row));
-  if (!h5->rank) PetscCall(PetscMalloc1(2 * h5->size, &all));
+  if (!h5->rank) PetscCall(PetscMalloc2(2 * h5->size, &all, size * (size_t)piece, &buffer));
   PetscCallMPI(MPI_Gather(own, 2, MPIU_INT, all, 2, MPIU_INT, 0, h5->comm));
-  if (h5->rank && rows->n) PetscCallMPI(MPI_Send(values, (PetscMPIInt)rows->n, row, 0, ROWS_TAG, h5->comm));
-  if (!h5->rank) {
-    WriteRows(h5, set, type, rows, own[1], own[0], values);
-    for (PetscMPIInt r = 1; r < h5->size; r++) most = PetscMax(most, all[2 * r]);
-    PetscCall(PetscMalloc1(size * (size_t)most, &buffer));
-    for (PetscMPIInt r = 1; r < h5->size; r++) {
-      if (!all[2 * r]) continue;
-      PetscCallMPI(MPI_Recv(buffer, (PetscMPIInt)all[2 * r], row, r, ROWS_TAG, h5->comm, MPI_STATUS_IGNORE));
-      WriteRows(h5, set, type, rows, all[2 * r + 1], all[2 * r], buffer);
+  for (PetscInt k = 0; k < rows->n && h5->rank; k += piece)
+    PetscCallMPI(MPI_Ssend((const char *)values + size * (size_t)k, (PetscMPIInt)PetscMin(piece, rows->n - k), row, 0,
+                           ROWS_TAG, h5->comm));
+  if (!h5->rank) WriteRows(h5, set, type, rows, own[1], own[0], values);
+  for (PetscMPIInt r = 1; r < h5->size && !h5->rank; r++)
+    for (PetscInt k = 0; k < all[2 * r]; k += piece) {
+      const PetscInt n = PetscMin(piece, all[2 * r] - k);
+
+      PetscCallMPI(MPI_Recv(buffer, (PetscMPIInt)n, row, r, ROWS_TAG, h5->comm, MPI_STATUS_IGNORE));
+      WriteRows(h5, set, type, rows, all[2 * r + 1] + k, n, buffer);
     }
-    PetscCall(PetscFree(buffer));
-    PetscCall(PetscFree(all));
-  }
+  if (!h5->rank) PetscCall(PetscFree2(all, buffer));
   PetscCallMPI(MPI_Type_free(&row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Each rank writes its rows where HDF5 has room for them. */
+static PetscErrorCode PlaceRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, const void *values)
+{
+  const size_t size = H5Tget_size(type) * (size_t)rows->width, bytes = size * (size_t)rows->n;
+  PetscInt64   place = set < 0 || h5->failed ? -1 : (PetscInt64)H5Dget_offset(set);
+
+  PetscFunctionBegin;
+  if (!h5->rank && place < 0) h5->failed = PETSC_TRUE; /* HADDR_UNDEF is negative here */
+  PetscCallMPI(MPI_Bcast(&place, 1, MPIU_INT64, 0, h5->comm));
+  place += (PetscInt64)(size * (size_t)rows->start);
+  for (size_t done = 0; done < bytes && !h5->failed && place >= 0;) {
+    const ssize_t n = pwrite(h5->file, (const char *)values + done, PetscMin(bytes - done, (size_t)1 << 30),
+                             (off_t)(place + (PetscInt64)done));
+
+    if (n <= 0) h5->failed = PETSC_TRUE;
+    done += n > 0 ? (size_t)n : 0;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows *rows, const void *values,
                            const char unit[], const char meaning[])
 {
-  hid_t file, memory, create, set = -1;
+  const hsize_t   bytes = H5Tget_size(type) * (hsize_t)rows->width * (hsize_t)rows->total;
+  const PetscBool apart = (PetscBool)(!h5->compression && rows->total > 0 && H5Tequal(type, FileType(type)) > 0);
+  hid_t           file, memory, create, set = -1;
 
   PetscFunctionBegin;
-  if (h5->owns_file && h5->id >= 0) {
+  Reserve(h5, (hsize_t)(DEFLATE * (double)bytes));
+  if (h5->owns_file && h5->id >= 0 && !h5->failed) {
     SelectRows(rows, 0, 0, &file, &memory);
     create = H5Pcreate(H5P_DATASET_CREATE);
     (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+    if (apart) (void)H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY);
     if (h5->compression && rows->total) {
       const hsize_t chunk[2] = {PetscMin((hsize_t)rows->total, CHUNK_ROWS), (hsize_t)rows->width};
 
@@ -236,7 +275,10 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
     AttributePutText(h5, set, "unit", unit);
     AttributePutText(h5, set, "meaning", meaning);
   }
-  PetscCall(GatherRows(h5, set, type, rows, values));
+  if (apart)
+    PetscCall(PlaceRows(h5, set, type, rows, values));
+  else
+    PetscCall(GatherRows(h5, set, type, rows, values));
   if (set >= 0) H5FileNote(h5, H5Dclose(set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

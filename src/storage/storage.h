@@ -8,18 +8,20 @@
 
 /* --- storage.c: HDF5 files. Each rank records a failure in 'failed'; H5FileClose combines the ranks. --- */
 
-/* An open HDF5 file. Rank 0 writes for all ranks; every rank reads. */
+/* An open HDF5 file. Rank 0 keeps the structure of a file that is written, and compresses; every rank writes its own
+   rows of data sets without compression, and reads. */
 typedef struct {
   MPI_Comm    comm;
   PetscMPIInt rank, size;
-  PetscBool   owns_file;                /* this rank has the file open: all ranks to read, rank 0 to write */
-  char        path[PETSC_MAX_PATH_LEN]; /* to which H5FileClose writes; empty if open for reading */
-  hid_t       id;                       /* HDF5's; negative: not open on this rank */
-  hsize_t     length;                   /* bytes of a file that is open for reading */
-  PetscInt    compression;              /* HDF5's deflate level of the next data sets; 0: none */
-  PetscBool   failed;                   /* on this rank */
-  PetscBool   external;                 /* a data set that was read lies outside the file; the same on every rank */
-  H5E_auto2_t handler;                  /* HDF5's error printer, restored by H5FileClose */
+  PetscBool   owns_file;   /* HDF5 has the file open on this rank: on all to read, on rank 0 to write */
+  hid_t       id;          /* HDF5's; negative: not open on this rank */
+  int         file;        /* of this rank, to write rows; negative: open for reading */
+  hsize_t     reserved;    /* bytes of the disk, on rank 0 */
+  hsize_t     length;      /* bytes of a file that is open for reading */
+  PetscInt    compression; /* HDF5's deflate level of the next data sets; 0: none */
+  PetscBool   failed;      /* on this rank */
+  PetscBool   external;    /* a data set that was read lies outside the file; the same on every rank */
+  H5E_auto2_t handler;     /* HDF5's error printer, restored by H5FileClose */
   void       *client;
 } H5File;
 
