@@ -95,21 +95,19 @@ static void FinishPiece(Gauges gauges, Piece *piece)
   }
 }
 
-/* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. Collective. */
-static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
+/* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. label [n_total]: of each particle.
+   Collective. */
+static PetscErrorCode LabelPieces(Gauges gauges, PetscReal label[], PetscInt *count, Piece **piece)
 {
   Cloud           cloud = gauges->cloud;
   const PetscReal touch = 0.5 * CONNECTION * cloud->domain->spacing; /* half the distance to the image */
   Piece          *own;
-  PetscReal      *label;
   PetscMPIInt     send, *number = NULL, *start = NULL, total = 0;
 
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 1, &label));
   PetscCall(ConnectedLabels(gauges, label));
   PetscCall(PetscMalloc1(cloud->n_fluid, &own));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) own[a] = SingleParticle(cloud, a, label[a], cloud->size[a] * touch);
-  PetscCall(CloudRestoreWork(cloud, &label));
   send = PIECE_REALS * (PetscMPIInt)Merge(cloud->n_fluid, own);
   PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &start));
   PetscCallMPI(MPI_Gather(&send, 1, MPI_INT, number, 1, MPI_INT, 0, gauges->comm));
@@ -124,6 +122,34 @@ static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
   *count = Merge(total / PIECE_REALS, *piece);
   for (PetscInt k = 0; k < *count; k++) FinishPiece(gauges, &(*piece)[k]);
   if (*count) qsort(*piece, (size_t)*count, sizeof(**piece), CompareSizes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
+{
+  PetscReal *label;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(gauges->cloud, 1, &label));
+  PetscCall(LabelPieces(gauges, label, count, piece));
+  PetscCall(CloudRestoreWork(gauges->cloud, &label));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[])
+{
+  PetscReal *label, largest = -1;
+  PetscInt   count;
+  Piece     *piece;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(gauges->cloud, 1, &label));
+  PetscCall(LabelPieces(gauges, label, &count, &piece));
+  if (count) largest = piece[0].label;
+  PetscCall(PetscFree(piece));
+  PetscCallMPI(MPI_Bcast(&largest, 1, MPIU_REAL, 0, gauges->comm));
+  for (PetscInt a = 0; a < gauges->cloud->n_fluid; a++) in[a] = (PetscBool)(label[a] == largest);
+  PetscCall(CloudRestoreWork(gauges->cloud, &label));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

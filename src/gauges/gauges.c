@@ -3,7 +3,7 @@
 
 /* In the order of their columns in the series. The output writes the columns of GaugeCrater. */
 static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
-                                         &GaugeBodies, &GaugeDroplets, &GaugeLines};
+                                         &GaugeBodies, &GaugeDroplets, &GaugeLines,   &GaugeSpread};
 
 #define KINDS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(kinds))
 

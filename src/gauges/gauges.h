@@ -72,7 +72,8 @@ PetscInt       GaugesTables(Gauges gauges);
 PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length);
 PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscInt *count, PetscInt *width, PetscReal **values);
 
-/* GaugeUnit - the unit in the dimensions of the scene: J, N and m3 become J/m, N/m and m2 in two dimensions. Not
+/* GaugeUnit - the unit in the dimensions of the scene: J, N and m3 become J/m, N/m and m2 in two dimensions,
+   m2 becomes m. Not
    collective. */
 const char *GaugeUnit(Domain domain, const char unit[]);
 

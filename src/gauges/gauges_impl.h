@@ -23,7 +23,8 @@ typedef struct {
   PetscErrorCode (*rows)(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values);
 } GaugeKind;
 
-extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines;
+extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
+  GaugeSpread;
 
 /* Where and how crown, crater and jet are measured. */
 typedef struct {
@@ -58,7 +59,7 @@ struct _p_Gauges {
   CraterSetup      crater;
   Places           points, heights, lines;
   PetscInt         line_points;
-  PetscBool        forces, droplets;
+  PetscBool        forces, droplets, spread;
   PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
   void    *context;
   PetscInt droplet_least; /* particles of the smallest droplet; smaller pieces are spray */
@@ -69,7 +70,18 @@ static inline char AxisName(PetscInt direction)
   return "xyz"[direction];
 }
 
+/* --- forces.c: the walls of the box, then the solids, receive forces and are wetted --- */
+/* GaugeWallFace - the number of wall faces of the box; direction and side are those of wall face 'index', if it exists.
+   GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
+ */
+PetscInt    GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
+PetscInt    GaugeReceivers(Gauges gauges);
+const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
+
 /* --- totals.c --- */
+/* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies
+   of -gauge_multiplicity are at least 2, and then *copies is halved. NAN: there is none. Not collective. */
+PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
 /* HeightOverLevel - height (m) over the level of liquid whose highest particle is at 'top' (m, -PETSC_MAX_REAL: none);
    NAN without liquid. A particle fills a cube of one spacing, so the surface is half a spacing above it. Not
    collective. */
@@ -109,6 +121,8 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
 /* ConnectedLabels - label [n_total of the cloud]: for an owned fluid particle, the smallest id in its connected piece
    (CONNECTION). Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[]);
+/* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the largest piece. Collective. */
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
 /* ConnectedWithBody - connected [n_fluid of the cloud]: whether a particle is connected with the deepest particle of a
    body. Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[]);
