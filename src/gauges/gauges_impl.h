@@ -21,10 +21,11 @@ typedef struct {
   PetscBool (*wanted)(Gauges gauges);
   PetscErrorCode (*head)(Gauges gauges, char head[], size_t length);
   PetscErrorCode (*rows)(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values);
+  PetscBool events; /* the table has rows at the times of the series, not of the snapshots */
 } GaugeKind;
 
 extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
-  GaugeSpread;
+  GaugeSpread, GaugeFilm, GaugeNeck, GaugePinchOff;
 
 /* Where and how crown, crater and jet are measured. */
 typedef struct {
@@ -57,9 +58,13 @@ struct _p_Gauges {
   PetscBool        level_given;  /* by -gauge_level */
   PetscReal        multiplicity; /* copies of the simulated part that make the whole */
   CraterSetup      crater;
-  Places           points, heights, lines;
+  Places           points, heights, lines, film;
   PetscInt         line_points;
-  PetscBool        forces, droplets, spread;
+  PetscBool        forces, droplets, droplet_main, spread, pinch_off;
+  PetscInt         neck;                    /* direction of -gauge_neck; DIM: none */
+  PetscInt         before;                  /* pieces at the last time of the series; -1: none known */
+  PetscReal        before_time;             /* s */
+  void            *piece_before;            /* [before], see droplets.c */
   PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
   void    *context;
   PetscInt droplet_least; /* particles of the smallest droplet; smaller pieces are spray */
@@ -112,6 +117,11 @@ PetscBool InsideSolid(Gauges gauges, PetscReal distance);
    through periodic faces and mirrors, but not through solids. A point on a wall or a solid thus reads the fluid in
    front. In air the pressure is 0 and the velocity NAN. Inside a solid both are NAN. Collective. */
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
+
+/* --- lines.c --- */
+/* LinePoints - 'points' points of each line, ends included, at [lines][points][width] (m). width: coordinates of an
+   end. Not collective. */
+void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal at[]);
 
 /* --- connect.c: connected liquid --- */
 /* Largest distance between connected particles, spacings. Neighbours in a sheet or thread are closer; a drop that has
