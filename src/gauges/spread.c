@@ -20,9 +20,9 @@
 #define RAISED  0.5  /* spacings: height of points */
 #define RAMP    0.2  /* c rises by twice this across the edge of what is wet */
 #define ONTO    0.3  /* spacings: a point this far from a solid is not on its surface */
-#define LOW     1.5  /* spacings */
-#define HIGH    8.0  /* spacings */
-#define AROUND  12.  /* spacings between the edge of the wetted area and a particle that shows the angle */
+#define LOW     1.0  /* spacings */
+#define HIGH    10.  /* spacings */
+#define AROUND  15.  /* spacings between the edge of the wetted area and a particle that shows the angle */
 #define SURFACE 0.1  /* |sum V grad W| times the spacing; below this a particle is inside the liquid */
 #define SWAYS   8    /* directions in which the spread of the liquid is measured, over half a turn */
 #define SUMS    11   /* of a receiver: area, its first and second moments, sums of the fit */
