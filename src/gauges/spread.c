@@ -3,9 +3,9 @@
 
    Wetted area: the share of the space in front of a point p of the wall that liquid fills is
    c(p) = sum V W over the fluid/(1 - sum V W over walls and solids), W the kernel with the support COVER. The wall is
-   wet where c exceeds the share of a wedge of the contact angle, angle/180 degrees. Each particle near the wall samples
-   points around its foot; at a point particles count by their part of sum V W. So the parts of a point add up to 1
-   whatever the distance of the particles, and ghosts make the sum independent of the number of ranks.
+   wet where c half a spacing above it exceeds the c above the edge of a wedge of the contact angle. Each particle near
+   the wall samples points around its foot; at a point particles count by their part of sum V W. So the parts of a point
+   add up to 1 whatever the distance of the particles, and ghosts make the sum independent of the number of ranks.
 
    Contact angle: on a sphere or circle that a plane cuts, the cosine of the angle between surface and plane is linear
    in the height over the plane. A line is fitted to the cosines of particles at the surface from LOW to HIGH and near
@@ -18,6 +18,7 @@
 #define PART    0.44 /* of the kernel's support: points lie within this of a particle */
 #define POINTS  6    /* around a foot, along each axis; they reach as far as PART */
 #define RAISED  0.5  /* spacings: height of points */
+#define TILT    0.48 /* c half a spacing above the line of a wedge of the angle t is about 1/2 - TILT cos t */
 #define RAMP    0.2  /* c rises by twice this across the edge of what is wet */
 #define ONTO    0.3  /* spacings: a point this far from a solid is not on its surface */
 #define LOW     1.0  /* spacings */
@@ -405,7 +406,7 @@ static PetscErrorCode Measure_Spread(Gauges gauges, PetscReal value[])
   for (PetscInt r = 0; r < n; r++) {
     const PetscReal angle = Angle(cover.sum + SUMS * r + FIT);
 
-    if (!PetscIsInfOrNanReal(angle)) cover.wedge[r] = PetscMax(RAMP, PetscMin(1 - RAMP, angle / 180));
+    if (!PetscIsInfOrNanReal(angle)) cover.wedge[r] = 0.5 - TILT * PetscCosReal(angle * PETSC_PI / 180);
   }
   PetscCall(SumAreas(&cover));
   for (PetscInt r = 0; r < n; r++) {
