@@ -14,11 +14,14 @@
 #include "gauges_impl.h"
 #include <string.h>
 
-#define COVER   0.56 /* of the kernel's support: that of W; ghosts are known within COVER + PART = 1 */
-#define PART    0.44 /* of the kernel's support: points lie within this of a particle */
-#define POINTS  6    /* around a foot, along each axis; they reach as far as PART */
-#define RAISED  0.5  /* spacings: height of points */
-#define TILT    0.48 /* c half a spacing above the line of a wedge of the angle t is about 1/2 - TILT cos t */
+#define COVER  0.56 /* of the kernel's support: that of W; ghosts are known within COVER + PART = 1 */
+#define PART   0.44 /* of the kernel's support: points lie within this of a particle */
+#define POINTS 4    /* around a foot, along each axis */
+#define PITCH  0.5  /* spacings between points: on a lattice those of all particles coincide */
+#define RAISED 0.5  /* spacings: height of points */
+#define TILT                                                                                                           \
+  0.48 /* c half a spacing above the line of a wedge of the angle t is about 1/2 - TILT cos t, t within 60 and 120     \
+          degrees */
 #define RAMP    0.2  /* c rises by twice this across the edge of what is wet */
 #define ONTO    0.3  /* spacings: a point this far from a solid is not on its surface */
 #define LOW     1.0  /* spacings */
@@ -137,7 +140,7 @@ static PetscBool AddArea(Cover *cover, PetscInt receiver, PetscInt a, const Pets
 {
   const Cloud     cloud = cover->gauges->cloud;
   const PetscInt  dim   = cloud->domain->dim;
-  const PetscReal pitch = 2 * PART * KernelSupport(cloud->kernel) * cloud->size[a] / (POINTS - 0.5);
+  const PetscReal pitch = PITCH * cloud->domain->spacing * cloud->size[a];
   PetscReal      *sum   = cover->sum + SUMS * receiver, first[DIM], second[DIM];
   PetscInt        along[2], axis = 0, side = 0;
   PetscReal       driest = 1, wettest = -1; /* c at points, over RAMP */
@@ -406,7 +409,8 @@ static PetscErrorCode Measure_Spread(Gauges gauges, PetscReal value[])
   for (PetscInt r = 0; r < n; r++) {
     const PetscReal angle = Angle(cover.sum + SUMS * r + FIT);
 
-    if (!PetscIsInfOrNanReal(angle)) cover.wedge[r] = 0.5 - TILT * PetscCosReal(angle * PETSC_PI / 180);
+    if (!PetscIsInfOrNanReal(angle))
+      cover.wedge[r] = 0.5 - TILT * PetscMax(-0.5, PetscMin(0.5, PetscCosReal(angle * PETSC_PI / 180)));
   }
   PetscCall(SumAreas(&cover));
   for (PetscInt r = 0; r < n; r++) {
