@@ -6,6 +6,7 @@
 #include <string.h>
 
 #define COLUMNS_MOST 32
+#define FOOT         10.7 /* spacings: radius of the foot of a cap */
 #define CAP          "-spacing 1 -bodies drop -drop_shape sphere -gauge_spread "
 #define SPACE        "-box_lower -26,-26,0 -box_upper 26,26,26 -box_zmin wall "
 #define QUARTER      "-box_lower 0,0,0 -box_upper 26,26,26 -box_zmin wall -box_xmin symmetry -box_ymin symmetry "
@@ -47,7 +48,7 @@ static PetscReal Column(const Series *series, const char name[])
   return -1;
 }
 
-/* A cap whose foot is 10 spacings in radius. The lattice's edges in a plane are too rough for an angle (degrees: NAN).
+/* A cap. The lattice's edges in a plane are too rough for an angle (degrees: NAN).
  */
 typedef struct {
   const char *scene, *wall;             /* options; the wall's name in the columns */
@@ -77,7 +78,7 @@ static PetscErrorCode TestCaps(void)
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(caps); k++) {
     const Cap      *c    = &caps[k];
-    const PetscReal turn = c->angle * PETSC_PI / 180, radius = 10 / PetscSinReal(turn),
+    const PetscReal turn = c->angle * PETSC_PI / 180, radius = FOOT / PetscSinReal(turn),
                     high = -radius * PetscCosReal(turn);
     const PetscBool flat = (PetscBool)(strstr(c->scene, "-dimension 2") != NULL);
     char            options[512], name[64], what[128];
@@ -91,11 +92,11 @@ static PetscErrorCode TestCaps(void)
     PetscCall(Measure(options, &series));
     PetscCall(PetscSNPrintf(what, sizeof(what), "diameter_of_cap_%d_on_%s", (int)k, c->wall));
     PetscCall(PetscSNPrintf(name, sizeof(name), "contact_diameter_%s_m", c->wall));
-    CHECK_CLOSE(Column(&series, name), 20, 1, what);
+    CHECK_CLOSE(Column(&series, name), 2 * FOOT, 1, what);
     PetscCall(PetscSNPrintf(name, sizeof(name), "wetted_%s_%s", c->wall, flat ? "m" : "m2"));
     area = Column(&series, name);
     PetscCall(PetscSNPrintf(what, sizeof(what), "area_of_cap_%d_on_%s", (int)k, c->wall));
-    CHECK_CLOSE(area, flat ? 20 : 100 * PETSC_PI, flat ? 1 : 10 * PETSC_PI, what);
+    CHECK_CLOSE(area, flat ? 2 * FOOT : FOOT * FOOT * PETSC_PI, flat ? 1 : FOOT * PETSC_PI, what);
     PetscCall(PetscSNPrintf(name, sizeof(name), "contact_angle_%s_degrees", c->wall));
     PetscCall(PetscSNPrintf(what, sizeof(what), "angle_of_cap_%d_on_%s", (int)k, c->wall));
     if (c->degrees == c->degrees) CHECK_CLOSE(Column(&series, name), c->angle, c->degrees, what);
