@@ -93,10 +93,10 @@ PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
 PetscReal HeightOverLevel(Gauges gauges, PetscReal top);
 
 /* --- sample.c: values at places --- */
-/* PlacesCheck - counts the places of an option, of 'width' coordinates each. Refuses (UserError) an incomplete place,
-   more than 'most' places, and a place outside the box. what: "point", ... Collective. */
-PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt width, PetscInt most,
-                           Places *places);
+/* PlacesCheck - counts the places of an option, of 'points' points with so many coordinates each. Refuses (UserError)
+   an incomplete place, more than 'most' places, and a place outside the box. what: "point", ... Collective. */
+PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt points, PetscInt coordinates,
+                           PetscInt most, Places *places);
 
 #define IMAGES_MOST 27 /* of a point: 3 a direction */
 /* An image of a point: its position x (m), and the sign of each velocity component there. */

@@ -39,14 +39,14 @@ static PetscErrorCode Check_Film(Gauges gauges)
 {
   PetscFunctionBegin;
   PetscCall(
-    PlacesCheck(gauges, "-gauge_film", "line", 2 * (gauges->cloud->domain->dim - 1), GAUGE_LINES_MOST, &gauges->film));
+    PlacesCheck(gauges, "-gauge_film", "line", 2, gauges->cloud->domain->dim - 1, GAUGE_LINES_MOST, &gauges->film));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Check_Heights(Gauges gauges)
 {
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST,
+  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", 1, gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST,
                         &gauges->heights));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

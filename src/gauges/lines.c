@@ -34,7 +34,7 @@ static PetscErrorCode Check_Lines(Gauges gauges)
 {
   PetscFunctionBegin;
   PetscCall(
-    PlacesCheck(gauges, "-gauge_lines", "line", 2 * gauges->cloud->domain->dim, GAUGE_LINES_MOST, &gauges->lines));
+    PlacesCheck(gauges, "-gauge_lines", "line", 2, gauges->cloud->domain->dim, GAUGE_LINES_MOST, &gauges->lines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

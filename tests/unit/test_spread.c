@@ -11,7 +11,7 @@
 #define SPACE        "-box_lower -26,-26,0 -box_upper 26,26,26 -box_zmin wall "
 #define QUARTER      "-box_lower 0,0,0 -box_upper 26,26,26 -box_zmin wall -box_xmin symmetry -box_ymin symmetry "
 #define TANK                                                                                                           \
-  "-dimension 2 -spacing 0.1 -packing_jitter 0 -box_lower 0,0.5 -box_upper 3,3 -box_x wall -box_ymin wall -solids "    \
+  "-dimension 2 -spacing 0.1 -packing_jitter 0 -box_lower 0,0.5 -box_upper 3,2.2 -box_x wall -box_ymin wall -solids "  \
   "block -block_lower 0.8,0.3 -block_upper 1.2,0.87 "
 
 typedef struct {
