@@ -227,8 +227,7 @@ static PetscErrorCode Head_Droplets(Gauges gauges, char head[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows of droplets.csv or pinch_off.csv for the pieces with wanted[k], at least -gauge_droplet_least particles large.
- */
+/* Rows of droplets.csv or pinch_off.csv for wanted pieces of at least -gauge_droplet_least particles. */
 static PetscErrorCode PieceRows(Gauges gauges, PetscInt pieces, const Piece piece[], const PetscBool wanted[],
                                 PetscInt *count, PetscInt *width, PetscReal **values)
 {

@@ -103,9 +103,7 @@ static PetscInt Neck(PetscInt n, const PetscReal diameter[], PetscInt begin, Pet
   return neck;
 }
 
-/* Diameter and place (m) of the neck, NAN without one, and the mean diameter (m) of the piece. In two dimensions
- * widths.
- */
+/* Diameter, in two dimensions width, and place (m) of the neck, NAN without one; the mean diameter (m) of the piece. */
 static PetscErrorCode Measure_Neck(Gauges gauges, PetscReal value[])
 {
   const Domain    domain = gauges->cloud->domain;

@@ -43,7 +43,7 @@ typedef struct {
 } Cover;
 
 /* The foot (m) of a point x on a receiver and the normal out of the wall there. Returns the distance (m);
-   PETSC_MAX_REAL: another solid is nearer. */
+   PETSC_MAX_REAL: another solid is nearer, or no normal. */
 static PetscReal Foot(Gauges gauges, PetscInt receiver, const PetscReal x[DIM], PetscReal foot[DIM],
                       PetscReal normal[DIM])
 {
@@ -60,6 +60,7 @@ static PetscReal Foot(Gauges gauges, PetscInt receiver, const PetscReal x[DIM], 
     s = SceneSolidDistance(gauges->cloud->scene, x, &nearest);
     if (nearest != receiver - faces) return PETSC_MAX_REAL;
     SceneSolidNormal(gauges->cloud->scene, x, normal);
+    if (Norm(normal) == 0) return PETSC_MAX_REAL;
   }
   for (PetscInt k = 0; k < DIM; k++) foot[k] = x[k] - s * normal[k];
   return s;
