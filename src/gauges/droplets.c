@@ -3,9 +3,11 @@
 #include "gauges_impl.h"
 #include <stdlib.h>
 
-#define DROPLET_LEAST   2 /* default of -gauge_droplet_least: single particles are spray */
-#define DROPLET_COLUMNS 4 /* of the series */
-#define ROW_COLUMNS     9 /* of droplets.csv: particles, volume, centre, velocity, number */
+#define DROPLET_LEAST   2    /* default of -gauge_droplet_least: single particles are spray */
+#define DROPLET_COLUMNS 4    /* of the series */
+#define SAME_VOLUME     0.25 /* change of a droplet's volume between two times */
+#define SAME_PLACE      3.0  /* spacings: change of its way */
+#define ROW_COLUMNS     9    /* of droplets.csv: particles, volume, centre, velocity, number */
 
 /* A connected piece of liquid. All members are reals, so that MPI sends it as reals. */
 typedef struct {
@@ -95,21 +97,19 @@ static void FinishPiece(Gauges gauges, Piece *piece)
   }
 }
 
-/* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. Collective. */
-static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
+/* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. label [n_total]: of each particle.
+   Collective. */
+static PetscErrorCode LabelPieces(Gauges gauges, PetscReal label[], PetscInt *count, Piece **piece)
 {
   Cloud           cloud = gauges->cloud;
   const PetscReal touch = 0.5 * CONNECTION * cloud->domain->spacing; /* half the distance to the image */
   Piece          *own;
-  PetscReal      *label;
   PetscMPIInt     send, *number = NULL, *start = NULL, total = 0;
 
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 1, &label));
   PetscCall(ConnectedLabels(gauges, label));
   PetscCall(PetscMalloc1(cloud->n_fluid, &own));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) own[a] = SingleParticle(cloud, a, label[a], cloud->size[a] * touch);
-  PetscCall(CloudRestoreWork(cloud, &label));
   send = PIECE_REALS * (PetscMPIInt)Merge(cloud->n_fluid, own);
   PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &start));
   PetscCallMPI(MPI_Gather(&send, 1, MPI_INT, number, 1, MPI_INT, 0, gauges->comm));
@@ -127,6 +127,34 @@ static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
+{
+  PetscReal *label;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(gauges->cloud, 1, &label));
+  PetscCall(LabelPieces(gauges, label, count, piece));
+  PetscCall(CloudRestoreWork(gauges->cloud, &label));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[])
+{
+  PetscReal *label, largest = -1;
+  PetscInt   count;
+  Piece     *piece;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(gauges->cloud, 1, &label));
+  PetscCall(LabelPieces(gauges, label, &count, &piece));
+  if (count) largest = piece[0].label;
+  PetscCall(PetscFree(piece));
+  PetscCallMPI(MPI_Bcast(&largest, 1, MPIU_REAL, 0, gauges->comm));
+  for (PetscInt a = 0; a < gauges->cloud->n_fluid; a++) in[a] = (PetscBool)(label[a] == largest);
+  PetscCall(CloudRestoreWork(gauges->cloud, &label));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
@@ -137,6 +165,14 @@ static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOp
                              "GaugesMeasure", gauges->droplets, &gauges->droplets, NULL));
   PetscCall(OptionInt("-gauge_droplet_least", "Particles of the smallest droplet (1); smaller ones are spray",
                       "[1, inf)", &gauges->droplet_least));
+  PetscCall(PetscOptionsBool("-gauge_droplet_main",
+                             "Write the largest piece to droplets.csv too, as the first row of a "
+                             "block",
+                             "GaugesTableRows", gauges->droplet_main, &gauges->droplet_main, NULL));
+  PetscCall(PetscOptionsBool("-gauge_pinch_off",
+                             "Write a row to pinch_off.csv for each droplet that was not there at the previous line of "
+                             "the series",
+                             "GaugesTableRows", gauges->pinch_off, &gauges->pinch_off, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,30 +227,104 @@ static PetscErrorCode Head_Droplets(Gauges gauges, char head[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Rows of droplets.csv or pinch_off.csv for wanted pieces of at least -gauge_droplet_least particles. */
+static PetscErrorCode PieceRows(Gauges gauges, PetscInt pieces, const Piece piece[], const PetscBool wanted[],
+                                PetscInt *count, PetscInt *width, PetscReal **values)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(pieces * ROW_COLUMNS, values));
+  *count = 0;
+  *width = ROW_COLUMNS;
+  for (PetscInt k = 0; k < pieces; k++) {
+    PetscReal *row = *values + ROW_COLUMNS * *count;
+
+    if (!wanted[k] || piece[k].particles < gauges->droplet_least) continue;
+    row[0] = piece[k].particles;
+    row[1] = piece[k].volume;
+    PetscCall(PetscArraycpy(row + 2, piece[k].center, DIM));
+    PetscCall(PetscArraycpy(row + 2 + DIM, piece[k].velocity, DIM));
+    row[2 + 2 * DIM] = piece[k].number;
+    (*count)++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Rows_Droplets(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
 {
-  PetscInt pieces, n = 0;
-  Piece   *piece;
+  PetscInt   pieces;
+  Piece     *piece;
+  PetscBool *wanted;
 
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &pieces, &piece));
-  while (n + 1 < pieces && piece[n + 1].particles >= gauges->droplet_least) n++;
-  PetscCall(PetscMalloc1(n * ROW_COLUMNS, values));
-  for (PetscInt k = 0; k < n; k++) {
-    const Piece *droplet = &piece[k + 1];
-    PetscReal   *row     = *values + ROW_COLUMNS * k;
-
-    row[0] = droplet->particles;
-    row[1] = droplet->volume;
-    PetscCall(PetscArraycpy(row + 2, droplet->center, DIM));
-    PetscCall(PetscArraycpy(row + 2 + DIM, droplet->velocity, DIM));
-    row[2 + 2 * DIM] = droplet->number;
-  }
+  PetscCall(PetscMalloc1(pieces, &wanted));
+  for (PetscInt k = 0; k < pieces; k++) wanted[k] = (PetscBool)(k > 0 || gauges->droplet_main);
+  PetscCall(PieceRows(gauges, pieces, piece, wanted, count, width, values));
+  PetscCall(PetscFree(wanted));
   PetscCall(PetscFree(piece));
-  *count = n;
-  *width = ROW_COLUMNS;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* --- pieces that come off --- */
+
+static PetscBool Wanted_PinchOff(Gauges gauges)
+{
+  return gauges->pinch_off;
+}
+
+static PetscBool HasLabel(PetscInt n, const Piece piece[], PetscReal label)
+{
+  for (PetscInt k = 0; k < n; k++)
+    if (piece[k].label == label) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Whether droplet 'now' was among the n pieces of the previous time: its label was, or a droplet of nearly its volume
+   has moved here, whose particles have new ids since they joined or split. A droplet that takes its label from the
+   largest piece is new: 'taken' tells that the label of the largest piece is new. */
+static PetscBool WasThere(Gauges gauges, PetscInt n, const Piece before[], const Piece *now, PetscBool taken)
+{
+  const PetscReal time = SceneSolidTime(gauges->cloud->scene) - gauges->before_time;
+
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal r[DIM];
+
+    if (before[k].label == now->label) return (PetscBool)(k > 0 || !taken);
+    for (PetscInt d = 0; d < DIM; d++) r[d] = before[k].center[d] + time * before[k].velocity[d] - now->center[d];
+    if (k > 0 && PetscAbsReal(now->volume - before[k].volume) < SAME_VOLUME * before[k].volume &&
+        Dot(r, r) < PetscSqr(SAME_PLACE * gauges->cloud->domain->spacing))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* The first call, at the start or after a restart, has no rows: it only keeps the pieces. */
+static PetscErrorCode Rows_PinchOff(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
+{
+  Piece     *before = gauges->piece_before, *piece;
+  PetscInt   pieces;
+  PetscBool *wanted, taken;
+
+  PetscFunctionBegin;
+  PetscCall(FindPieces(gauges, &pieces, &piece));
+  PetscCall(PetscCalloc1(pieces, &wanted));
+  taken = (PetscBool)(pieces > 0 && !HasLabel(gauges->before, before, piece[0].label));
+  for (PetscInt k = 1; k < pieces && gauges->before >= 0; k++)
+    wanted[k] = (PetscBool)!WasThere(gauges, gauges->before, before, &piece[k], taken);
+  PetscCall(PieceRows(gauges, pieces, piece, wanted, count, width, values));
+  PetscCall(PetscFree(wanted));
+  PetscCall(PetscFree(before));
+  gauges->piece_before = piece;
+  gauges->before       = pieces;
+  gauges->before_time  = SceneSolidTime(gauges->cloud->scene);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const GaugeKind GaugePinchOff = {.file   = "pinch_off.csv",
+                                 .wanted = Wanted_PinchOff,
+                                 .head   = Head_Droplets,
+                                 .rows   = Rows_PinchOff,
+                                 .events = PETSC_TRUE};
 
 const GaugeKind GaugeDroplets = {.setfromoptions = SetFromOptions_Droplets,
                                  .columns        = Columns_Droplets,

@@ -5,8 +5,7 @@
 
 static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
 
-/* Returns the number of wall faces of the box; direction and side are those of wall face 'index', if it exists. */
-static PetscInt WallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side)
+PetscInt GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side)
 {
   PetscInt count = 0;
 
@@ -33,10 +32,17 @@ static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOpti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The number of walls and solids. */
-static PetscInt ReceiverCount(Gauges gauges)
+PetscInt GaugeReceivers(Gauges gauges)
 {
-  return WallFace(gauges->cloud->domain, -1, NULL, NULL) + SceneSolidCount(gauges->cloud->scene);
+  return GaugeWallFace(gauges->cloud->domain, -1, NULL, NULL) + SceneSolidCount(gauges->cloud->scene);
+}
+
+const char *GaugeReceiverName(Gauges gauges, PetscInt receiver)
+{
+  PetscInt       d = 0, side = 0;
+  const PetscInt faces = GaugeWallFace(gauges->cloud->domain, receiver, &d, &side);
+
+  return receiver < faces ? FaceNames[d][side] : BodyName(SceneSolid(gauges->cloud->scene, receiver - faces));
 }
 
 /* Returns the number of columns of the capillary force at contact lines; direction: that of column 'index'. A direction
@@ -46,7 +52,7 @@ static PetscInt ContactDirection(Gauges gauges, PetscInt index, PetscInt *direct
   const Domain domain = gauges->cloud->domain;
   PetscInt     count  = 0;
 
-  if (!gauges->tension || ReceiverCount(gauges) == 0) return 0;
+  if (!gauges->tension || GaugeReceivers(gauges) == 0) return 0;
   for (PetscInt d = domain->rings ? 1 : 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_SYMMETRY || domain->face[d][1] == FACE_SYMMETRY) continue;
     if (count == index) *direction = d;
@@ -58,24 +64,22 @@ static PetscInt ContactDirection(Gauges gauges, PetscInt index, PetscInt *direct
 static PetscInt Columns_Forces(Gauges gauges)
 {
   if (!gauges->forces) return 0;
-  return ReceiverCount(gauges) * gauges->cloud->domain->dim + ContactDirection(gauges, -1, NULL);
+  return GaugeReceivers(gauges) * gauges->cloud->domain->dim + ContactDirection(gauges, -1, NULL);
 }
 
 static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], size_t length)
 {
   const PetscInt dim = gauges->cloud->domain->dim, index = column / dim;
-  PetscInt       d = 0, s = 0;
-  const PetscInt faces = WallFace(gauges->cloud->domain, index, &d, &s);
+  PetscInt       d = 0;
 
   PetscFunctionBegin;
-  if (index >= ReceiverCount(gauges)) {
-    (void)ContactDirection(gauges, column - ReceiverCount(gauges) * dim, &d);
+  if (index >= GaugeReceivers(gauges)) {
+    (void)ContactDirection(gauges, column - GaugeReceivers(gauges) * dim, &d);
     PetscCall(PetscSNPrintf(name, length, "force_tension_%c_%s", AxisName(d), GaugeUnit(gauges->cloud->domain, "N")));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscSNPrintf(name, length, "force_%s_%c_%s",
-                          index < faces ? FaceNames[d][s] : BodyName(SceneSolid(gauges->cloud->scene, index - faces)),
-                          AxisName(column % dim), GaugeUnit(gauges->cloud->domain, "N")));
+  PetscCall(PetscSNPrintf(name, length, "force_%s_%c_%s", GaugeReceiverName(gauges, index), AxisName(column % dim),
+                          GaugeUnit(gauges->cloud->domain, "N")));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -84,7 +88,7 @@ static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], s
 static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
 {
   const Domain   domain  = gauges->cloud->domain;
-  const PetscInt faces   = WallFace(domain, -1, NULL, NULL);
+  const PetscInt faces   = GaugeWallFace(domain, -1, NULL, NULL);
   PetscInt       best    = 0;
   PetscReal      deepest = PETSC_MIN_REAL;
 
@@ -93,7 +97,7 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
     PetscInt  d = 0, s = 0;
     PetscReal depth;
 
-    (void)WallFace(domain, f, &d, &s);
+    (void)GaugeWallFace(domain, f, &d, &s);
     depth = s ? x[d] - domain->upper[d] : domain->lower[d] - x[d];
     if (depth > deepest + TIE * domain->spacing) {
       deepest = depth;
@@ -108,12 +112,12 @@ static PetscInt Receiver(Gauges gauges, PetscInt body, const PetscReal x[DIM])
 static PetscInt PressureReceiver(Gauges gauges, PetscInt body, PetscInt d, const PetscReal x[DIM], PetscInt receiver)
 {
   const Domain   domain = gauges->cloud->domain;
-  const PetscInt faces  = WallFace(domain, -1, NULL, NULL);
+  const PetscInt faces  = GaugeWallFace(domain, -1, NULL, NULL);
 
   for (PetscInt f = 0; f < faces && body > BODY_SOLID; f++) {
     PetscInt direction = 0, side = 0;
 
-    (void)WallFace(domain, f, &direction, &side);
+    (void)GaugeWallFace(domain, f, &direction, &side);
     if (direction == d && (side ? x[d] > domain->upper[d] : x[d] < domain->lower[d])) return f;
   }
   return receiver;
@@ -175,7 +179,7 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     AddToReceivers(gauges, PETSC_FALSE, on_dummy, force);
   }
   PetscCall(CloudRestoreWork(cloud, &on_dummy));
-  AddContactForce(gauges, force + ReceiverCount(gauges) * cloud->domain->dim);
+  AddContactForce(gauges, force + GaugeReceivers(gauges) * cloud->domain->dim);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)columns, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

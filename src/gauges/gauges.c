@@ -3,7 +3,8 @@
 
 /* In the order of their columns in the series. The output writes the columns of GaugeCrater. */
 static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
-                                         &GaugeBodies, &GaugeDroplets, &GaugeLines};
+                                         &GaugeBodies, &GaugeDroplets, &GaugeLines,   &GaugeSpread,
+                                         &GaugeFilm,   &GaugeNeck,     &GaugePinchOff};
 
 #define KINDS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(kinds))
 
@@ -17,6 +18,8 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
   g->cloud        = cloud;
   g->level        = NAN;
   g->multiplicity = 1;
+  g->neck         = DIM;
+  g->before       = -1;
   PetscCallMPI(MPI_Comm_rank(g->comm, &g->rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &g->size));
   *gauges = g;
@@ -26,6 +29,7 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
 PetscErrorCode GaugesDestroy(Gauges *gauges)
 {
   PetscFunctionBegin;
+  PetscCall(PetscFree((*gauges)->piece_before));
   PetscCall(PetscFree(*gauges));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -153,6 +157,11 @@ static const GaugeKind *TableKind(Gauges gauges, PetscInt table)
 
   while (!(kinds[k]->file && kinds[k]->wanted(gauges) && table-- == 0)) k++;
   return kinds[k];
+}
+
+PetscBool GaugesTableEvents(Gauges gauges, PetscInt table)
+{
+  return TableKind(gauges, table)->events;
 }
 
 PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length)

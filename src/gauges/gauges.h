@@ -1,5 +1,5 @@
 /* Floor 6: gauges measure the particles: energies and volume; crown, crater and jet of an impact; pressure and velocity
-   at points and along lines; heights of the free surface; forces on walls and solids; droplets.
+   at points and along lines; heights of the free surface; forces on walls and solids; what is wetted; droplets, necks.
 
    A gauge fills columns of the time series, rows of a table of its own, or both. The output writes them. */
 #ifndef ISPH_GAUGES_H
@@ -64,15 +64,18 @@ PetscInt       GaugesColumns(Gauges gauges);
 PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], size_t length);
 PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[]);
 
-#define GAUGE_TABLES_MOST 2
+#define GAUGE_TABLES_MOST 4
 /* GaugesTables - number of tables that the gauges fill, at most GAUGE_TABLES_MOST. GaugesTableHead - the table's file
-   name, and its column names separated by commas. Not collective. GaugesTableRows - measures the rows now: values
+   name, and its column names separated by commas. GaugesTableEvents - whether its rows are of the times of the series,
+   not of the snapshots. Not collective. GaugesTableRows - measures the rows now: values
    [count][width] on rank 0, none elsewhere; free them with PetscFree. Collective. */
 PetscInt       GaugesTables(Gauges gauges);
+PetscBool      GaugesTableEvents(Gauges gauges, PetscInt table);
 PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length);
 PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscInt *count, PetscInt *width, PetscReal **values);
 
-/* GaugeUnit - the unit in the dimensions of the scene: J, N and m3 become J/m, N/m and m2 in two dimensions. Not
+/* GaugeUnit - the unit in the dimensions of the scene: J, N and m3 become J/m, N/m and m2 in two dimensions,
+   m2 becomes m. Not
    collective. */
 const char *GaugeUnit(Domain domain, const char unit[]);
 

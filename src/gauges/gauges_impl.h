@@ -21,9 +21,11 @@ typedef struct {
   PetscBool (*wanted)(Gauges gauges);
   PetscErrorCode (*head)(Gauges gauges, char head[], size_t length);
   PetscErrorCode (*rows)(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values);
+  PetscBool events; /* the table has rows at the times of the series, not of the snapshots */
 } GaugeKind;
 
-extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines;
+extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
+  GaugeSpread, GaugeFilm, GaugeNeck, GaugePinchOff;
 
 /* Where and how crown, crater and jet are measured. */
 typedef struct {
@@ -56,9 +58,13 @@ struct _p_Gauges {
   PetscBool        level_given;  /* by -gauge_level */
   PetscReal        multiplicity; /* copies of the simulated part that make the whole */
   CraterSetup      crater;
-  Places           points, heights, lines;
+  Places           points, heights, lines, film;
   PetscInt         line_points;
-  PetscBool        forces, droplets;
+  PetscBool        forces, droplets, droplet_main, spread, pinch_off;
+  PetscInt         neck;                    /* direction of -gauge_neck; DIM: none */
+  PetscInt         before;                  /* pieces at the last time of the series; -1: none known */
+  PetscReal        before_time;             /* s */
+  void            *piece_before;            /* [before], see droplets.c */
   PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
   void    *context;
   PetscInt droplet_least; /* particles of the smallest droplet; smaller pieces are spray */
@@ -69,17 +75,28 @@ static inline char AxisName(PetscInt direction)
   return "xyz"[direction];
 }
 
+/* --- forces.c: the walls of the box, then the solids, receive forces and are wetted --- */
+/* GaugeWallFace - the number of wall faces of the box; direction and side are those of wall face 'index', if it exists.
+   GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
+ */
+PetscInt    GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
+PetscInt    GaugeReceivers(Gauges gauges);
+const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
+
 /* --- totals.c --- */
+/* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies
+   of -gauge_multiplicity are at least 2, and then *copies is halved. NAN: there is none. Not collective. */
+PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
 /* HeightOverLevel - height (m) over the level of liquid whose highest particle is at 'top' (m, -PETSC_MAX_REAL: none);
    NAN without liquid. A particle fills a cube of one spacing, so the surface is half a spacing above it. Not
    collective. */
 PetscReal HeightOverLevel(Gauges gauges, PetscReal top);
 
 /* --- sample.c: values at places --- */
-/* PlacesCheck - counts the places of an option, of 'width' coordinates each. Refuses (UserError) an incomplete place,
-   more than 'most' places, and a place outside the box. what: "point", ... Collective. */
-PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt width, PetscInt most,
-                           Places *places);
+/* PlacesCheck - counts the places of an option, of 'points' points with so many coordinates each. Refuses (UserError)
+   an incomplete place, more than 'most' places, and a place outside the box. what: "point", ... Collective. */
+PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt points, PetscInt coordinates,
+                           PetscInt most, Places *places);
 
 #define IMAGES_MOST 27 /* of a point: 3 a direction */
 /* An image of a point: its position x (m), and the sign of each velocity component there. */
@@ -101,6 +118,11 @@ PetscBool InsideSolid(Gauges gauges, PetscReal distance);
    front. In air the pressure is 0 and the velocity NAN. Inside a solid both are NAN. Collective. */
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
+/* --- lines.c --- */
+/* LinePoints - 'points' points of each line, ends included, at [lines][points][width] (m). width: coordinates of an
+   end. Not collective. */
+void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal at[]);
+
 /* --- connect.c: connected liquid --- */
 /* Largest distance between connected particles, spacings. Neighbours in a sheet or thread are closer; a drop that has
    left the rim is not. */
@@ -109,6 +131,8 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
 /* ConnectedLabels - label [n_total of the cloud]: for an owned fluid particle, the smallest id in its connected piece
    (CONNECTION). Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[]);
+/* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the largest piece. Collective. */
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
 /* ConnectedWithBody - connected [n_fluid of the cloud]: whether a particle is connected with the deepest particle of a
    body. Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[]);

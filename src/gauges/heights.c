@@ -1,4 +1,5 @@
-/* Heights of the free surface at horizontal places: columns of the series, by SPH interpolation along verticals. */
+/* Heights of the free surface at horizontal places: columns of the series, by SPH interpolation along verticals; and
+   the thickness of the liquid along horizontal lines: a block of rows of film.csv at each snapshot. */
 #include "gauges_impl.h"
 
 #define BINS 4   /* sampling points per spacing, along a vertical */
@@ -19,10 +20,33 @@ static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOpt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode SetFromOptions_Film(Gauges gauges, OptionItems PetscOptionsObject)
+{
+  Places *film = &gauges->film;
+
+  PetscFunctionBegin;
+  film->numbers = (GAUGE_LINES_MOST + 1) * 2 * (DIM - 1); /* room for one line too many, to refuse it */
+  PetscCall(PetscOptionsRealArray(
+    "-gauge_film",
+    "Lines from x,y to x,y (four numbers a line, in two dimensions two), m: the thickness of the "
+    "liquid on walls and solids below -gauge_line_points points of them is written to film.csv at "
+    "each snapshot, 0 where they are dry; default: none",
+    "GaugesTableRows", film->at, &film->numbers, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Check_Film(Gauges gauges)
+{
+  PetscFunctionBegin;
+  PetscCall(
+    PlacesCheck(gauges, "-gauge_film", "line", 2, gauges->cloud->domain->dim - 1, GAUGE_LINES_MOST, &gauges->film));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Check_Heights(Gauges gauges)
 {
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST,
+  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", 1, gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST,
                         &gauges->heights));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -76,18 +100,20 @@ static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const Point
   }
 }
 
-/* Height of the liquid column over the lowest point, in bins; -1 without liquid. */
-static PetscReal Top(PetscInt bins, const VolumeFraction fraction[])
+/* Height of the liquid column over the lowest point, in bins; -1 without liquid. first: its lowest bin. */
+static PetscReal Top(PetscInt bins, const VolumeFraction fraction[], PetscInt *first)
 {
   PetscReal before = 0, top = -1;
   PetscInt  last = -1;
 
+  *first = bins;
   for (PetscInt k = 0; k < bins && (last < 0 || k - last <= GAP); k++) {
     const PetscReal excess = fraction[k].liquid - HALF * (1 - fraction[k].solid); /* positive in the liquid */
 
     if (excess >= 0 && fraction[k].liquid > 0) {
-      last = k;
-      top  = k;
+      *first = PetscMin(*first, k);
+      last   = k;
+      top    = k;
     } else if (last == k - 1 && last >= 0)
       top = last + before / (before - excess); /* the zero between the two points */
     before = excess;
@@ -95,38 +121,109 @@ static PetscReal Top(PetscInt bins, const VolumeFraction fraction[])
   return top;
 }
 
-/* Height (m) of the liquid column at each place. The column ends where the volume fraction of liquid, sum V W over the
-   fluid divided by 1 - sum V W over walls and solids, stays below a half for a spacing. Without liquid, the bottom of
-   the box. */
-static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
+/* Height (m) of the highest wall or solid below z (m) at a place at. */
+static PetscReal Bottom(Gauges gauges, const PetscReal at[], PetscReal z)
 {
   const Domain    domain = gauges->cloud->domain;
-  const Places   *places = &gauges->heights;
+  const PetscInt  up     = domain->dim - 1;
+  const PetscReal bin    = domain->spacing / BINS;
+  PetscReal       x[DIM] = {0, 0, 0}, above = 0;
+
+  for (PetscInt d = 0; d < up; d++) x[d] = at[d];
+  for (x[up] = z; x[up] > domain->lower[up]; x[up] -= bin) {
+    const PetscReal s = SceneSolidDistance(gauges->cloud->scene, x, NULL);
+
+    if (s <= 0) return x[up] - (above > 0 ? bin * s / (above - s) : 0); /* the zero between the two points */
+    above = s;
+  }
+  return domain->lower[up];
+}
+
+/* Height (m) of the liquid column at each of 'count' places at ([count][dim - 1], m), or thickness: its height over the
+   wall or solid below, 0 if its lowest point is more than a spacing above. The column ends where the volume fraction of
+   liquid, sum V W over the fluid divided by 1 - sum V W over walls and solids, stays below a half for a spacing.
+   Without liquid, the bottom of the box. */
+static PetscErrorCode Sample(Gauges gauges, PetscInt count, const PetscReal places[], PetscBool thickness,
+                             PetscReal height[])
+{
+  const Domain    domain = gauges->cloud->domain;
   const PetscInt  up     = domain->dim - 1;
   const PetscReal bin = domain->spacing / BINS, reach = gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel);
   const PetscInt  bins = (PetscInt)((domain->upper[up] - domain->lower[up]) / bin) + 1;
-  VolumeFraction *fraction; /* [heights][bins] */
+  VolumeFraction *fraction; /* [count][bins] */
   ParticleArrays  arrays;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(places->count * bins, &fraction));
+  PetscCall(PetscCalloc1(count * bins, &fraction));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
-  for (PetscInt h = 0; h < places->count; h++) {
+  for (PetscInt h = 0; h < count; h++) {
     PetscReal  at[DIM] = {0, 0, 0};
     PointImage image[IMAGES_MOST];
     PetscInt   images;
 
-    for (PetscInt d = 0; d < up; d++) at[d] = places->at[up * h + d];
+    for (PetscInt d = 0; d < up; d++) at[d] = places[up * h + d];
     at[up] = 0.5 * (domain->lower[up] + domain->upper[up]); /* no images through bottom and top */
     images = PointImages(domain, at, PetscMin(reach, 0.5 * (domain->upper[up] - domain->lower[up])), image);
     for (PetscInt k = 0; k < images; k++) AddVertical(gauges, &arrays, &image[k], bin, bins, fraction + bins * h);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
   PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, fraction, (PetscMPIInt)(2 * places->count * bins), MPIU_REAL, MPIU_SUM, gauges->comm));
-  for (PetscInt h = 0; h < places->count; h++)
-    height[h] = domain->lower[up] + bin * PetscMax(0, Top(bins, fraction + bins * h));
+    MPI_Allreduce(MPI_IN_PLACE, fraction, (PetscMPIInt)(2 * count * bins), MPIU_REAL, MPIU_SUM, gauges->comm));
+  for (PetscInt h = 0; h < count; h++) {
+    PetscInt        first;
+    const PetscReal top = Top(bins, fraction + bins * h, &first);
+
+    height[h] = domain->lower[up] + bin * PetscMax(0, top);
+    if (thickness) {
+      const PetscReal bottom = Bottom(gauges, places + up * h, height[h]);
+
+      height[h] = domain->lower[up] + bin * first > bottom + domain->spacing ? 0 : PetscMax(0, height[h] - bottom);
+    }
+  }
   PetscCall(PetscFree(fraction));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
+{
+  PetscFunctionBegin;
+  PetscCall(Sample(gauges, gauges->heights.count, gauges->heights.at, PETSC_FALSE, height));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Wanted_Film(Gauges gauges)
+{
+  return (PetscBool)(gauges->film.count > 0);
+}
+
+static PetscErrorCode Head_Film(Gauges gauges, char head[], size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(
+    PetscStrncpy(head, gauges->cloud->domain->dim == 2 ? "line,x_m,thickness_m" : "line,x_m,y_m,thickness_m", length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Rows_Film(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
+{
+  const PetscInt flat = gauges->cloud->domain->dim - 1, n = gauges->film.count * gauges->line_points;
+  PetscReal     *at, *thickness; /* [n][flat], [n] */
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n * flat, &at, n, &thickness));
+  LinePoints(&gauges->film, flat, gauges->line_points, at);
+  PetscCall(Sample(gauges, n, at, PETSC_TRUE, thickness));
+  *width = 2 + flat;
+  *count = gauges->rank ? 0 : n;
+  PetscCall(PetscMalloc1(*count * *width, values));
+  for (PetscInt p = 0; p < *count; p++) {
+    PetscReal *row = *values + *width * p;
+
+    row[0] = (PetscReal)(p / gauges->line_points) + 1;
+    PetscCall(PetscArraycpy(row + 1, at + flat * p, flat));
+    row[1 + flat] = thickness[p];
+  }
+  PetscCall(PetscFree2(at, thickness));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,3 +232,10 @@ const GaugeKind GaugeHeights = {.setfromoptions = SetFromOptions_Heights,
                                 .columns        = Columns_Heights,
                                 .name           = Name_Heights,
                                 .measure        = Measure_Heights};
+
+const GaugeKind GaugeFilm = {.setfromoptions = SetFromOptions_Film,
+                             .check          = Check_Film,
+                             .file           = "film.csv",
+                             .wanted         = Wanted_Film,
+                             .head           = Head_Film,
+                             .rows           = Rows_Film};

@@ -4,6 +4,15 @@
 #define LINE_POINTS  50 /* default of -gauge_line_points */
 #define LINE_COLUMNS 8  /* line, position, pressure, velocity */
 
+void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal at[])
+{
+  for (PetscInt p = 0; p < lines->count * points; p++) {
+    const PetscReal *end = lines->at + 2 * width * (p / points), t = (PetscReal)(p % points) / (points - 1);
+
+    for (PetscInt d = 0; d < width; d++) at[width * p + d] = (1 - t) * end[d] + t * end[width + d];
+  }
+}
+
 static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject)
 {
   Places *lines = &gauges->lines;
@@ -25,7 +34,7 @@ static PetscErrorCode Check_Lines(Gauges gauges)
 {
   PetscFunctionBegin;
   PetscCall(
-    PlacesCheck(gauges, "-gauge_lines", "line", 2 * gauges->cloud->domain->dim, GAUGE_LINES_MOST, &gauges->lines));
+    PlacesCheck(gauges, "-gauge_lines", "line", 2, gauges->cloud->domain->dim, GAUGE_LINES_MOST, &gauges->lines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,11 +57,7 @@ static PetscErrorCode Rows_Lines(Gauges gauges, PetscInt *count, PetscInt *width
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * dim, &at, n * (1 + dim), &sampled));
-  for (PetscInt p = 0; p < n; p++) {
-    const PetscReal *end = gauges->lines.at + 2 * dim * (p / points), t = (PetscReal)(p % points) / (points - 1);
-
-    for (PetscInt d = 0; d < dim; d++) at[dim * p + d] = (1 - t) * end[d] + t * end[dim + d];
-  }
+  LinePoints(&gauges->lines, dim, points, at);
   PetscCall(PointsSample(gauges, n, at, sampled));
   *width = LINE_COLUMNS;
   *count = gauges->rank ? 0 : n;

@@ -21,7 +21,7 @@ static PetscErrorCode Check_Points(Gauges gauges)
   const PetscInt dim   = gauges->cloud->domain->dim;
 
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", dim, GAUGE_PLACES_MOST, &gauges->points));
+  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", 1, dim, GAUGE_PLACES_MOST, &gauges->points));
   for (PetscInt k = 0; k < gauges->points.count * SceneSolidCount(scene); k++) {
     const PetscInt point  = k / SceneSolidCount(scene);
     const Body     solid  = SceneSolid(scene, k % SceneSolidCount(scene));

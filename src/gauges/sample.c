@@ -4,10 +4,11 @@
 #define SKIN       0.1  /* spacings: a point less deep in a solid is on its surface; triangle files are that exact */
 #define LEAST_STEP 0.05 /* spacings: shortest step along a line of sight */
 
-PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt width, PetscInt most,
-                           Places *places)
+PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt points, PetscInt coordinates,
+                           PetscInt most, Places *places)
 {
-  const Domain domain = gauges->cloud->domain;
+  const Domain   domain = gauges->cloud->domain;
+  const PetscInt width  = points * coordinates;
 
   PetscFunctionBegin;
   PetscCheckUser(places->numbers % width == 0, gauges->comm, "%s has %d numbers; it needs %d a %s.", option,
@@ -15,7 +16,7 @@ PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[]
   places->count = places->numbers / width;
   PetscCheckUser(places->count <= most, gauges->comm, "%s has more than %d %ss.", option, (int)most, what);
   for (PetscInt k = 0; k < places->numbers; k++) {
-    const PetscInt d = k % PetscMin(width, domain->dim);
+    const PetscInt d = k % coordinates;
 
     PetscCheckUser(places->at[k] >= domain->lower[d] && places->at[k] <= domain->upper[d], gauges->comm,
                    "%s: %c = %g m of %s %d is not in the box.", option, AxisName(d), (double)places->at[k], what,

@@ -3,11 +3,21 @@
 
 const char *GaugeUnit(Domain domain, const char unit[])
 {
-  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}};
+  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}, {"m2", "m"}};
 
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2 && !domain->rings; k++)
     if (!strcmp(unit, flat[k][0])) return flat[k][1];
   return unit;
+}
+
+PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies)
+{
+  const PetscBool lower = (PetscBool)(domain->face[d][0] == FACE_SYMMETRY);
+
+  if (domain->rings && d == 0) return 0;
+  if (d >= domain->dim || *copies < 2 || (!lower && domain->face[d][1] != FACE_SYMMETRY)) return NAN;
+  *copies /= 2;
+  return lower ? domain->lower[d] : domain->upper[d];
 }
 
 PetscReal GaugesLevel(Gauges gauges)

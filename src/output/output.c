@@ -136,12 +136,13 @@ PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
     output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
   if (line) {
     PetscCall(SeriesWrite(output, state));
+    PetscCall(SeriesWriteTables(output, state, PETSC_TRUE));
     output->series_step = state->step;
     output->series.next = ScheduleAfter(&output->series, state->time);
   }
   if (picture) {
     PetscCall(SnapshotWrite(output, state));
-    PetscCall(SeriesWriteTables(output, state));
+    PetscCall(SeriesWriteTables(output, state, PETSC_FALSE));
     output->snapshot_step = state->step;
     output->snapshot.next = ScheduleAfter(&output->snapshot, state->time);
   }

@@ -150,7 +150,7 @@ int TableWrite(FILE *file, const StepState *state, PetscInt digits, PetscInt cou
    table; SeriesFinish - closes the files. Collective. */
 PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step);
 PetscErrorCode SeriesWrite(Output output, const StepState *state);
-PetscErrorCode SeriesWriteTables(Output output, const StepState *state);
+PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBool events);
 PetscErrorCode SeriesFinish(Output output);
 
 /* --- snapshot_fields.c --- */

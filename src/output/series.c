@@ -97,6 +97,13 @@ PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
     PetscCall(GaugesTableHead(output->gauges, t, &file, columns_of_gauge, sizeof(columns_of_gauge)));
     PetscCall(PetscSNPrintf(line, sizeof(line), "time_s,step,%s\n", columns_of_gauge));
     PetscCall(TableOpen(output, file, line, same, restart_step, &output->table_file[t], &last));
+    if (GaugesTableEvents(output->gauges, t)) { /* what is there at the start is no event */
+      PetscInt   count, width;
+      PetscReal *values;
+
+      PetscCall(GaugesTableRows(output->gauges, t, &count, &width, &values));
+      PetscCall(PetscFree(values));
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -138,7 +145,7 @@ PetscErrorCode SeriesWrite(Output output, const StepState *state)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SeriesWriteTables(Output output, const StepState *state)
+PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBool events)
 {
   PetscFunctionBegin;
   for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
@@ -148,6 +155,7 @@ PetscErrorCode SeriesWriteTables(Output output, const StepState *state)
     char        head[HEAD_LENGTH];
     int         error = 0;
 
+    if (GaugesTableEvents(output->gauges, t) != events) continue;
     PetscCall(GaugesTableRows(output->gauges, t, &count, &width, &values));
     if (!output->rank) error = TableWrite(output->table_file[t], state, TABLE_DIGITS, count, width, values);
     PetscCall(PetscFree(values));

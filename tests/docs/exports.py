@@ -121,10 +121,11 @@ runs.check(done.returncode == 1 and "have no velocity" in done.stdout, "no_colou
 # every column with a unit has it in the head of its table
 BARE = {"step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "rejected",
         "droplets", "spray", "line", "number"}
-UNITS = ("s", "m", "m3", "J", "N", "Pa", "m/s")
+UNITS = ("s", "m", "m2", "m3", "J", "N", "Pa", "m/s", "degrees")
 GAUGES = " -gauge_points 0,0,0 -gauge_heights 0,0 -gauge_lines 0,0,0,1,0,0 -gauge_forces -gauge_droplets -box_zmin wall"
+GAUGES += " -gauge_spread -gauge_neck z -gauge_film 0,0,1,0 -gauge_pinch_off"
 tables = runs.run(SCENE + GAUGES, "gauges")
-for name in ("series.csv", "lines.csv", "droplets.csv"):
+for name in ("series.csv", "lines.csv", "droplets.csv", "film.csv", "pinch_off.csv"):
     with open(os.path.join(tables, name), encoding="utf-8") as file:
         columns = file.readline().strip().split(",")
     unitless = [c for c in columns if c not in BARE and c.rsplit("_", 1)[-1] not in UNITS]

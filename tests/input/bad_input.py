@@ -219,6 +219,11 @@ def scenes():
                    "endfacet\nendsolid\n")
     refused("stl_not_closed", GOOD + f"-solids s -s_shape stl -s_file {open_stl}", ["not closed", "3 edges"])
     refused("height_outside", GOOD + "-gauge_heights 50,0", ["-gauge_heights", "50"])
+    refused("film_outside", GOOD + "-gauge_film 1,1,5,50", ["-gauge_film", "y = 50", "line 1"])
+    refused("film_incomplete", GOOD + "-gauge_film 1,1,5", ["-gauge_film", "3 numbers", "4 a line"])
+    FLAT = "-spacing 1 -box_lower 0,0 -box_upper 9,9 -bodies a -a_upper 5,5 -steps_max 1 -gravity 0,-1 "
+    refused("neck_across", FLAT + "-dimension 2 -gauge_neck z", ["-gauge_neck is z", "x or y"])
+    refused("neck_of_rings", FLAT + "-dimension axisymmetric -gauge_neck x", ["-gauge_neck is x", "axis of the rings"])
     refused("unknown_solver", GOOD + "-ksp_type magic", ["magic", "-ksp_type"])
     refused("preconditioner_of_one_rank", GOOD + "-pc_type ilu", ["-pc_type ilu", "mpiaij", "jacobi"], 2)
     refused("side_that_cannot_be", GOOD + "-ksp_pc_side right", ["-ksp_pc_side right", "RIGHT"], 2)

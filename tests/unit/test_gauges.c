@@ -1,4 +1,5 @@
-/* Gauges on shapes cut out of a lattice: crater, crown and jet; totals; droplets in a quarter of the scene. */
+/* Gauges on shapes cut out of a lattice: crater, crown and jet; totals; droplets in a quarter of the scene; necks and
+   pieces that come off. */
 #include "lattice.h"
 
 #define FILM    10e-3
@@ -188,6 +189,139 @@ static PetscErrorCode CheckDroplets(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* --- the largest piece, necks, pieces that come off --- */
+
+/* Two blocks of different size, 6 spacings thick in the bar between them, which is longer on top. */
+static int Dumbbell(PetscReal r, PetscReal z)
+{
+  return (z > 4e-3 && z < 10e-3 && r < 5e-3) || (z >= 10e-3 && z < 14e-3 && r < 1.5e-3) ||
+         (z >= 14e-3 && z < 18e-3 && r < 2e-3) || (z >= 18e-3 && z < 24e-3 && r < 5e-3);
+}
+
+/* Neck (m; a quarter of the bar has 8 particles in a section), its place, the mean diameter; with and without a mirror
+ * at the axis. */
+static PetscErrorCode CheckNeck(const char options[], Shape shape, PetscReal neck, PetscReal mean, const char name[])
+{
+  Run       run;
+  PetscReal value[3];
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(options, &run));
+  PetscCall(Fill(&run, shape, 0));
+  PetscCall(GaugesMeasure(run.gauges, value));
+  if (neck == neck) {
+    CHECK_CLOSE(value[0] / neck, 1, 1e-2, name);
+    CHECK_CLOSE(value[1], 12e-3, 2e-3, "neck: between the blocks");
+  } else
+    CHECK(value[0] != value[0] && value[1] != value[1], name);
+  CHECK_CLOSE(value[2] / mean, 1, 0.1, "neck: mean diameter");
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckNecks(void)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckNeck(PLANE BODIES_2D "-gauge_crater 0 -gauge_neck y ", Dumbbell, 3e-3, 6.8e-3, "neck: of a bar"));
+  PetscCall(CheckNeck(HALF BODIES_2D "-gauge_crater 0 -gauge_neck y -gauge_multiplicity 2 ", Dumbbell, 3e-3, 6.8e-3,
+                      "neck: of half a bar"));
+  PetscCall(CheckNeck(QUARTER BODIES_3D "-gauge_crater 0 -gauge_neck z -gauge_multiplicity 4 ", Dumbbell, 3.1915e-3,
+                      6.8e-3, "neck: of a quarter of a bar"));
+  PetscCall(CheckNeck(PLANE BODIES_2D "-gauge_crater 0 -gauge_neck y ", Flat, NAN, 24e-3, "neck: a film has none"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves the liquid above a height (m) upwards by a distance (m). */
+static PetscErrorCode Lift(Run *run, PetscReal above, PetscReal distance)
+{
+  const PetscInt up = run->domain->dim - 1;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(run->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.real[FIELD_POSITION][DIM * a + up] > above) arrays.real[FIELD_POSITION][DIM * a + up] += distance;
+  PetscCall(ParticlesClose(run->particles, &arrays));
+  PetscCall(CloudResync(run->cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The rows of a table now, and the volume of the first. */
+static PetscErrorCode Rows(Gauges gauges, PetscInt table, PetscInt *count, PetscReal *volume)
+{
+  PetscInt   width;
+  PetscReal *rows;
+
+  PetscFunctionBegin;
+  PetscCall(GaugesTableRows(gauges, table, count, &width, &rows));
+  *volume = *count ? rows[1] : 0;
+  PetscCall(PetscFree(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A block breaks off at 18 mm, and moves on; then a bar at 13 mm. What is there at the start or after a restart is no
+ * event. */
+static PetscErrorCode CheckPinchOff(void)
+{
+  Run         run;
+  Gauges      again;
+  PetscInt    count;
+  PetscReal   volume;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(RunCreate(PLANE BODIES_2D "-gauge_crater 0 -gauge_droplets -gauge_droplet_main -gauge_pinch_off ", &run));
+  PetscCall(Fill(&run, Dumbbell, 0));
+  CHECK(GaugesTables(run.gauges) == 2 && !GaugesTableEvents(run.gauges, 0) && GaugesTableEvents(run.gauges, 1),
+        "pinch-off: a table of events");
+  PetscCall(Rows(run.gauges, 0, &count, &volume));
+  CHECK(count == !rank, "droplets: the largest piece has a row");
+  PetscCall(Rows(run.gauges, 1, &count, &volume));
+  CHECK(count == 0, "pinch-off: none at the start");
+  PetscCall(Lift(&run, 18e-3, 1e-3));
+  PetscCall(Rows(run.gauges, 1, &count, &volume));
+  CHECK(count == !rank, "pinch-off: a block comes off");
+  if (!rank) CHECK_CLOSE(volume / 60e-6, 1, 1e-9, "pinch-off: volume of the block");
+  PetscCall(Lift(&run, 18e-3, 2e-3));
+  PetscCall(Rows(run.gauges, 1, &count, &volume));
+  CHECK(count == 0, "pinch-off: once");
+  PetscCall(Lift(&run, 13e-3, 1e-3));
+  PetscCall(Rows(run.gauges, 1, &count, &volume));
+  CHECK(count == !rank, "pinch-off: a bar comes off");
+  if (!rank) CHECK_CLOSE(volume / 19e-6, 1, 1e-9, "pinch-off: volume of the bar");
+  PetscCall(Rows(run.gauges, 0, &count, &volume));
+  CHECK(count == (rank ? 0 : 3), "droplets: three pieces");
+  PetscCall(GaugesCreate(run.cloud, &again));
+  PetscCall(GaugesSetFromOptions(again));
+  PetscCall(Rows(again, 1, &count, &volume));
+  CHECK(count == 0, "pinch-off: none after a restart");
+  PetscCall(GaugesDestroy(&again));
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The liquid with the smallest id comes off: its label was the largest piece's. */
+static PetscErrorCode CheckLabels(void)
+{
+  Run         run;
+  PetscInt    count;
+  PetscReal   volume;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(RunCreate(PLANE BODIES_2D "-gauge_crater 0 -gauge_pinch_off ", &run));
+  PetscCall(Fill(&run, Dumbbell, 0));
+  PetscCall(Rows(run.gauges, 0, &count, &volume));
+  PetscCall(Lift(&run, 5e-3, 1e-3));
+  PetscCall(Rows(run.gauges, 0, &count, &volume));
+  CHECK(count == !rank, "pinch-off: with the smallest id");
+  if (!rank) CHECK_CLOSE(volume / 10e-6, 1, 1e-9, "pinch-off: volume with the smallest id");
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* --- which columns there are --- */
 
 static PetscErrorCode HasCrater(const char options[], PetscBool expected, const char name[])
@@ -224,6 +358,9 @@ int main(int argc, char **argv)
   PetscCall(UserErrorHandlerPush());
   for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) PetscCall(CheckGauges(&cases[c]));
   PetscCall(CheckDroplets());
+  PetscCall(CheckNecks());
+  PetscCall(CheckPinchOff());
+  PetscCall(CheckLabels());
   PetscCall(CheckCraterOption());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
