@@ -144,7 +144,7 @@ def tutorial():
                               ("short_waves",
                                good + "-film_shape wave\n-film_wave_amplitude 1e-5\n-film_wave_length 1e-3\n",
                                "waves of film are only 10 spacings long"),
-                              ("no_rim", good + "-drop_type emitter\n-drop_velocity 0,-0.02\n", "no solid on whose rim"),
+                              ("no_rim", good + "-drop_type emitter\n-drop_velocity 0,-0.02\n", "no solid on whose"),
                               ("radians", good + "-wall_contact_angle 1.9\n", "1.9 radians are 108.9 degrees")):
         with open(runs.scratch(name + ".opts"), "w", encoding="utf-8") as file:
             file.write(text)
