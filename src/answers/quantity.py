@@ -7,6 +7,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import tables  # noqa: E402
 
+UNITS_OF_NAMES = {"m", "m2", "m3", "J", "N", "N/m", "Pa", "degrees"}
 TAKES = "max, min, end, time_of_max, at=TIME, mean=TIME,TIME"
 
 
@@ -25,11 +26,17 @@ class Quantity:
             raise tables.RunError(f"QUANTITY={text}: the mean needs an earlier and a later time.")
 
     def unit(self):
-        """The unit (three dimensions); empty if the column's name has it."""
-        return "s" if self.take == "time_of_max" else tables.UNITS.get(self.column, "")
+        """The unit (three dimensions); empty if it is not known."""
+        if self.take == "time_of_max":
+            return "s"
+        last = self.column.rpartition("_")[2]
+        return tables.UNITS.get(self.column, last if last in UNITS_OF_NAMES else "")
 
     def of(self, series):
-        """The value of a run."""
+        """The value of a run. A column's name may leave its unit out."""
+        longer = [name for name in series if name.rpartition("_")[0] == self.column]
+        if self.column not in series and len(longer) == 1:
+            self.column = longer[0]
         if self.column not in series:
             raise tables.RunError(f"QUANTITY={self.text}: the series has no column {self.column}; there are: "
                                   f"{', '.join(name for name in series if name != 'time')}.")

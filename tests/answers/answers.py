@@ -99,9 +99,9 @@ def ladders():
 
 
 def quantities():
-    series = {"time": [0, 1, 2, 3], "a": [0, 3, 1, 2], "b": [math.nan, 1, 2, 3]}
+    series = {"time": [0, 1, 2, 3], "a": [0, 3, 1, 2], "b": [math.nan, 1, 2, 3], "wide_ymin_m": [1, 2, 3, 4]}
     for text, value in (("a:max", 3), ("a:min", 0), ("a:end", 2), ("a", 2), ("a:time_of_max", 1), ("a:at=1.5", 2),
-                        ("a:mean=2,3", 1.5), ("b:min", 1)):
+                        ("a:mean=2,3", 1.5), ("b:min", 1), ("wide_ymin:end", 4)):
         runs.check_within(quantity.Quantity(text).of(series), value - 1e-9, value + 1e-9, f"quantity_{text}")
     runs.check([q.text for q in quantity.read("a:max,b:mean=1,2,a:end")] == ["a:max", "b:mean=1,2", "a:end"], "list")
     for text in ("a:most", "a:at", "a:at=x", "a:mean=3,1"):

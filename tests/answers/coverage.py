@@ -47,17 +47,19 @@ def channel():
 
 
 def segment(degrees):
-    """Height (m) of the segment of a circle that half a circle of 2 mm becomes at a contact angle."""
+    """Height and chord (m) of the segment of a circle that half a circle of 2 mm becomes at a contact angle."""
     t = math.radians(degrees)
-    return math.sqrt(math.pi / 2 * 4e-6 / (t - math.sin(t) * math.cos(t))) * (1 - math.cos(t))
+    radius = math.sqrt(math.pi / 2 * 4e-6 / (t - math.sin(t) * math.cos(t)))
+    return radius * (1 - math.cos(t)), 2 * radius * math.sin(t)
 
 
 def rows():
     """(kind, case, file, further options, [(quantity, right value), ...])."""
     energy = 0.25 * math.exp(-16 * math.pi**2 * 0.01)
     ellipse = physics.ellipse(100, 0, [0, 0.0076])
-    angle = [("wetting", "contact_angle", "case.opts", f"-wall_contact_angle {degrees}\n-time_end 0.15",
-              [("highest:end", segment(degrees))]) for degrees in (60, 120)]
+    angle = [("wetting", "contact_angle", "case.opts", f"-wall_contact_angle {degrees}\n-time_end 0.15\n-gauge_spread",
+              [("highest:end", segment(degrees)[0]), ("contact_diameter_ymin:end", segment(degrees)[1]),
+               ("contact_angle_ymin:end", degrees)]) for degrees in (60, 120)]
     box, deep, wall = "reference_box.csv", "reference.csv", "reference.csv"
     return [
         ("flow", "taylor_green", "case.opts", "", [("kinetic_energy:end", energy),
@@ -67,6 +69,11 @@ def rows():
         ("flow", "stretching_drop", "case.opts", "", [("highest:end", float(ellipse[-1][0]))]),
         ("flow", "central_force", "case.opts", "-time_end 10", [
             (f"highest:at={t}", float(physics.ellipse(-0.5, 1, [0, t])[-1][1])) for t in (4, 9)]),
+        ("force", "film_at_rest", "tank.opts", "-gauge_forces", [
+            ("force_ymin_y:mean=5,10", -1000 * 2 * 0.9), ("force_xmax_x:mean=5,10", 500 * 0.9**2)]),
+        # radii of potential flow, see cases/rayleigh_plateau/check.py
+        ("thread", "rayleigh_plateau", "rings.opts", "-thread_viscosity 0\n-gauge_neck y\n-time_end 44e-3", [
+            ("neck_diameter:at=35.6988e-3", 2 * 0.6657e-3), ("neck_diameter:at=40.28e-3", 1e-3)]),
         *angle,
         ("wetting", "sessile_drop", "rings.opts", "-time_end 0.4", [("highest:end", 2.5644e-3)]),
         ("wetting", "dry_wall", "rings.opts", "", [

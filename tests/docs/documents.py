@@ -195,6 +195,27 @@ def tutorial():
                done.stdout[-300:])
 
 
+def question():
+    """The third tutorial, of cases/README.md, word for word: its values are within the bars that it prints."""
+    section = dict(texts())["cases/README.md"].split("## From a question to an answer")[1].split("\n## ")[0]
+    commands = re.findall(r"^    make (.*)$", section, re.M)
+    runs.check(len(commands) == 2, "question_commands", str(commands))
+    said = ""
+    for command in commands:
+        done = subprocess.run(f"make -s -o isph {command}", shell=True, cwd=runs.ROOT, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+        runs.check(done.returncode == 0, "question " + command.split()[0], done.stdout[-400:])
+        said += done.stdout
+    answer = r"contact_diameter_ymin:at=10e-6 = (\S+) \+- (\S+) m"
+    row = r"\| (0,-\d) \| (\S+) \| (\S+) \|"
+    (value, bar), (now, _) = (re.search(answer, text).groups() for text in (section, said))
+    runs.check_within(float(now), float(value) - float(bar), float(value) + float(bar), "question_answer")
+    table = {speed: float(now) for speed, now, _ in re.findall(row, said)}
+    for speed, value, bar in re.findall(row, section):
+        low, high = float(value) - float(bar), float(value) + float(bar)
+        runs.check_within(table.get(speed, 0), low, high, f"question {speed}")
+
+
 def coating():
     # the second tutorial, of cases/README.md, as written but for times: the run ends early
     coating = dict(texts())["cases/README.md"].split("## A nozzle coats a moving plate")[1].split("\n## ")[0]
@@ -291,7 +312,7 @@ def dry_runs():
     runs.check(dry.returncode == 0 and not dry.stderr and "(trial steps alone)" in dry.stdout, "no_rehearsal",
                dry.stderr[-300:])
 
-PARTS = {f.__name__: f for f in (written, tutorial, coating, installed, dry_runs)}
+PARTS = {f.__name__: f for f in (written, tutorial, question, coating, installed, dry_runs)}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
