@@ -1,5 +1,7 @@
 """Runs of ./isph for an answer or a study: several at a time, each with its processor time."""
 import concurrent.futures
+import functools
+import hashlib
 import math
 import os
 import shutil
@@ -70,15 +72,26 @@ def dumped(scene, folder, more=()):
     return options
 
 
+@functools.lru_cache(maxsize=None)
+def mark_of(scene):
+    """What tells two versions of a scene, or of the program, apart: all options, and the program's size and date."""
+    with tempfile.TemporaryDirectory() as folder:
+        options = sorted(dumped(scene, folder).items())
+    found = os.stat(program())
+    return hashlib.sha256(f"{options} {found.st_size} {found.st_mtime_ns}".encode()).hexdigest()[:16]
+
+
 class Run:
-    """A run in a folder of its own. What is there from an earlier call with the same command is not run again."""
+    """A run in a folder of its own. What is there from an earlier call, of the same scene and program with the same
+    options, is not run again."""
 
     def __init__(self, scene, options, folder, timeout=math.inf):
         self.scene, self.options, self.folder, self.timeout = scene, options, folder, timeout
         self.cpu, self.reason, self.series = 0.0, "", None
 
     def go(self):
-        mark, wanted = os.path.join(self.folder, "command.txt"), text_of(self.scene, self.options)
+        mark = os.path.join(self.folder, "command.txt")
+        wanted = f"{text_of(self.scene, self.options)}\n# {mark_of(self.scene)}"
         try:
             with open(mark, encoding="utf-8") as file:
                 done, cpu = file.read().rstrip("\n").rsplit("\n", 1)
