@@ -34,12 +34,13 @@
 #define LEAST   1e-9 /* spacings^2: variance of heights that makes a fit */
 
 typedef struct {
-  Gauges      gauges;
-  SortedCells cells;
-  PetscReal  *sum;   /* [receivers][SUMS] */
-  PetscReal  *wedge; /* [receivers] share of the wedge at the contact line, 1 */
-  PetscReal  *edge;  /* [edges][1 + DIM] receiver, foot (m), of the particles at an edge */
-  PetscInt    edges;
+  Gauges         gauges;
+  SortedCells    cells;
+  PetscReal     *sum;   /* [receivers][SUMS] */
+  PetscReal     *wedge; /* [receivers] share of the wedge at the contact line, 1 */
+  PetscReal     *edge;  /* [edges][1 + DIM] receiver, foot (m), of the particles at an edge, of all ranks */
+  PetscInt       edges;
+  PetscSegBuffer own; /* of this rank */
 } Cover;
 
 /* The foot (m) of a point x on a receiver and the normal out of the wall there. Returns the distance (m);
@@ -175,44 +176,49 @@ static PetscBool AddArea(Cover *cover, PetscInt receiver, PetscInt a, const Pets
 }
 
 /* Sums the wetted areas and collects the edges of this rank. */
-static void AddAreas(Cover *cover)
+static PetscErrorCode AddAreas(Cover *cover)
 {
   const Cloud cloud = cover->gauges->cloud;
 
-  cover->edges = 0;
+  PetscFunctionBegin;
   for (PetscInt r = 0; r < GaugeReceivers(cover->gauges); r++) {
     for (PetscInt k = 0; k < FIT; k++) cover->sum[SUMS * r + k] = 0;
     for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-      PetscReal *edge = cover->edge + (1 + DIM) * cover->edges, normal[DIM];
+      PetscReal foot[DIM], normal[DIM], *edge;
 
-      if (Foot(cover->gauges, r, cloud->field[FIELD_POSITION] + DIM * a, edge + 1, normal) >=
+      if (Foot(cover->gauges, r, cloud->field[FIELD_POSITION] + DIM * a, foot, normal) >=
           (PART * KernelSupport(cloud->kernel) + RAISED * cloud->domain->spacing) * cloud->size[a])
         continue;
+      if (!AddArea(cover, r, a, foot, normal)) continue;
+      PetscCall(PetscSegBufferGet(cover->own, 1 + DIM, &edge));
       edge[0] = r;
-      cover->edges += AddArea(cover, r, a, edge + 1, normal);
+      PetscCall(PetscArraycpy(edge + 1, foot, DIM));
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Gives all ranks the edges of all. */
 static PetscErrorCode ShareEdges(Cover *cover)
 {
   const Gauges gauges = cover->gauges;
-  PetscMPIInt  send = (PetscMPIInt)((1 + DIM) * cover->edges), total = 0, *count, *start;
-  PetscReal   *edge;
+  PetscMPIInt  send, total = 0, *count, *start;
+  PetscReal   *own;
+  size_t       n;
 
   PetscFunctionBegin;
+  PetscCall(PetscSegBufferGetSize(cover->own, &n));
+  PetscCall(PetscSegBufferExtractInPlace(cover->own, &own));
+  send = (PetscMPIInt)n;
   PetscCall(PetscMalloc2(gauges->size, &count, gauges->size, &start));
   PetscCallMPI(MPI_Allgather(&send, 1, MPI_INT, count, 1, MPI_INT, gauges->comm));
   for (PetscMPIInt r = 0; r < gauges->size; r++) {
     start[r] = total;
     total += count[r];
   }
-  PetscCall(PetscMalloc1(total, &edge));
-  PetscCallMPI(MPI_Allgatherv(cover->edge, send, MPIU_REAL, edge, count, start, MPIU_REAL, gauges->comm));
+  PetscCall(PetscMalloc1(total, &cover->edge));
+  PetscCallMPI(MPI_Allgatherv(own, send, MPIU_REAL, cover->edge, count, start, MPIU_REAL, gauges->comm));
   PetscCall(PetscFree2(count, start));
-  PetscCall(PetscFree(cover->edge));
-  cover->edge  = edge;
   cover->edges = total / (1 + DIM);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -380,9 +386,10 @@ static PetscErrorCode SumAreas(Cover *cover)
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(cover->sum, n * SUMS));
-  PetscCall(PetscMalloc1((1 + DIM) * (n * gauges->cloud->n_fluid + 1), &cover->edge)); /* one more is written to */
-  AddAreas(cover);
+  PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &cover->own));
+  PetscCall(AddAreas(cover));
   PetscCall(ShareEdges(cover));
+  PetscCall(PetscSegBufferDestroy(&cover->own));
   AddAngles(cover);
   PetscCall(PetscFree(cover->edge));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cover->sum, (PetscMPIInt)(n * SUMS), MPIU_REAL, MPIU_SUM, gauges->comm));

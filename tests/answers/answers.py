@@ -158,7 +158,8 @@ def programs():
     with open(short, "a", encoding="utf-8") as file:
         file.write("-drop_velocity 0,-2\n")
     other = subprocess.run(line + ["--budget", "5", "--accuracy", "30"], capture_output=True, text=True)
-    values = [re.search(r"highest:end = (?:not converged[^:]*: )?(\S+)", done.stdout).group(1) for done in (first, other)]
+    values = [re.search(r"highest:end = (?:not converged[^:]*: )?(\S+)", done.stdout).group(1)
+              for done in (first, other)]
     runs.check(abs(float(values[0]) / float(values[1]) - 1) > 0.1, "a_changed_scene_is_run_again", str(values))
     bad = subprocess.run(line + ["--accuracy", "-1"], capture_output=True, text=True)
     runs.check(bad.returncode == 1 and "ACCURACY=-1" in bad.stderr, "refuses_accuracy", bad.stderr)

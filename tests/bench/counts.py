@@ -25,7 +25,7 @@ SCENE = ("-dimension 3 -spacing 1e-3 -box_lower 0,0,0 -box_upper {0},{1},{3} -bo
          "-time_step 1e-5 -ksp_rtol 1e-4 -snapshot_interval 0 -series_interval 0 -checkpoint_interval 0 -time_end 1")
 
 
-def counted(library, ranks, steps, iterations=None):
+def counted(library, ranks, steps):
     """(most of a rank, mean of the ranks) of messages, bytes, collectives, and the iterations of a step."""
     sides = [SIDE * n * 1e-3 for n in GRIDS[ranks]]
     options = SCENE.format(*sides, sides[2] + 5e-3) + f" -steps_max {steps} -output_dir {runs.scratch('counted')}"
@@ -34,7 +34,8 @@ def counted(library, ranks, steps, iterations=None):
         os.remove(file)
     command = ["mpiexec", "-n", str(ranks), "-x", f"LD_PRELOAD={library}", "-x", f"COUNTS={file}", runs.PROGRAM,
                *options.split(), "-output_overwrite"]
-    done = subprocess.run(command, env=mpi.environment(max(2, ranks), ""), stdout=subprocess.PIPE, text=True, check=True)
+    done = subprocess.run(command, env=mpi.environment(max(2, ranks), ""), stdout=subprocess.PIPE, text=True,
+                          check=True)
     words = done.stdout.split(" iterations a step")[0].split()
     with open(file, encoding="utf-8") as lines:
         return [float(word) for word in lines.read().split()], float(words[-1])
@@ -43,12 +44,13 @@ def counted(library, ranks, steps, iterations=None):
 def table(ranks):
     library = runs.scratch("counts.so")
     subprocess.run(["mpicc", "-shared", "-fPIC", "-O1", "-o", library, os.path.join(HERE, "counts.c")], check=True)
-    lines = ["| ranks | messages: most, mean | kB: most, mean | collectives | iterations |", "| --- | --- | --- | --- | --- |"]
+    lines = ["| ranks | messages: most, mean | kB: most, mean | collectives | iterations |",
+             "| --- | --- | --- | --- | --- |"]
     for count in ranks:
         (first, _), (last, iterations) = (counted(library, count, steps) for steps in STEPS)
         step = [(b - a) / (STEPS[1] - STEPS[0]) for a, b in zip(first, last)]
-        lines.append(f"| {count} | {step[0]:.0f}, {step[1]:.0f} | {step[2] / 1e3:.0f}, {step[3] / 1e3:.0f} | {step[4]:.0f} | "
-                     f"{iterations:.1f} |")
+        lines.append(f"| {count} | {step[0]:.0f}, {step[1]:.0f} | {step[2] / 1e3:.0f}, {step[3] / 1e3:.0f} | "
+                     f"{step[4]:.0f} | {iterations:.1f} |")
         print(lines[-1], flush=True)
     return "\n".join(lines)
 
