@@ -116,7 +116,7 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
                      "the emitter %s has brought as many particles as this build of PETSc can number",
                      BodyName(portion.body));
       portion.k = emission->done;
-      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, &portion,
+      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, PETSC_FALSE, &portion,
                               EMITTED_ID + (portion.k * emitters + number) * most, &count));
       *emitted += count;
     }

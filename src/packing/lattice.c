@@ -122,16 +122,22 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
   return PETSC_TRUE;
 }
 
-/* The share of the lattice cell around x, displaced as the body displaces it, that is inside body b and box. *length:
-   the mean length (m) of the rings in the cell before the displacement, counting zero outside, in solids and in earlier
-   bodies. */
-static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, PetscInt b, const PetscReal x[DIM],
+/* The points of the lattice cell around x, displaced as the body displaces it, that are inside body b and box, of
+   CellPoints. *length: the mean length (m) of the rings in the cell before the displacement, counting zero outside, in
+   solids and in earlier bodies. */
+static PetscInt CellPoints(Domain domain)
+{
+  const PetscInt m = domain->rings ? RING_POINTS : SUBPOINTS;
+
+  return domain->dim == DIM ? m * m * m : m * m;
+}
+
+static PetscInt CellInside(Scene scene, Domain domain, const Lattice *lattice, PetscInt b, const PetscReal x[DIM],
                            PetscReal *length)
 {
   const Body     body      = SceneBody(scene, b);
   const PetscInt m         = domain->rings ? RING_POINTS : SUBPOINTS,
-                 last[DIM] = {m - 1, m - 1, domain->dim == DIM ? m - 1 : 0}, points = m * m * (last[2] + 1),
-                 first[DIM] = {0, 0, 0};
+                 last[DIM] = {m - 1, m - 1, domain->dim == DIM ? m - 1 : 0}, first[DIM] = {0, 0, 0};
   PetscInt inside = 0, at[DIM] = {0, 0, 0};
 
   *length = 0;
@@ -147,19 +153,61 @@ static PetscReal CellShare(Scene scene, Domain domain, const Lattice *lattice, P
         (!SceneBodiesOverlap(scene) || SceneOwnDistance(scene, b, y) < 0))
       *length += 2 * PETSC_PI * r;
   } while (CellNext(first, last, at));
-  *length /= points;
-  return (PetscReal)inside / points;
+  *length /= CellPoints(domain);
+  return inside;
 }
 
 /* The lattice points around a body. */
 typedef struct {
-  PetscReal  target;   /* the body's volume over that of a lattice cell */
-  PetscReal  length;   /* rings: the body's volume over the area of a lattice cell, m */
-  PetscReal  bound;    /* of the level, m */
-  PetscInt   sure;     /* points deeper inside than the bound */
-  PetscInt   n;        /* points next to the surface */
-  PetscReal *distance; /* [n] of these points from the surface, m, ascending */
+  PetscInt64 full, parts; /* cells inside the body, and points of the others that are */
+  PetscReal  target;      /* the body's volume over that of a lattice cell */
+  PetscReal  length;      /* rings: the body's volume over the area of a lattice cell, m */
+  PetscReal  bound;       /* of the level, m */
+  PetscInt   sure;        /* points deeper inside than the bound */
+  PetscInt   n;           /* points next to the surface */
+  PetscReal *distance;    /* [n] of these points from the surface, m, ascending */
 } Shells;
+
+/* This rank's share of 'count' points: first to last - 1. Of rings each rank walks through all. */
+static void OwnShare(Domain domain, PetscInt count, PetscInt *first, PetscInt *last)
+{
+  PetscMPIInt rank = 0, size = 1;
+
+  if (!domain->rings) {
+    (void)MPI_Comm_rank(domain->comm, &rank);
+    (void)MPI_Comm_size(domain->comm, &size);
+  }
+  *first = (PetscInt)((PetscInt64)count * rank / size);
+  *last  = (PetscInt)((PetscInt64)count * (rank + 1) / size);
+}
+
+/* Adds up the shells of the ranks' shares. The sums are of integers, so they do not depend on the number of ranks. */
+static PetscErrorCode ShareShells(MPI_Comm comm, Shells *shells)
+{
+  PetscMPIInt size, own = (PetscMPIInt)shells->n, total = 0, *count, *start;
+  PetscInt64  sum[3] = {shells->full, shells->parts, shells->sure};
+  PetscReal  *distance;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_INT64, MPI_SUM, comm));
+  PetscCall(PetscMalloc2(size, &count, size, &start));
+  PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, comm));
+  for (PetscMPIInt r = 0; r < size; r++) {
+    start[r] = total;
+    total += count[r];
+  }
+  PetscCall(PetscMalloc1(total, &distance));
+  PetscCallMPI(MPI_Allgatherv(shells->distance, own, MPIU_REAL, distance, count, start, MPIU_REAL, comm));
+  PetscCall(PetscFree2(count, start));
+  PetscCall(PetscFree(shells->distance));
+  shells->distance = distance;
+  shells->n        = total;
+  shells->full     = sum[0];
+  shells->parts    = sum[1];
+  shells->sure     = (PetscInt)sum[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *lattice, Shells *shells)
 {
@@ -169,15 +217,17 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   const PetscReal reach  = 0.5 * domain->spacing * domain->dim; /* the surface crosses no cell farther away */
   const PetscBool cut    = (PetscBool)(domain->rings && b > 0 && SceneBodiesOverlap(scene));
   PetscSegBuffer  near;
+  PetscInt        first, last;
   size_t          n;
 
   PetscFunctionBegin;
+  OwnShare(domain, LatticeCount(lattice), &first, &last);
   *shells = (Shells){.bound = PETSC_MAX_REAL};
   for (PetscInt d = 0; d < domain->dim; d++) shells->bound = PetscMin(shells->bound, LEVEL_MAX * lattice->pitch[d]);
   shells->bound *= 1 - POINT_TOLERANCE; /* below the depth of the outermost points of a fitting body */
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &near));
-  for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
-    PetscReal x[DIM], placed[DIM], s, solid, *kept, length, share;
+  for (PetscInt point = first; point < last; point++) {
+    PetscReal x[DIM], placed[DIM], s, solid, *kept, length;
     PetscBool inside;
 
     LatticePoint(lattice, point, x);
@@ -187,10 +237,11 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
     s      = PointDistance(packing, b, point, placed);
     solid  = domain->rings ? SceneSolidDistance(scene, placed, NULL) : PETSC_MAX_REAL;
     length = inside && solid > 0 ? 2 * PETSC_PI * x[0] : 0;
-    share  = inside;
-    if (PetscAbsReal(s) <= reach || (s < 0 && (PetscAbsReal(solid) <= reach || cut)))
-      share = CellShare(scene, domain, lattice, b, x, &length);
-    shells->target += s < -reach ? inside : s > reach ? 0 : share;
+    if (PetscAbsReal(s) <= reach)
+      shells->parts += CellInside(scene, domain, lattice, b, x, &length);
+    else if (s < 0 && (PetscAbsReal(solid) <= reach || cut))
+      (void)CellInside(scene, domain, lattice, b, x, &length);
+    if (s < -reach) shells->full += inside;
     if (s <= reach) shells->length += length;
     if (!inside || s > shells->bound) continue;
     if (s < -shells->bound)
@@ -204,6 +255,8 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   PetscCall(PetscSegBufferExtractAlloc(near, &shells->distance));
   PetscCall(PetscSegBufferDestroy(&near));
   shells->n = (PetscInt)n;
+  if (!domain->rings) PetscCall(ShareShells(domain->comm, shells));
+  shells->target = (PetscReal)shells->full + (PetscReal)shells->parts / CellPoints(domain);
   PetscCall(PetscSortReal(shells->n, shells->distance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -261,17 +314,18 @@ PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Passes the points of body b's lattice to the visitor, each with this ring area over V_0. *id: the number of the next
-   particle. */
-static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *lattice, const PetscReal level[],
-                                  PetscReal area, SampleVisitor visitor, void *context, PetscInt *id)
+/* Passes the points first to last - 1 of body b's lattice to the visitor, each with this ring area over V_0. *id: the
+   number of the next particle. */
+static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *lattice, PetscInt first, PetscInt last,
+                                  const PetscReal level[], PetscReal area, SampleVisitor visitor, void *context,
+                                  PetscInt *id)
 {
   const Domain             domain = packing->cloud->domain;
   const PetscReal          jitter = ((LatticeData *)packing->data)->jitter * domain->spacing; /* m */
   const unsigned long long seed   = (unsigned long long)packing->seed;
 
   PetscFunctionBegin;
-  for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
+  for (PetscInt point = first; point < last; point++) {
     Sample    sample = {.body = b};
     PetscReal length;
 
@@ -302,24 +356,43 @@ static PetscErrorCode AddLength(void *context, const Sample *sample)
   return PETSC_SUCCESS;
 }
 
-/* Passes the points of body b to the visitor. All rings have one area, with which they have the body's volume. length:
-   see LatticeFit. */
-static PetscErrorCode VisitBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal length,
+static PetscErrorCode Ignore(void *context, const Sample *sample)
+{
+  (void)context;
+  (void)sample;
+  return PETSC_SUCCESS;
+}
+
+/* Passes the points of body b to the visitor, or this rank's share of them. All rings have one area, with which they
+   have the body's volume. length: see LatticeFit. */
+static PetscErrorCode VisitBody(Packing packing, PetscInt b, PetscBool share, const PetscReal level[], PetscReal length,
                                 SampleVisitor visitor, void *context, PetscInt *id)
 {
   const Domain domain = packing->cloud->domain;
   RingSum      sum    = {.domain = domain};
   PetscReal    area   = 1;
-  PetscInt     first  = *id;
+  PetscInt     next = *id, first = 0, last, before = 0, count;
+  PetscMPIInt  size;
   Lattice      lattice;
 
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(domain->comm, &size));
+  share = (PetscBool)(share && size > 1 && !domain->rings);
   LatticeOfBody(domain, domain->spacing, SceneBody(packing->cloud->scene, b), &lattice);
+  last = LatticeCount(&lattice);
   if (domain->rings) {
-    PetscCall(VisitPoints(packing, b, &lattice, level, 1, AddLength, &sum, &first));
+    PetscCall(VisitPoints(packing, b, &lattice, first, last, level, 1, AddLength, &sum, &next));
     area = lattice.pitch[0] * lattice.pitch[1] / domain->volume * (sum.length > 0 ? length / sum.length : 1);
   }
-  PetscCall(VisitPoints(packing, b, &lattice, level, area, visitor, context, id));
+  if (share) { /* the numbers of the points before this share */
+    OwnShare(domain, last, &first, &last);
+    PetscCall(VisitPoints(packing, b, &lattice, first, last, level, 1, Ignore, NULL, &next));
+    count = next - *id;
+    PetscCallMPI(MPI_Scan(&count, &before, 1, MPIU_INT, MPI_SUM, domain->comm));
+    *id += before - count;
+  }
+  PetscCall(VisitPoints(packing, b, &lattice, first, last, level, area, visitor, context, id));
+  if (share) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, id, 1, MPIU_INT, MPI_MAX, domain->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -333,7 +406,8 @@ static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *c
   PetscFunctionBegin;
   PetscCall(LatticeFit(packing, level, length));
   for (PetscInt b = 0; b < SceneCount(scene); b++)
-    if (!BodyEmits(SceneBody(scene, b))) PetscCall(VisitBody(packing, b, level, length[b], visitor, context, &id));
+    if (!BodyEmits(SceneBody(scene, b)))
+      PetscCall(VisitBody(packing, b, PETSC_TRUE, level, length[b], visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -345,7 +419,7 @@ PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor vi
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) level[b] = -PETSC_MAX_REAL;
   PetscCall(FitLevel(packing, body, &level[body], &length));
-  PetscCall(VisitBody(packing, body, level, length, visitor, context, &id));
+  PetscCall(VisitBody(packing, body, PETSC_FALSE, level, length, visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -381,6 +455,7 @@ PetscErrorCode PackingCreate_Lattice(Packing packing)
   packing->data               = lattice;
   packing->ops.setfromoptions = SetFromOptions_Lattice;
   packing->ops.visit          = Visit_Lattice;
+  packing->ops.shared         = PETSC_TRUE;
   packing->ops.destroy        = Destroy_Lattice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -122,7 +122,8 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Partitions the cells first, with the weights that CloudResync will use, so that no particle has to migrate. */
+/* Partitions the cells first, with the weights that CloudResync will use, so that particles are made where they belong,
+   but for those that the ranks share. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud        cloud   = packing->cloud;
@@ -133,22 +134,27 @@ static PetscErrorCode CreateParticles(Packing packing)
   Dummies     dummies  = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
   void       *source[] = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
   PetscInt   *weight, count[PETSC_STATIC_ARRAY_LENGTH(visit)], first_id = 0;
-  PetscMPIInt rank;
+  PetscMPIInt rank, size;
+  PetscBool   shared;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
+  shared = (PetscBool)(packing->ops.shared && !domain->graded && !domain->rings && size > 1);
   PetscCall(PetscCalloc1(cells, &weight));
   PetscCall(SamplesWeigh(domain, visit[0], packing, weight, &packing->count));
+  if (shared) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &packing->count, 1, MPIU_INT, MPI_SUM, cloud->comm));
   PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
-  if (rank) PetscCall(PetscArrayzero(weight, cells)); /* DomainPartition sums over the ranks */
+  if (rank && !shared) PetscCall(PetscArrayzero(weight, cells)); /* DomainPartition sums over the ranks */
   for (size_t k = 1; k < PETSC_STATIC_ARRAY_LENGTH(visit) && !rank; k++)
     PetscCall(SamplesWeigh(domain, visit[k], source[k], weight, &count[k]));
   PetscCall(DomainPartition(domain, 1, weight));
   PetscCall(PetscFree(weight));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(visit); k++) {
-    PetscCall(SamplesAppend(cloud->particles, domain, visit[k], source[k], first_id, &count[k]));
+    PetscCall(
+      SamplesAppend(cloud->particles, domain, visit[k], (PetscBool)(shared && k == 0), source[k], first_id, &count[k]));
     first_id += count[k];
   }
   if (domain->follow) PetscCall(ResampleWalls(cloud));

@@ -18,17 +18,19 @@ static inline PetscReal SampleSize(const Sample *sample)
   return sample->size > 0 ? sample->size : 1;
 }
 
-/* A source passes all its samples, one after the other and the same on every rank, to a visitor. */
+/* A source passes its samples, one after the other, to a visitor: all of them, the same on every rank, or, if the ranks
+   share them, this rank's part. */
 typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
 typedef PetscErrorCode (*SampleSource)(void *source, SampleVisitor visitor, void *context);
 
-/* SamplesWeigh - adds the samples of a source to the numbers of particles in the cells, weight [cells]; *count: number
-   of samples. Not collective. */
+/* SamplesWeigh - adds the samples that this rank visits to the numbers of particles in the cells, weight [cells];
+ *count: their number. Not collective, unless the source is. */
 PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count);
 /* SamplesAppend - appends the samples in this rank's cells to the swarm, with ids and parents counted from first_id on;
- *count: number of samples on all ranks. Collective. */
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
-                             PetscInt *count);
+ *count: number of samples on all ranks. shared: the ranks share the samples of the source, which then move to the rank
+ of their cells. Collective. */
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, PetscBool shared, void *source,
+                             PetscInt first_id, PetscInt *count);
 
 /* The points of an emitter, which it brings at each emission. */
 typedef struct {
@@ -42,7 +44,8 @@ typedef struct {
   /* Reads the options of the type, inside a block. */
   PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
   PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
-  SampleSource visit; /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
+  SampleSource visit;  /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
+  PetscBool    shared; /* the ranks share the samples, but those of rings */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */
   PetscErrorCode (*destroy)(Packing packing);
 } PackingOps;

@@ -1,9 +1,11 @@
-/* Makes particles from samples: every rank visits all samples of a source and keeps those of its cells. */
+/* Makes particles from samples: every rank visits all samples of a source and keeps those of its cells, or visits its
+   share of them, which then move to the ranks of their cells. */
 #include "packing_impl.h"
 
 typedef struct {
   Domain         domain;
   PetscMPIInt    rank;
+  PetscBool      shared;
   PetscInt      *weight; /* [cells] */
   PetscInt       count;  /* samples seen */
   PetscSegBuffer own;    /* of this rank */
@@ -35,17 +37,17 @@ static PetscErrorCode KeepSample(void *context, const Sample *sample)
 
   PetscFunctionBegin;
   selection->count++;
-  if (selection->domain->cell_rank[DomainCell(selection->domain, sample->x)] == selection->rank) {
+  if (selection->shared || selection->domain->cell_rank[DomainCell(selection->domain, sample->x)] == selection->rank) {
     PetscCall(PetscSegBufferGet(selection->own, 1, &kept));
     *kept = *sample;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
-                             PetscInt *count)
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, PetscBool shared, void *source,
+                             PetscInt first_id, PetscInt *count)
 {
-  Selection      selection = {.domain = domain};
+  Selection      selection = {.domain = domain, .shared = shared};
   ParticleArrays arrays;
   PetscInt       next;
   size_t         n;
@@ -56,6 +58,7 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &selection.own));
   PetscCall(visit(source, KeepSample, &selection));
   *count = selection.count;
+  if (shared) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 1, MPIU_INT, MPI_SUM, domain->comm));
   PetscCall(PetscSegBufferGetSize(selection.own, &n));
   PetscCall(PetscSegBufferExtractInPlace(selection.own, &sample));
   PetscCall(ParticlesLocalSize(particles, &next));
@@ -77,5 +80,6 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
   }
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCall(PetscSegBufferDestroy(&selection.own));
+  if (shared) PetscCall(ParticlesMigrate(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
