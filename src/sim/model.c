@@ -5,15 +5,17 @@
 #include "sim_impl.h"
 #include <string.h>
 
-#define POINTS     3000 /* in the bounds of each body, and in the box */
-#define MARGIN     0.1  /* by which the bounds of a body are widened, of their extent */
-#define NEAR       0.1  /* spacings from a surface within which it is not known what a point is in */
-#define SAME       1e-6 /* of the largest value of the scene, for velocities, accelerations, sizes */
-#define TIMES      3
-#define TURNS      3
-#define SMALL      0.01 /* share that counts as nothing */
-#define RATES      3
-#define WHY_LENGTH 160
+#define POINTS       3000 /* in the bounds of each body, and in the box */
+#define SETS         8    /* with more bodies there are fewer points of each, down to POINTS_LEAST */
+#define POINTS_LEAST 500
+#define MARGIN       0.1  /* by which the bounds of a body are widened, of their extent */
+#define NEAR         0.1  /* spacings from a surface within which it is not known what a point is in */
+#define SAME         1e-6 /* of the largest value of the scene, for velocities, accelerations, sizes */
+#define TIMES        3
+#define TURNS        3
+#define SMALL        0.01 /* share that counts as nothing */
+#define RATES        3
+#define WHY_LENGTH   160
 
 /* What is at a place: of the liquid or the solid there. Equal structs are equal places. */
 typedef struct {
@@ -164,11 +166,12 @@ static PetscBool AtAll(const Model *model,
                        PetscBool (*ok)(const Model *, PetscReal, const PetscReal[], const void *, const char **),
                        const void *context, char why[])
 {
-  const Sim       sim  = model->sim;
-  const PetscInt  sets = SceneCount(sim->scene) + SceneSolidCount(sim->scene) + 1;
-  const PetscReal span = sim->has_end ? sim->time_end - sim->state.time : 0;
-  PetscBool       good = PETSC_TRUE;
-  const char     *what = "";
+  const Sim       sim    = model->sim;
+  const PetscInt  sets   = SceneCount(sim->scene) + SceneSolidCount(sim->scene) + 1;
+  const PetscInt  points = PetscMax(POINTS_LEAST, POINTS * PetscMin(sets, SETS) / sets);
+  const PetscReal span   = sim->has_end ? sim->time_end - sim->state.time : 0;
+  PetscBool       good   = PETSC_TRUE;
+  const char     *what   = "";
 
   for (PetscInt t = 0; t < TIMES && good; t++) {
     const PetscReal time = sim->state.time + span * (PetscReal)t / (TIMES - 1);
@@ -179,7 +182,7 @@ static PetscBool AtAll(const Model *model,
       PetscReal         lower[DIM], upper[DIM];
       const char *const name = Bounds(model, s, lower, upper);
 
-      for (PetscInt k = 1; k <= POINTS && good; k++) {
+      for (PetscInt k = 1; k <= points && good; k++) {
         const PetscReal x[DIM] = {lower[0] + Halton(k, 2) * (upper[0] - lower[0]),
                                   lower[1] + Halton(k, 3) * (upper[1] - lower[1]),
                                   lower[2] + Halton(k, 5) * (upper[2] - lower[2])};
