@@ -50,6 +50,15 @@ static void Reserve(H5File *h5, hsize_t bytes)
     h5->reserved = PetscMax(h5->reserved, length);
 }
 
+/* Lets HDF5 close the file, unless it cannot write what it has: HDF5 1.10 would crash in closing such a file, also at
+   the end of the program (H5dont_atexit), so it stays open. */
+static void LetClose(H5File *h5, PetscBool writing)
+{
+  if (h5->id < 0) return;
+  if ((writing && H5Fflush(h5->id, H5F_SCOPE_LOCAL) < 0) || H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
+  h5->id = -1;
+}
+
 /* Opens or creates the file on the ranks that own it. */
 static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool writing, H5File *h5)
 {
@@ -57,6 +66,7 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   PetscBool all;
 
   PetscFunctionBegin;
+  (void)H5dont_atexit(); /* see LetClose; without effect but for the first time */
   h5->comm        = comm;
   h5->failed      = PETSC_FALSE;
   h5->external    = PETSC_FALSE;
@@ -88,8 +98,7 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
     PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all));
   }
   if (!all) {
-    if (h5->id >= 0) (void)H5Fclose(h5->id);
-    h5->id     = -1;
+    LetClose(h5, writing);
     h5->failed = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -111,14 +120,14 @@ PetscErrorCode H5FileOpen(MPI_Comm comm, const char path[], H5File *h5)
 
 PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed)
 {
-  PetscBool all;
+  PetscBool       all;
+  const PetscBool writing = (PetscBool)(h5->file >= 0);
 
   PetscFunctionBegin;
-  if (h5->file >= 0 && close(h5->file)) h5->failed = PETSC_TRUE;
+  if (writing && close(h5->file)) h5->failed = PETSC_TRUE;
   h5->file = -1;
   PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all)); /* all rows are written: HDF5 cuts off what is reserved */
-  if (h5->id >= 0 && H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
-  h5->id = -1;
+  LetClose(h5, writing);
   (void)H5Eset_auto2(H5E_DEFAULT, h5->handler, h5->client);
   PetscCall(AllAgree(h5, (PetscBool)(all && !h5->failed), &all));
   *failed = (PetscBool)!all;

@@ -9,8 +9,14 @@
 
 typedef struct {
   PetscInt  dim, n[DIM]; /* points of a lattice */
-  PetscBool periodic[DIM], surface, blob, isolated;
+  PetscBool periodic[DIM], surface, blob, isolated, rings;
 } Scene_;
+
+/* The length of the ring at a point, over 2 pi. */
+static PetscReal Length(const Scene_ *s, const PetscReal x[DIM])
+{
+  return s->rings ? x[0] : 1;
+}
 
 /* All points on every rank: a jittered lattice, a small one far above it, and points with no neighbour. */
 static PetscErrorCode MakePoints(const Scene_ *s, PetscInt *count, PetscReal **x)
@@ -58,17 +64,18 @@ static PetscErrorCode MakeMatrix(const Scene_ *s, PetscInt N, const PetscReal x[
         r2 += dx * dx;
       }
       if (a == b || r2 >= REACH * REACH) continue;
-      K = 11 * PetscPowReal(1 - PetscSqrtReal(r2) / REACH, 3);
+      K = 11 * PetscPowReal(1 - PetscSqrtReal(r2) / REACH, 3) *
+          PetscSqrtReal(Length(s, x + DIM * a) * Length(s, x + DIM * b));
       diagonal[a - start] += K;
       PetscCall(MatSetValue(*A, a, b, -K, INSERT_VALUES));
     }
-    full = PetscMax(full, diagonal[a - start]);
+    full = PetscMax(full, diagonal[a - start] / Length(s, x + DIM * a));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &full, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   for (PetscInt a = start; a < end; a++) {
     PetscReal d = diagonal[a - start];
 
-    if (s->surface && d < 0.6 * full) d = 0.8 * full;
+    if (s->surface && d < 0.6 * full * Length(s, x + DIM * a)) d = 0.8 * full * Length(s, x + DIM * a);
     if (s->surface && diagonal[a - start] == 0) d = 1;
     PetscCall(MatSetValue(*A, a, a, d, INSERT_VALUES));
   }
@@ -143,7 +150,7 @@ static PetscErrorCode TestScene(const Scene_ *s, PetscInt most, const char name[
   Mat                A;
   Vec                x, b, r;
   PetscInt           N = 0, n, start, iterations, jacobi;
-  PetscReal         *points, *own, norm, error;
+  PetscReal         *points, *own, *volume, *factor, norm, error;
   PetscMPIInt        rank, size;
   KSPConvergedReason reason;
   char               text[128];
@@ -156,7 +163,9 @@ static PetscErrorCode TestScene(const Scene_ *s, PetscInt most, const char name[
   n = RowsOfRank(s, N, rank, size);
   PetscCall(MakeMatrix(s, N, points, n, &A));
   PetscCall(MatGetOwnershipRange(A, &start, NULL));
-  PetscCall(PetscMalloc1(s->dim * n, &own));
+  PetscCall(PetscMalloc3(s->dim * n, &own, n, &volume, n, &factor));
+  for (PetscInt a = 0; a < n; a++) volume[a] = 1;
+  for (PetscInt a = 0; a < n; a++) factor[a] = Length(s, points + DIM * (start + a));
   for (PetscInt a = 0; a < n; a++)
     for (PetscInt d = 0; d < s->dim; d++) own[s->dim * a + d] = points[DIM * (start + a) + d];
   PetscCall(MatCreateVecs(A, &x, &b));
@@ -174,6 +183,7 @@ static PetscErrorCode TestScene(const Scene_ *s, PetscInt most, const char name[
   PetscCall(KSPGetIterationNumber(ksp, &jacobi));
   PetscCall(PCSetType(pc, PCTWOLEVEL));
   PetscCall(PCTwoLevelSetGrid(pc, SPACING, lower, upper, s->periodic));
+  if (s->rings) PetscCall(PCTwoLevelSetVolumes(pc, SPACING, n, volume, factor));
   PetscCall(PCSetCoordinates(pc, s->dim, n, own));
   PetscCall(KSPSetFromOptions(ksp));
   PetscCall(KSPSolve(ksp, b, x));
@@ -206,20 +216,29 @@ static PetscErrorCode TestScene(const Scene_ *s, PetscInt most, const char name[
   PetscCall(VecDestroy(&b));
   PetscCall(VecDestroy(&r));
   PetscCall(PetscFree(points));
-  PetscCall(PetscFree(own));
+  PetscCall(PetscFree3(own, volume, factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 int main(int argc, char **argv)
 {
-  const Scene_ film   = {3, {16, 14, 12}, {PETSC_TRUE, PETSC_TRUE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE};
-  const Scene_ box    = {3, {15, 15, 15}, {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE}, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE};
-  const Scene_ closed = {3,           {12, 12, 9}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
-                         PETSC_FALSE, PETSC_FALSE, PETSC_FALSE};
-  const Scene_ splash = {3, {16, 14, 10}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
-  const Scene_ dam    = {2, {60, 30, 1}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE};
-  const Scene_ narrow = {2, {6, 80, 1}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE};
-  const Scene_ grains = {2, {0, 0, 0}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE};
+  const Scene_ film   = {3,           {16, 14, 12}, {PETSC_TRUE, PETSC_TRUE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
+                         PETSC_FALSE, PETSC_FALSE};
+  const Scene_ box    = {3,           {15, 15, 15}, {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE}, PETSC_FALSE, PETSC_FALSE,
+                         PETSC_FALSE, PETSC_FALSE};
+  const Scene_ closed = {3,           {12, 12, 9}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_FALSE, PETSC_FALSE,
+                         PETSC_FALSE, PETSC_FALSE};
+  const Scene_ splash = {3,          {16, 14, 10}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE,
+                         PETSC_TRUE, PETSC_FALSE};
+  const Scene_ dam    = {2,          {60, 30, 1}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE,
+                         PETSC_TRUE, PETSC_FALSE};
+  const Scene_ narrow = {2,           {6, 80, 1}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
+                         PETSC_FALSE, PETSC_FALSE};
+  const Scene_ grains = {2,          {0, 0, 0},  {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
+                         PETSC_TRUE, PETSC_FALSE};
+
+  const Scene_ rings = {2,           {60, 30, 1}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
+                        PETSC_FALSE, PETSC_TRUE};
 
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(PCTwoLevelRegister());
@@ -229,6 +248,7 @@ int main(int argc, char **argv)
   PetscCall(TestScene(&splash, 22, "splash"));
   PetscCall(TestScene(&dam, 25, "dam_2d"));
   PetscCall(TestScene(&narrow, 25, "narrow_2d"));
+  PetscCall(TestScene(&rings, 18, "rings"));
   PetscCall(TestScene(&grains, 3, "isolated_only"));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
