@@ -1,11 +1,14 @@
 /* Ends a run cleanly: a handler records the signals that would end the program, and the run checks for them and for
-   -wall_clock_limit between steps and during long work. The limit counts from the start of the program. */
+   -wall_clock_limit between steps and during long work. The limit counts from the start of the program. A run that
+   gives no sign of life is ended by a timer, -wall_clock_silence. */
 #include "base.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -16,7 +19,9 @@ static const struct {
                {SIGTERM, "SIGTERM"}, {SIGUSR1, "SIGUSR1"}, {SIGXCPU, "SIGXCPU"}};
 
 #define WATCHED          PETSC_STATIC_ARRAY_LENGTH(Watched)
-#define SLOW             0.5 /* s between checks, from which on a signal is confirmed when it arrives */
+#define SLOW             0.5  /* s between checks, from which on a signal is confirmed when it arrives */
+#define LEAST_HALF       1e-3 /* s: bounds of half the time of silence */
+#define MOST_HALF        1e9
 #define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */
 
 static const char Confirmation[] = "isph: received a signal: the run ends with a checkpoint after this step\n";
@@ -32,6 +37,16 @@ static double                LastCheck  = 0;           /* time of the last Inter
 static double                CheckPause = 0;           /* time between the last two, s */
 static PetscBool             Speaks     = PETSC_FALSE; /* this is rank 0, and it has called InterruptCheck */
 static PetscBool             KilledSoon = PETSC_FALSE; /* mpiexec kills the program a second after a signal */
+
+/* The timer rings after each half of the time, and the second ring in silence ends the run: a program that was stopped
+   (Ctrl-Z, a debugger) for long hears one ring when it goes on, and has the other half for a sign of life. */
+static struct {
+  struct itimerval      half; /* 0: no watch */
+  volatile sig_atomic_t rings;
+  char                  seconds[32];
+  const char           *doing;
+  char                  checkpoint[PETSC_MAX_PATH_LEN]; /* the last complete one; "": none */
+} Silence = {.doing = "the set-up"};
 
 /* A signal handler calls this: stdio is not safe there. */
 static void Confirm(void)
@@ -119,8 +134,66 @@ PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **rea
   CheckPause = now - LastCheck;
   LastCheck  = now;
   Speaks     = (PetscBool)!rank;
+  InterruptAlive(NULL);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 3, MPIU_INT, MPI_MAX, comm));
   if (wanted) *wanted = (PetscBool)(what[2] > 0);
   *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The handler of the timer. The program may hang within MPI or within a write, so neither is called or waited for: the
+   exit of rank 0 makes mpiexec end the other ranks. */
+static void EndSilence(int number)
+{
+  const char *const parts[]                        = {"isph: error: there was no sign of life for ",
+                                                      Silence.seconds,
+                                                      " s (-wall_clock_silence) during ",
+                                                      Silence.doing,
+                                                      ": the network, a host or a disk may be gone; ",
+                               Silence.checkpoint[0] ? "continue on others with -restart " : "there is no checkpoint",
+                                                      Silence.checkpoint,
+                                                      "\n"};
+  const int         files[]                        = {STDERR_FILENO, JournalFile()};
+  char              line[PETSC_MAX_PATH_LEN + 512] = "";
+
+  if (!Silence.rings++) return;
+  (void)signal(number, SIG_DFL);
+  (void)alarm(1); /* ends a write that hangs */
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++)
+    strncat(line, parts[k], sizeof(line) - strlen(line) - 1);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++)
+    if (write(files[k], line, strlen(line)) < 0) continue;
+  _exit(1);
+}
+
+void InterruptSilence(double seconds)
+{
+  const double     half   = seconds > 0 ? PetscMin(PetscMax(seconds / 2, LEAST_HALF), MOST_HALF) : 0;
+  struct sigaction action = {.sa_handler = EndSilence, .sa_flags = SA_RESTART | SA_NODEFER};
+  sigset_t         own;
+  PetscMPIInt      rank = 0;
+
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank) return; /* rank 0 works alone at times, while the others wait */
+  (void)snprintf(Silence.seconds, sizeof(Silence.seconds), "%g", seconds);
+  Silence.half.it_value.tv_sec  = (time_t)half;
+  Silence.half.it_value.tv_usec = (suseconds_t)(1e6 * (half - floor(half)));
+  Silence.half.it_interval      = Silence.half.it_value;
+  (void)sigaction(SIGALRM, &action, NULL);
+  (void)sigemptyset(&own);
+  (void)sigaddset(&own, SIGALRM);
+  (void)sigprocmask(SIG_UNBLOCK, &own, NULL);
+  (void)setitimer(ITIMER_REAL, &Silence.half, NULL);
+}
+
+void InterruptAlive(const char doing[])
+{
+  if (doing) Silence.doing = doing;
+  Silence.rings = 0;
+  if (Silence.half.it_value.tv_sec || Silence.half.it_value.tv_usec) (void)setitimer(ITIMER_REAL, &Silence.half, NULL);
+}
+
+void InterruptCheckpoint(const char path[])
+{
+  (void)snprintf(Silence.checkpoint, sizeof(Silence.checkpoint), "%s", path);
 }

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """Signals, closed pipes and the wall clock, at any moment of a run, on one and two ranks: the run ends with its last
 checkpoint and series written, and with a sentence that names what ended it; before the first step with the sentence
-alone. One that is ignored from outside (nohup) stays ignored. And faults of one rank alone end all.
+alone. One that is ignored from outside (nohup) stays ignored. Faults of one rank alone and silence end all.
 
     tests/faults/signals.py [--all]
 
 Without --all a short part, as in make test. The last lines tell how many were tried, continued and refused."""
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -189,6 +190,40 @@ def clock():
     count("wall clock, step", outcome(code, out, err, folder, "-wall_clock_limit"), f"code {code}: {err[-300:]}")
 
 
+def silence():
+    """-wall_clock_silence ends a run whose other rank is stuck, with the name of the checkpoint to continue from. It
+    does not end one that was stopped and goes on, nor one whose rank 0 works alone for long."""
+    folder = runs.scratch("silence")
+    options = f"{MOMENTS['write']} -wall_clock_silence 2 -output_dir {folder}"
+    process = launch(options, 2)
+    stuck = wait(process, 2, "write", folder)[1:]
+    began = time.monotonic()
+    for pid in stuck:
+        os.kill(pid, signal.SIGSTOP)
+    code, _, err = end(process)
+    took, said = time.monotonic() - began, re.findall(r"^isph: error: .* for 2 s .*-restart (\S+)$", err, re.M)
+    good = code and took < 20 and said and said[0] == max(runs.numbered(folder, "checkpoint"))
+    again = runs.start(f"{SCENE} -steps_max 1 -output_dir {folder} -restart {said[0]}").returncode if good else None
+    with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+        good = good and again == 0 and "-wall_clock_silence" in file.read()
+    count("silence, a rank that is stuck", "continued" if good else "failed", f"code {code}, {took:.0f} s: {err[-400:]}")
+    process = launch(options + "_stopped", 2)
+    there = wait(process, 2, "step", folder + "_stopped")
+    for order, pause in ((signal.SIGSTOP, 3), (signal.SIGCONT, 0.5), (signal.SIGTERM, 0)):
+        for pid in there:
+            os.kill(pid, order)
+        time.sleep(pause)
+    code, out, err = end(process)
+    count("silence, a run that was stopped", outcome(code, out + err, err, folder + "_stopped", "SIGTERM"),
+          f"code {code}: {err[-400:]}")
+    folder += "_packing"
+    process = launch(MOMENTS["packing"] + " -spacing 1e-3 -wall_clock_silence 1.5 -wall_clock_limit 4 "
+                     f"-output_dir {folder}", 2)
+    code, out, err = end(process)
+    result = outcome(code, out, err, folder, "-wall_clock_limit")
+    count("silence, rank 0 packs alone", result, f"code {code}: {err[:300]}")
+
+
 def alone():
     """What goes wrong on one rank of two ends both, with its sentence: options that differ, and an error of PETSc's."""
     tries = {"an option": ([runs.PROGRAM] + runs.shlex.split(SCENE), ["-drop_radius", "-1"], "-drop_radius is -1"),
@@ -220,6 +255,7 @@ def main():
     pipes()
     confirmed()
     clock()
+    silence()
     alone()
     print(f"{'signal':28s} {'tried':>6s} {'continued':>10s} {'refused':>8s} {'failed':>7s}")
     for what, results in tally.items():
