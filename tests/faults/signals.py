@@ -210,7 +210,7 @@ def silence():
     process = launch(options + "_stopped", 2)
     there = wait(process, 2, "step", folder + "_stopped")
     for order, pause in ((signal.SIGSTOP, 3), (signal.SIGCONT, 0.5), (signal.SIGTERM, 0)):
-        for pid in there:
+        for pid in there if process.poll() is None else ():
             os.kill(pid, order)
         time.sleep(pause)
     code, out, err = end(process)
