@@ -168,8 +168,8 @@ void InterruptWatch(void);
 /* ProgramSeconds - wall-clock time since ProgramStart (s). Not collective. */
 double ProgramSeconds(void);
 /* InterruptLimit - sets the wall-clock limit of the run (s); 0: none. InterruptCheck - *reason: why the run should end
-   now, or NULL; the same on every rank. *wanted becomes the logical or of its values on all ranks (may be NULL). If the
-   checks are far apart, an arriving signal is confirmed on standard error at once. InterruptCheck is collective. */
+   now, or NULL; the same on every rank. *wanted becomes the logical or of its values on all ranks (may be NULL). A
+   signal that no check follows for half a second is confirmed on standard error. InterruptCheck is collective. */
 void           InterruptLimit(double seconds);
 PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **reason);
 /* InterruptSilence - sets the time without a sign of life (s) after which rank 0 says so in one sentence and exits,

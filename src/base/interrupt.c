@@ -19,49 +19,75 @@ static const struct {
                {SIGTERM, "SIGTERM"}, {SIGUSR1, "SIGUSR1"}, {SIGXCPU, "SIGXCPU"}};
 
 #define WATCHED          PETSC_STATIC_ARRAY_LENGTH(Watched)
-#define SLOW             0.5  /* s between checks, from which on a signal is confirmed when it arrives */
-#define LEAST_HALF       1e-3 /* s: bounds of half the time of silence */
+#define SLOW             500000 /* us without a check after a signal, which is then confirmed; mpiexec kills after 1 s */
+#define LEAST_HALF       1e-3   /* s: bounds of half the time of silence */
 #define MOST_HALF        1e9
 #define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */
-
-static const char Confirmation[] = "isph: received a signal: the run ends with a checkpoint after this step\n";
-static const char Warning[] =
-  "isph: received a signal: the run ends with a checkpoint after this step; if mpiexec "
-  "sent the signal, it kills the run a second later: start mpiexec with " MPIEXEC_PATIENCE "=600\n";
 
 static volatile sig_atomic_t Signalled = 0; /* 1 + index in Watched of the first signal; 0: none */
 static PetscBool             Ignored[WATCHED];
 static struct timespec       Start;
 static double                Limit      = 0;           /* s; 0: none */
-static double                LastCheck  = 0;           /* time of the last InterruptCheck, s on the program's clock */
-static double                CheckPause = 0;           /* time between the last two, s */
-static PetscBool             Speaks     = PETSC_FALSE; /* this is rank 0, and it has called InterruptCheck */
 static PetscBool             KilledSoon = PETSC_FALSE; /* mpiexec kills the program a second after a signal */
 
-/* The timer rings after each half of the time, and the second ring in silence ends the run: a program that was stopped
-   (Ctrl-Z, a debugger) for long hears one ring when it goes on, and has the other half for a sign of life. */
+/* Rank 0 keeps a timer. It rings in each half of the time of silence, and the second ring ends the run: a program that
+   was stopped (Ctrl-Z, a debugger) for long hears one ring when it goes on, and has the other half for a sign of life.
+   A signal sets the timer to SLOW. */
 static struct {
-  struct itimerval      half; /* 0: no watch */
-  volatile sig_atomic_t rings;
+  PetscBool             kept;
+  struct itimerval      half;            /* 0: no end */
+  volatile sig_atomic_t rings, answered; /* answered: the run knows of the signal, or the user does */
   char                  seconds[32];
   const char           *doing;
   char                  checkpoint[PETSC_MAX_PATH_LEN]; /* the last complete one; "": none */
-} Silence = {.doing = "the set-up"};
+} Timer = {.doing = "the set-up"};
 
-/* A signal handler calls this: stdio is not safe there. */
-static void Confirm(void)
+/* Prints a line of up to eight texts on standard error and into the journal. Signal handlers call this: stdio is not
+   safe there. */
+static void Say(const char *const text[8])
 {
-  if (!Speaks || PetscMax(CheckPause, ProgramSeconds() - LastCheck) < SLOW) return;
-  if (write(STDERR_FILENO, KilledSoon ? Warning : Confirmation,
-            KilledSoon ? sizeof(Warning) - 1 : sizeof(Confirmation) - 1) < 0)
-    return;
+  const int files[]                        = {STDERR_FILENO, JournalFile()};
+  char      line[PETSC_MAX_PATH_LEN + 512] = "isph: ";
+
+  for (size_t k = 0; k < 8 && text[k]; k++) strncat(line, text[k], sizeof(line) - strlen(line) - 2);
+  strncat(line, "\n", 1);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++)
+    if (write(files[k], line, strlen(line)) < 0) continue;
+}
+
+/* The handler of the timer. The program may hang within MPI or within a write, so neither is waited for: the exit of
+   rank 0 makes mpiexec end the other ranks. */
+static void Ring(int number)
+{
+  const int         error = errno;
+  const char *const last  = Timer.checkpoint[0] ? "; the last complete checkpoint is " : "; there is no checkpoint yet";
+
+  if (Signalled && !Timer.answered) {
+    Timer.answered = 1;
+    Say((const char *const[8]){"received a signal: the run ends with a checkpoint after this step",
+                               KilledSoon ? "; if mpiexec sent the signal, it kills the run a second later: start "
+                                            "mpiexec with " MPIEXEC_PATIENCE "=600"
+                                          : "",
+                               last, Timer.checkpoint});
+    (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
+  } else if (Timer.rings++) {
+    (void)signal(number, SIG_DFL);
+    (void)alarm(1); /* ends a write that hangs */
+    Say((const char *const[8]){"error: there was no sign of life for ", Timer.seconds,
+                               " s (-wall_clock_silence) during ", Timer.doing,
+                               ": the network, a host or a disk may be gone, so start again on others", last,
+                               Timer.checkpoint});
+    _exit(1);
+  }
+  errno = error;
 }
 
 static void Record(int number)
 {
   const int error = errno;
 
-  if (!Signalled && number != SIGPIPE) Confirm();
+  if (!Signalled && number != SIGPIPE && Timer.kept)
+    (void)setitimer(ITIMER_REAL, &(struct itimerval){.it_value.tv_usec = SLOW}, NULL);
   for (size_t k = 0; k < WATCHED && !Signalled; k++)
     if (Watched[k].number == number) Signalled = (sig_atomic_t)(k + 1);
   /* The second signal ends the program at once, but each print into a closed pipe raises SIGPIPE again. */
@@ -127,73 +153,46 @@ PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **rea
 {
   const double now     = ProgramSeconds();
   PetscInt     what[3] = {Signalled, Limit > 0 && now > Limit, wanted && *wanted};
-  PetscMPIInt  rank;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  CheckPause = now - LastCheck;
-  LastCheck  = now;
-  Speaks     = (PetscBool)!rank;
-  InterruptAlive(NULL);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 3, MPIU_INT, MPI_MAX, comm));
+  Timer.answered = what[0] > 0;
+  InterruptAlive(NULL);
   if (wanted) *wanted = (PetscBool)(what[2] > 0);
   *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The handler of the timer. The program may hang within MPI or within a write, so neither is called or waited for: the
-   exit of rank 0 makes mpiexec end the other ranks. */
-static void EndSilence(int number)
-{
-  const char *const parts[]                        = {"isph: error: there was no sign of life for ",
-                                                      Silence.seconds,
-                                                      " s (-wall_clock_silence) during ",
-                                                      Silence.doing,
-                                                      ": the network, a host or a disk may be gone; ",
-                               Silence.checkpoint[0] ? "continue on others with -restart " : "there is no checkpoint",
-                                                      Silence.checkpoint,
-                                                      "\n"};
-  const int         files[]                        = {STDERR_FILENO, JournalFile()};
-  char              line[PETSC_MAX_PATH_LEN + 512] = "";
-
-  if (!Silence.rings++) return;
-  (void)signal(number, SIG_DFL);
-  (void)alarm(1); /* ends a write that hangs */
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++)
-    strncat(line, parts[k], sizeof(line) - strlen(line) - 1);
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++)
-    if (write(files[k], line, strlen(line)) < 0) continue;
-  _exit(1);
-}
-
 void InterruptSilence(double seconds)
 {
   const double     half   = seconds > 0 ? PetscMin(PetscMax(seconds / 2, LEAST_HALF), MOST_HALF) : 0;
-  struct sigaction action = {.sa_handler = EndSilence, .sa_flags = SA_RESTART | SA_NODEFER};
+  struct sigaction action = {.sa_handler = Ring, .sa_flags = SA_RESTART | SA_NODEFER};
   sigset_t         own;
   PetscMPIInt      rank = 0;
 
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  Timer.kept = (PetscBool)!rank;
   if (rank) return; /* rank 0 works alone at times, while the others wait */
-  (void)snprintf(Silence.seconds, sizeof(Silence.seconds), "%g", seconds);
-  Silence.half.it_value.tv_sec  = (time_t)half;
-  Silence.half.it_value.tv_usec = (suseconds_t)(1e6 * (half - floor(half)));
-  Silence.half.it_interval      = Silence.half.it_value;
+  (void)snprintf(Timer.seconds, sizeof(Timer.seconds), "%g", seconds);
+  Timer.half.it_value.tv_sec  = (time_t)half;
+  Timer.half.it_value.tv_usec = (suseconds_t)(1e6 * (half - floor(half)));
+  Timer.half.it_interval      = Timer.half.it_value;
   (void)sigaction(SIGALRM, &action, NULL);
   (void)sigemptyset(&own);
   (void)sigaddset(&own, SIGALRM);
   (void)sigprocmask(SIG_UNBLOCK, &own, NULL);
-  (void)setitimer(ITIMER_REAL, &Silence.half, NULL);
+  (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
 }
 
 void InterruptAlive(const char doing[])
 {
-  if (doing) Silence.doing = doing;
-  Silence.rings = 0;
-  if (Silence.half.it_value.tv_sec || Silence.half.it_value.tv_usec) (void)setitimer(ITIMER_REAL, &Silence.half, NULL);
+  if (doing) Timer.doing = doing;
+  Timer.rings = 0;
+  if (Signalled && !Timer.answered) return; /* its ring is to come */
+  if (Timer.half.it_value.tv_sec || Timer.half.it_value.tv_usec) (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
 }
 
 void InterruptCheckpoint(const char path[])
 {
-  (void)snprintf(Silence.checkpoint, sizeof(Silence.checkpoint), "%s", path);
+  (void)snprintf(Timer.checkpoint, sizeof(Timer.checkpoint), "%s", path);
 }
