@@ -19,7 +19,7 @@ static const struct {
                {SIGTERM, "SIGTERM"}, {SIGUSR1, "SIGUSR1"}, {SIGXCPU, "SIGXCPU"}};
 
 #define WATCHED          PETSC_STATIC_ARRAY_LENGTH(Watched)
-#define SLOW             500000 /* us without a check after a signal, which is then confirmed; mpiexec kills after 1 s */
+#define SLOW             500000 /* us after a signal: without a check, it is confirmed; mpiexec kills after 1 s */
 #define LEAST_HALF       1e-3   /* s: bounds of half the time of silence */
 #define MOST_HALF        1e9
 #define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */

@@ -211,7 +211,8 @@ def silence():
     again = runs.start(f"{SCENE} -steps_max 1 -output_dir {folder} -restart {said[0]}").returncode if good else None
     with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
         good = good and again == 0 and "-wall_clock_silence" in file.read()
-    count("silence, a rank that is stuck", "continued" if good else "failed", f"code {code}, {took:.0f} s: {err[-400:]}")
+    count("silence, a rank that is stuck", "continued" if good else "failed",
+          f"code {code}, {took:.0f} s: {err[-400:]}")
     process = launch(options + "_stopped", 2)
     there = wait(process, 2, "step", folder + "_stopped")
     for order, pause in ((signal.SIGSTOP, 3), (signal.SIGCONT, 0.5), (signal.SIGTERM, 0)):
