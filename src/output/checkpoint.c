@@ -390,12 +390,12 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *r
   Rows           ranks = {.n = 0, .start = 0, .total = (PetscInt)head->integer[HEAD_RANKS], .width = 1};
   PetscInt      *counts;
   PetscInt64     sum = 0;
-  size_t         row = INT_COUNT * sizeof(PetscInt); /* bytes */
+  size_t         row = INT_COUNT * sizeof(int32_t); /* bytes; with 64-bit indices the file may have more */
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
     if (ParticlesHave(output->cloud->particles, f)) row += (size_t)Fields[f].width * sizeof(double);
-  *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(PetscInt)));
+  *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(int32_t)));
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
   PetscCall(PetscCalloc1(ranks.total + 1, &counts));
