@@ -6,6 +6,7 @@ alone. One that is ignored from outside (nohup) stays ignored. Faults of one ran
     tests/faults/signals.py [--all]
 
 Without --all a short part, as in make test. The last lines tell how many were tried, continued and refused."""
+import contextlib
 import os
 import re
 import signal
@@ -216,8 +217,9 @@ def silence():
     process = launch(options + "_stopped", 2)
     there = wait(process, 2, "step", folder + "_stopped")
     for order, pause in ((signal.SIGSTOP, 3), (signal.SIGCONT, 0.5), (signal.SIGTERM, 0)):
-        for pid in there if process.poll() is None else ():
-            os.kill(pid, order)
+        for pid in there:
+            with contextlib.suppress(ProcessLookupError):  # it has ended, and fails below
+                os.kill(pid, order)
         time.sleep(pause)
     code, out, err = end(process)
     count("silence, a run that was stopped", outcome(code, out + err, err, folder + "_stopped", "SIGTERM"),
