@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# The Debian packages the program needs:  tests/packages.sh [build] [pictures] [browser] [film] [reference]
+# The Debian packages the program needs:  tests/packages.sh [build] [pictures] [browser] [hosts] [film] [reference]
 # Without a word: build, pictures. As root, installs what is missing; otherwise prints the line to type and exits 1.
 # Silent if nothing is missing.
 set -u
 build="gcc libc6-dev make pkg-config libopenmpi-dev petsc-dev slepc-dev libhdf5-mpi-dev libmetis-dev"
 pictures="python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
 browser="chromium"
+hosts="iproute2"
 film="ffmpeg"
 reference="gerris libgfs-dev python3-numpy python3-scipy"
 
@@ -15,10 +16,11 @@ for set in "${@:-both}"; do
     build)    wanted="$wanted $build" ;;
     pictures) wanted="$wanted $pictures" ;;
     browser)  wanted="$wanted $browser" ;;
+    hosts)    wanted="$wanted $hosts" ;;
     film)     wanted="$wanted $film" ;;
     reference) wanted="$wanted $reference" ;;
     both)     wanted="$wanted $build $pictures" ;;
-    *)        echo "packages.sh: $set is no set of packages: build, pictures, browser, film, reference" >&2; exit 1 ;;
+    *)        echo "packages.sh: $set is no set: build, pictures, browser, hosts, film, reference" >&2; exit 1 ;;
   esac
 done
 if ! command -v dpkg-query >/dev/null; then

@@ -13,9 +13,10 @@ tests/table.txt has a row for each: its ranks, its seconds, the set it belongs t
     --jobs        so many at a time (one more than there are processors: some jobs wait for processes to end)
 
 Each test prints 'ok name' or 'FAIL name: why' a line, and whatever else it likes. One that exits non-zero without a
-FAIL line, is killed, runs out of time or prints neither counts as one failure. What failed stands at the end with the
-command that repeats it. output/tests/ keeps the output of each job (JOB.log) and times.csv. The last line is
-'N passed, N failed'; the exit code tells whether any failed."""
+FAIL line, is killed, runs out of time or prints neither counts as one failure, unless it prints 'skipped: why'. What
+failed and what was skipped stands at the end, a failure with the command that repeats it. output/tests/ keeps the
+output of each job (JOB.log) and times.csv. The last line is 'N passed, N failed'; the exit code tells whether any
+failed."""
 import argparse
 import csv
 import fnmatch
@@ -68,6 +69,7 @@ class Result(NamedTuple):
     job: Job
     passed: int
     failures: list  # its FAIL lines and, where there are none, the end of its output
+    skipped: list  # its lines 'skipped: why'
     wall: float
     cpu: float
 
@@ -170,8 +172,9 @@ def log_of(job):
 
 
 def judge(job, code, text):
-    """(number of ok lines, what failed)."""
+    """(number of ok lines, what failed, what was skipped)."""
     lines = text.splitlines()
+    skipped = [line for line in lines if line.startswith("skipped")]
     passed = sum(line.startswith("ok ") for line in lines)
     failures = [line for line in lines if line.startswith("FAIL ")]
     if not failures:
@@ -179,9 +182,9 @@ def judge(job, code, text):
             failures = [f"FAIL {job.name}: it was stopped, for it took longer than allowed"]
         elif code:
             failures = [f"FAIL {job.name}: exit code {code}"] + ["  | " + line for line in lines[-15:]]
-        elif not passed:
+        elif not passed and not skipped:
             failures = [f"FAIL {job.name}: it printed no result"]
-    return passed, failures
+    return passed, failures, skipped
 
 
 def execute(job):
@@ -197,7 +200,7 @@ def execute(job):
             process = subprocess.Popen(job.command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=out,
                                        stderr=subprocess.STDOUT, start_new_session=True)
         except OSError as error:
-            return Result(job, 0, [f"FAIL {job.name}: {error}; make test builds it"], 0.0, 0.0)
+            return Result(job, 0, [f"FAIL {job.name}: {error}; make test builds it"], [], 0.0, 0.0)
         late = threading.Event()
 
         def stop():
@@ -211,8 +214,8 @@ def execute(job):
         process.returncode = os.waitstatus_to_exitcode(status)
     shutil.rmtree(folder, ignore_errors=True)
     with open(log, encoding="utf-8", errors="replace") as file:
-        passed, failures = judge(job, None if late.is_set() else process.returncode, file.read())
-    return Result(job, passed, failures, time.monotonic() - began, usage.ru_utime + usage.ru_stime)
+        verdict = judge(job, None if late.is_set() else process.returncode, file.read())
+    return Result(job, *verdict, time.monotonic() - began, usage.ru_utime + usage.ru_stime)
 
 
 def run(jobs, number):
@@ -287,6 +290,8 @@ def main():
     for r in bad:
         print("\n".join("  " + line for line in r.failures))
         print(f"    again: make test ONLY={r.job.name}    its output: {os.path.relpath(log_of(r.job), ROOT)}")
+    for r in results:
+        print("".join(f"{r.job.name} {line}\n" for line in r.skipped), end="")
     print(f"{len(results)} jobs in {time.monotonic() - began:.0f} s, {sum(r.cpu for r in results):.0f} s of processor "
           "time; output/tests/times.csv has each one's")
     failed = sum(sum(line.startswith("FAIL ") for line in r.failures) for r in bad)

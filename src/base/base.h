@@ -157,7 +157,8 @@ int ErrorFinish(PetscErrorCode code);
    Collective over the ranks that are not stuck. */
 PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first, PetscMPIInt *all);
 
-/* ProgramStart - main's first call. It starts the program's clock and opens /dev/null for each closed standard stream.
+/* ProgramStart - main's first call. It starts the program's clock, opens /dev/null for each closed standard stream, and
+   lets Open MPI's ranks yield if there are more of them than processors.
    From then on the signals HUP, INT, QUIT, PIPE, TERM, USR1 and XCPU are recorded instead of ending the program. A
    second signal of the same kind ends the program at once. A signal that was ignored at the start stays ignored.
    InterruptBlock - blocks these signals until InterruptWatch records them again: PetscInitialize sets handlers of its
@@ -168,10 +169,17 @@ void InterruptWatch(void);
 /* ProgramSeconds - wall-clock time since ProgramStart (s). Not collective. */
 double ProgramSeconds(void);
 /* InterruptLimit - sets the wall-clock limit of the run (s); 0: none. InterruptCheck - *reason: why the run should end
-   now, or NULL; the same on every rank. *wanted becomes the logical or of its values on all ranks (may be NULL). If the
-   checks are far apart, an arriving signal is confirmed on standard error at once. InterruptCheck is collective. */
+   now, or NULL; the same on every rank. *wanted becomes the logical or of its values on all ranks (may be NULL). A
+   signal that no check follows for half a second is confirmed on standard error. InterruptCheck is collective. */
 void           InterruptLimit(double seconds);
 PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **reason);
+/* InterruptSilence - sets the time without a sign of life (s) after which rank 0 says so in one sentence and exits,
+   which makes mpiexec end the run; 0: never. InterruptAlive - a sign of life; doing: what begins now, borrowed, or
+   NULL. A step, ProgressBegin and InterruptCheck give one; call it in whatever else may take rank 0 minutes.
+   InterruptCheckpoint - names the last complete checkpoint for that sentence. Not collective. */
+void InterruptSilence(double seconds);
+void InterruptAlive(const char doing[]);
+void InterruptCheckpoint(const char path[]);
 
 /* FormatDuration - "2 h 05 min", "3 min 20 s" or "12 s". Not collective. */
 PetscErrorCode FormatDuration(double seconds, char text[], size_t length);
@@ -198,10 +206,12 @@ PetscBool PrinterLost(void);
 
 /* JournalOpen - opens the journal of a run on rank 0. The file receives what the program has printed since its start,
    further output and the sentence of a UserError, but no line of progress that a terminal overwrites. JournalClose -
-   closes the file. Collective. JournalText - adds a text; before JournalOpen the text is buffered. Not collective. */
+   closes the file. Collective. JournalText - adds a text; before JournalOpen the text is buffered. JournalFile - the
+   descriptor of the open file, or -1. Not collective. */
 PetscErrorCode JournalOpen(MPI_Comm comm, const char path[]);
 PetscErrorCode JournalClose(void);
 void           JournalText(const char text[]);
+int            JournalFile(void);
 
 /* CommandLineCheck - call it between MPI_Init and PetscInitialize. It inserts -options_file before each name that comes
    before the first option, and replaces -h and --help by -help (argc and argv change). It answers -version and

@@ -1,11 +1,14 @@
 /* Ends a run cleanly: a handler records the signals that would end the program, and the run checks for them and for
-   -wall_clock_limit between steps and during long work. The limit counts from the start of the program. */
+   -wall_clock_limit between steps and during long work. The limit counts from the start of the program. A run that
+   gives no sign of life is ended by a timer, -wall_clock_silence. */
 #include "base.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -16,37 +19,75 @@ static const struct {
                {SIGTERM, "SIGTERM"}, {SIGUSR1, "SIGUSR1"}, {SIGXCPU, "SIGXCPU"}};
 
 #define WATCHED          PETSC_STATIC_ARRAY_LENGTH(Watched)
-#define SLOW             0.5 /* s between checks, from which on a signal is confirmed when it arrives */
+#define SLOW             500000 /* us after a signal: without a check, it is confirmed; mpiexec kills after 1 s */
+#define LEAST_HALF       1e-3   /* s: bounds of half the time of silence */
+#define MOST_HALF        1e9
 #define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */
-
-static const char Confirmation[] = "isph: received a signal: the run ends with a checkpoint after this step\n";
-static const char Warning[] =
-  "isph: received a signal: the run ends with a checkpoint after this step; if mpiexec "
-  "sent the signal, it kills the run a second later: start mpiexec with " MPIEXEC_PATIENCE "=600\n";
 
 static volatile sig_atomic_t Signalled = 0; /* 1 + index in Watched of the first signal; 0: none */
 static PetscBool             Ignored[WATCHED];
 static struct timespec       Start;
 static double                Limit      = 0;           /* s; 0: none */
-static double                LastCheck  = 0;           /* time of the last InterruptCheck, s on the program's clock */
-static double                CheckPause = 0;           /* time between the last two, s */
-static PetscBool             Speaks     = PETSC_FALSE; /* this is rank 0, and it has called InterruptCheck */
 static PetscBool             KilledSoon = PETSC_FALSE; /* mpiexec kills the program a second after a signal */
 
-/* A signal handler calls this: stdio is not safe there. */
-static void Confirm(void)
+/* Rank 0 keeps a timer. It rings in each half of the time of silence, and the second ring ends the run: a program that
+   was stopped (Ctrl-Z, a debugger) for long hears one ring when it goes on, and has the other half for a sign of life.
+   A signal sets the timer to SLOW. */
+static struct {
+  PetscBool             kept;
+  struct itimerval      half;            /* 0: no end */
+  volatile sig_atomic_t rings, answered; /* answered: the run knows of the signal, or the user does */
+  char                  seconds[32];
+  const char           *doing;
+  char                  checkpoint[PETSC_MAX_PATH_LEN]; /* the last complete one; "": none */
+} Timer = {.doing = "the set-up"};
+
+/* Prints a line of up to eight texts on standard error and into the journal. Signal handlers call this: stdio is not
+   safe there. */
+static void Say(const char *const text[8])
 {
-  if (!Speaks || PetscMax(CheckPause, ProgramSeconds() - LastCheck) < SLOW) return;
-  if (write(STDERR_FILENO, KilledSoon ? Warning : Confirmation,
-            KilledSoon ? sizeof(Warning) - 1 : sizeof(Confirmation) - 1) < 0)
-    return;
+  const int files[]                        = {STDERR_FILENO, JournalFile()};
+  char      line[PETSC_MAX_PATH_LEN + 512] = "isph: ";
+
+  for (size_t k = 0; k < 8 && text[k]; k++) strncat(line, text[k], sizeof(line) - strlen(line) - 2);
+  strncat(line, "\n", 1);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++)
+    if (write(files[k], line, strlen(line)) < 0) continue;
+}
+
+/* The handler of the timer. The program may hang within MPI or within a write, so neither is waited for: the exit of
+   rank 0 makes mpiexec end the other ranks. */
+static void Ring(int number)
+{
+  const int         error = errno;
+  const char *const last  = Timer.checkpoint[0] ? "; the last complete checkpoint is " : "; there is no checkpoint yet";
+
+  if (Signalled && !Timer.answered) {
+    Timer.answered = 1;
+    Say((const char *const[8]){"received a signal: the run ends with a checkpoint after this step",
+                               KilledSoon ? "; if mpiexec sent the signal, it kills the run a second later: start "
+                                            "mpiexec with " MPIEXEC_PATIENCE "=600"
+                                          : "",
+                               last, Timer.checkpoint});
+    (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
+  } else if (Timer.rings++) {
+    (void)signal(number, SIG_DFL);
+    (void)alarm(1); /* ends a write that hangs */
+    Say((const char *const[8]){"error: there was no sign of life for ", Timer.seconds,
+                               " s (-wall_clock_silence) during ", Timer.doing,
+                               ": the network, a host or a disk may be gone, so start again on others", last,
+                               Timer.checkpoint});
+    _exit(1);
+  }
+  errno = error;
 }
 
 static void Record(int number)
 {
   const int error = errno;
 
-  if (!Signalled && number != SIGPIPE) Confirm();
+  if (!Signalled && number != SIGPIPE && Timer.kept)
+    (void)setitimer(ITIMER_REAL, &(struct itimerval){.it_value.tv_usec = SLOW}, NULL);
   for (size_t k = 0; k < WATCHED && !Signalled; k++)
     if (Watched[k].number == number) Signalled = (sig_atomic_t)(k + 1);
   /* The second signal ends the program at once, but each print into a closed pipe raises SIGPIPE again. */
@@ -80,9 +121,19 @@ void InterruptBlock(void)
   (void)sigprocmask(SIG_BLOCK, &all, NULL);
 }
 
+/* More ranks than processors on this host: a rank that waits must leave its processor to another one, else a step takes
+   a hundred times as long. mpiexec sees to it only where its own count of places is exceeded. */
+static void ShareProcessors(void)
+{
+  const char *const ranks = getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+
+  if (ranks && atol(ranks) > sysconf(_SC_NPROCESSORS_ONLN)) (void)setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+}
+
 void ProgramStart(void)
 {
   (void)clock_gettime(CLOCK_MONOTONIC, &Start);
+  ShareProcessors();
   KilledSoon = (PetscBool)(getenv("OMPI_COMM_WORLD_SIZE") && !getenv(MPIEXEC_PATIENCE));
   /* A file of the run must not get the descriptor of a closed standard stream. */
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
@@ -112,15 +163,46 @@ PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **rea
 {
   const double now     = ProgramSeconds();
   PetscInt     what[3] = {Signalled, Limit > 0 && now > Limit, wanted && *wanted};
-  PetscMPIInt  rank;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  CheckPause = now - LastCheck;
-  LastCheck  = now;
-  Speaks     = (PetscBool)!rank;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 3, MPIU_INT, MPI_MAX, comm));
+  Timer.answered = what[0] > 0;
+  InterruptAlive(NULL);
   if (wanted) *wanted = (PetscBool)(what[2] > 0);
   *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void InterruptSilence(double seconds)
+{
+  const double     half   = seconds > 0 ? PetscMin(PetscMax(seconds / 2, LEAST_HALF), MOST_HALF) : 0;
+  struct sigaction action = {.sa_handler = Ring, .sa_flags = SA_RESTART | SA_NODEFER};
+  sigset_t         own;
+  PetscMPIInt      rank = 0;
+
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  Timer.kept = (PetscBool)!rank;
+  if (rank) return; /* rank 0 works alone at times, while the others wait */
+  (void)snprintf(Timer.seconds, sizeof(Timer.seconds), "%g", seconds);
+  Timer.half.it_value.tv_sec  = (time_t)half;
+  Timer.half.it_value.tv_usec = (suseconds_t)(1e6 * (half - floor(half)));
+  Timer.half.it_interval      = Timer.half.it_value;
+  (void)sigaction(SIGALRM, &action, NULL);
+  (void)sigemptyset(&own);
+  (void)sigaddset(&own, SIGALRM);
+  (void)sigprocmask(SIG_UNBLOCK, &own, NULL);
+  (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
+}
+
+void InterruptAlive(const char doing[])
+{
+  if (doing) Timer.doing = doing;
+  Timer.rings = 0;
+  if (Signalled && !Timer.answered) return; /* its ring is to come */
+  if (Timer.half.it_value.tv_sec || Timer.half.it_value.tv_usec) (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
+}
+
+void InterruptCheckpoint(const char path[])
+{
+  (void)snprintf(Timer.checkpoint, sizeof(Timer.checkpoint), "%s", path);
 }

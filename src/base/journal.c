@@ -115,6 +115,11 @@ PetscErrorCode JournalOpen(MPI_Comm comm, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+int JournalFile(void)
+{
+  return journal ? fileno(journal) : -1;
+}
+
 PetscErrorCode JournalClose(void)
 {
   PetscFunctionBegin;

@@ -41,6 +41,7 @@ void ProgressBegin(const char what[], const char outcome[])
   Work.what    = what;
   Work.outcome = outcome;
   Work.began   = ProgramSeconds();
+  InterruptAlive(what);
 }
 
 PetscErrorCode ProgressDue(MPI_Comm comm, PetscBool last, PetscBool *due)

@@ -230,6 +230,7 @@ static PetscErrorCode Write(Output output, const StepState *state, const char na
   PetscFunctionBegin;
   PetscCheck(output->ready, output->comm, PETSC_ERR_ORDER, "Call OutputSetUp first");
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  InterruptAlive("the writing of a checkpoint");
   PetscCall(FolderStands(output));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   PetscCall(RowsSet(output->comm, arrays.n, 1, &rows));
@@ -249,6 +250,8 @@ static PetscErrorCode Write(Output output, const StepState *state, const char na
   PetscCheckUser(!failed, output->comm, "Cannot write the checkpoint %s/%s: is the disk full, or the folder gone?",
                  output->folder, name);
   PetscCall(FolderCommit(output, name, PETSC_TRUE));
+  PetscCall(OutputPath(output, name, path));
+  InterruptCheckpoint(path);
   output->clock_at = (PetscReal)MPI_Wtime();
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -387,12 +390,12 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *r
   Rows           ranks = {.n = 0, .start = 0, .total = (PetscInt)head->integer[HEAD_RANKS], .width = 1};
   PetscInt      *counts;
   PetscInt64     sum = 0;
-  size_t         row = INT_COUNT * sizeof(PetscInt); /* bytes */
+  size_t         row = INT_COUNT * sizeof(int32_t); /* bytes; with 64-bit indices the file may have more */
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
     if (ParticlesHave(output->cloud->particles, f)) row += (size_t)Fields[f].width * sizeof(double);
-  *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(PetscInt)));
+  *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(int32_t)));
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
   PetscCall(PetscCalloc1(ranks.total + 1, &counts));
@@ -527,6 +530,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   PetscCall(RestartCheckParticles(output, file));
   PetscCall(MoveWalls(output));
+  InterruptCheckpoint(file);
   HeadUse(output, &head, state);
   PetscCall(RestartOptionsSay(output, texts->options));
   PetscCall(PetscFree(texts));

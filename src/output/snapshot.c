@@ -227,6 +227,7 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_OUTPUT), 0, 0, 0, 0));
+  InterruptAlive("the writing of a snapshot");
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   PetscCall(PetscMalloc1(arrays.n + 1, &particle));
   PetscCall(Choose(output, &arrays, particle, &rows));

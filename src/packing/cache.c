@@ -116,7 +116,7 @@ static PetscErrorCode ReadParticles(Cloud cloud, H5File *h5, PetscInt n, PetscRe
 PetscErrorCode CacheRead(Cloud cloud, const char folder[], unsigned long long hash, PetscInt *n, PetscReal **x,
                          PetscInt **body)
 {
-  const size_t row = 2 * sizeof(PetscInt) + DIM * sizeof(PetscReal); /* bytes of a particle */
+  const size_t row = 2 * sizeof(int32_t) + DIM * sizeof(PetscReal); /* bytes of a particle */
   char         name[PETSC_MAX_PATH_LEN];
   H5File       h5;
   Seal         seal;

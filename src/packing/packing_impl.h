@@ -78,11 +78,14 @@ static inline PetscInt LatticeCount(const Lattice *lattice)
   return lattice->n[0] * lattice->n[1] * lattice->n[2];
 }
 
-/* LatticePoint - the position x (m) of a point. Not collective. */
+#define POINTS_ALIVE 65536
+/* LatticePoint - the position x (m) of a point; a sign of life now and then, since a loop over all may take minutes.
+   Not collective. */
 static inline void LatticePoint(const Lattice *lattice, PetscInt point, PetscReal x[DIM])
 {
   PetscInt at[DIM];
 
+  if (point % POINTS_ALIVE == 0) InterruptAlive(NULL);
   CellCoordinates(lattice->n, point, at);
   for (PetscInt d = 0; d < DIM; d++) x[d] = lattice->origin[d] + at[d] * lattice->pitch[d];
 }

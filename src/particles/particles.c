@@ -212,8 +212,8 @@ PetscErrorCode ParticlesSetPortion(Particles particles, PetscInt portion)
 static PetscErrorCode ChooseRanks(Particles particles, PetscBool *left)
 {
   ParticleArrays arrays;
-  PetscMPIInt    size, me, *rank, more = 0;
-  PetscInt      *sent;
+  PetscMPIInt    size, me, more = 0;
+  PetscInt      *sent, *rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(particles->comm, &size));

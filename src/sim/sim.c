@@ -14,6 +14,7 @@ PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
   (*sim)->comm               = comm;
   (*sim)->time_end           = -1;
   (*sim)->progress_interval  = 2;
+  (*sim)->wall_clock_silence = 600;
   (*sim)->relaxation_damping = 0.5;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -46,6 +47,11 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                        "wall-clock time from the start of the program, set-up included, after which the run writes a "
                        "checkpoint and ends (s); 0: none",
                        "[0, inf)", &sim->wall_clock_limit));
+  PetscCall(
+    OptionReal("-wall_clock_silence",
+               "wall-clock time without a sign of life (a step, an iteration, a file) after which the run ends, "
+               "since the network or a host may be gone (s); 0: never",
+               "[0, inf)", &sim->wall_clock_silence));
   PetscCall(OptionReal("-packing_relaxation_time",
                        "time of a relaxation of the packing to rest before the run, without body force (s)", "[0, inf)",
                        &sim->relaxation_time));
@@ -58,6 +64,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscOptionsEnd();
   ProgressInterval((double)sim->progress_interval);
   InterruptLimit((double)sim->wall_clock_limit);
+  InterruptSilence((double)sim->wall_clock_silence);
   PetscCall(MonitorSetFromOptions(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -321,6 +328,7 @@ PetscErrorCode SimRun(Sim sim)
     PetscBool failed, clock;
     char      why[FAREWELL_LENGTH];
 
+    InterruptAlive("a step");
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, DivergenceWanted(sim, steps), &sim->state, &failed, why,
                              sizeof(why)));
     if (failed) {

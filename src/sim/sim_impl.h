@@ -20,8 +20,8 @@ struct _p_Sim {
   Output        output;
   StepState     state;
   PackingReport report;
-  PetscReal     time_end, progress_interval, wall_clock_limit, relaxation_time, relaxation_damping, relaxation_step,
-    relaxation_speed;
+  PetscReal     time_end, progress_interval, wall_clock_limit, wall_clock_silence, relaxation_time, relaxation_damping,
+    relaxation_step, relaxation_speed;
   PetscInt    steps_max;
   PetscBool   has_end, dry_run, model;
   PetscViewer monitor; /* NULL: none */

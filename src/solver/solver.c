@@ -130,6 +130,13 @@ static PetscErrorCode SetFromOptions(KSP ksp, const char equation[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A sign of life in each iteration: thousands of them may take longer than -wall_clock_silence. */
+static PetscErrorCode Alive(KSP ksp, PetscInt iteration, PetscReal norm, void *context)
+{
+  InterruptAlive(NULL);
+  return PETSC_SUCCESS;
+}
+
 PetscErrorCode SolverCreate(MPI_Comm comm, const char prefix[], KSPNormType norm, PetscReal rtol, PCType preconditioner,
                             Solver *solver)
 {
@@ -146,6 +153,7 @@ PetscErrorCode SolverCreate(MPI_Comm comm, const char prefix[], KSPNormType norm
   PetscCall(KSPGetPC(solver->ksp, &pc));
   PetscCall(PCSetType(pc, preconditioner));
   PetscCall(SetFromOptions(solver->ksp, solver->name));
+  PetscCall(KSPMonitorSet(solver->ksp, Alive, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -22,6 +22,7 @@ static PetscBool SumWords(const char path[], unsigned long long length, unsigned
     const unsigned long long words = PetscMin(last - word, CHUNK_WORDS),
                              bytes = PetscMin(length - word * WORD, words * WORD);
 
+    InterruptAlive(NULL);
     memset(chunk, 0, CHUNK_WORDS * WORD);
     good = (PetscBool)(fread(chunk, 1, bytes, file) == bytes);
     for (unsigned long long k = 0; good && k < words; k++)

@@ -229,6 +229,7 @@ static PetscErrorCode GatherRows(H5File *h5, hid_t set, hid_t type, const Rows *
 
       PetscCallMPI(MPI_Recv(buffer, (PetscMPIInt)n, row, r, ROWS_TAG, h5->comm, MPI_STATUS_IGNORE));
       WriteRows(h5, set, type, rows, all[2 * r + 1] + k, n, buffer);
+      InterruptAlive(NULL);
     }
   if (!h5->rank) PetscCall(PetscFree2(all, buffer));
   PetscCallMPI(MPI_Type_free(&row));
@@ -251,6 +252,7 @@ static PetscErrorCode PlaceRows(H5File *h5, hid_t set, hid_t type, const Rows *r
 
     if (n <= 0) h5->failed = PETSC_TRUE;
     done += n > 0 ? (size_t)n : 0;
+    InterruptAlive(NULL);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,11 +1,10 @@
 #!/usr/bin/python3
-"""The scripts for Slurm and the recipe of the container, with stand-ins for srun: a run is continued from its newest
-checkpoint, starts afresh without one, says that it is done, ends with its own code; the recipe copies what is
-needed."""
+"""The job of a cluster under Slurm and PBS, with stand-ins for their commands: a run is continued from its newest
+checkpoint, starts afresh without one, enters the queue again unless it is done or failed, and ends with its own code.
+And the recipe of the container copies what is needed."""
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -13,31 +12,35 @@ import time
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import runs  # noqa: E402
 
-SCRIPTS = {"isph": os.path.join(runs.ROOT, "options", "cluster", "isph.sbatch"),
-           "impact": os.path.join(runs.ROOT, "cases", "drop_impact", "cluster.sbatch")}
-SRUN = """#!/bin/bash
+JOB = os.path.join(runs.ROOT, "options", "cluster", "isph.job")
+LAUNCHER = """#!/bin/bash
 while [[ $1 == --* ]]; do shift; done
 exec "$@"
 """
+QUEUE = """#!/bin/bash
+printf '%s\\n' "${0##*/}" "$@" >"$QUEUED"
+"""
 # In place of the program: notes its arguments, and does what BEHAVE says.
 ISPH = """#!/bin/bash
-[[ $* == *-dump_options* ]] && exit 0
 printf '%s\\n' "$@" >"$NOTES"
-$BEHAVE
+eval "$BEHAVE"
 """
 SCENE = """-dimension 2
--spacing 0.1
+-spacing 0.025
 -box_lower 0,0
 -box_upper 1,1
 -box_ymin wall
 -gravity 0,-9.81
 -bodies film
 -film_upper 1,0.3
--time_end 0.05
--time_step 1e-3
+-time_end 2
+-time_step 1.5e-4
 """
+ENDED = "printf 'ended by -wall_clock_limit at 0.1 s\\nResults are in it\\n' >>\"$folder/log.txt\""
+DONE = "printf 'Results are in it\\n' >>\"$folder/log.txt\""
+SECONDS = 5000  # of a job under Slurm
 here = runs.scratch("a user's folder")
-notes = os.path.join(here, "notes")
+notes, queued = os.path.join(here, "notes"), os.path.join(here, "queued")
 scene = os.path.join(here, "my scene.opts")
 
 
@@ -47,25 +50,29 @@ def program(path, text):
     os.chmod(path, 0o755)
 
 
-def begin(script, folder, behave="true"):
-    """Starts a script as Slurm would, in our folder; isph is found as ./isph and in the path."""
-    if os.path.exists(notes):
-        os.unlink(notes)
-    environment = dict(runs.environment(), PATH=here + os.pathsep + os.environ["PATH"], NOTES=notes, BEHAVE=behave)
-    words = [scene, folder] if script == "isph" else []
-    return subprocess.Popen(["bash", SCRIPTS[script]] + words, cwd=here, env=environment, stdin=subprocess.DEVNULL,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+def lines(path):
+    """Those of a file of a stand-in; none without the file, which is removed."""
+    if not os.path.exists(path):
+        return []
+    with open(path, encoding="utf-8") as file:
+        words = file.read().splitlines()
+    os.unlink(path)
+    return words
 
 
-def submit(script, folder, behave="true"):
-    """(code, output, errors, arguments of the program)."""
-    process = begin(script, folder, behave)
-    out, err = process.communicate(timeout=120)
-    words = []
-    if os.path.exists(notes):
-        with open(notes, encoding="utf-8") as file:
-            words = file.read().splitlines()
-    return process.returncode, out, err, words
+def submit(queue, folder, behave="true", more=()):
+    """Runs the job as the queue would: (code, output, errors, arguments of the program, how it was queued again)."""
+    environment = dict(runs.environment(), PATH=here + os.pathsep + os.environ["PATH"], NOTES=notes, QUEUED=queued,
+                       BEHAVE=f"folder='{folder}'; {behave}")
+    words = ["bash", JOB]
+    if queue == "slurm":
+        environment.update(SLURM_JOB_ID="7", SLURM_JOB_END_TIME=str(int(time.time()) + SECONDS))
+        words += [scene, folder, *more]
+    else:
+        environment.update(PBS_O_WORKDIR=here, scene=scene, folder=folder, options=" ".join(more))
+    process = subprocess.run(words, cwd=here if queue == "slurm" else "/", env=environment, stdin=subprocess.DEVNULL,
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120, check=False)
+    return process.returncode, process.stdout, process.stderr, lines(notes), lines(queued)
 
 
 def after(words, option):
@@ -73,71 +80,65 @@ def after(words, option):
 
 
 os.mkdir(here)
-program(os.path.join(here, "srun"), SRUN)
+for name in ("srun", "mpiexec"):
+    program(os.path.join(here, name), LAUNCHER)
+for name in ("scontrol", "qsub", "sbatch"):
+    program(os.path.join(here, name), QUEUE)
 program(os.path.join(here, "isph"), ISPH)
 with open(scene, "w", encoding="utf-8") as scene_file:
     scene_file.write(SCENE)
+with open(JOB, encoding="utf-8") as job_file:
+    job = job_file.read()
+clock = {f"{int(h) * 3600 + int(m) * 60 + int(s)}" for h, m, s in re.findall(r"time=(\d+):(\d+):(\d+)$", job, re.M)}
+allotted = re.search(r"^seconds=(\d+)", job, re.M)[1]
+runs.check(clock == {allotted}, "one_time", f"the headers have {clock} s, the script {allotted} s")
 
-for name in SCRIPTS:
-    place = "output/my run" if name == "isph" else "output/impact_100M"
+AGAIN = {"slurm": ["scontrol", "requeue", "7"], "pbs": ["qsub", "-v", "scene,folder,options", JOB]}
+LIMIT = {"slurm": 0.9 * SECONDS, "pbs": 0.9 * int(allotted)}
+for name, again in AGAIN.items():
+    place = "output/" + name + " run"
     path = os.path.join(here, place)
-    code, out, err, words = submit(name, place)
+    code, out, err, words, put = submit(name, place, DONE, ("-drop_radius", "1"))
     runs.check(code == 0 and "-restart" not in words and "-output_overwrite" in words, f"{name}_starts",
                f"code {code}, {words}, {err}")
-    os.makedirs(path, exist_ok=True)
+    runs.check(not put and "is done" in out, f"{name}_that_is_done_stays_out", f"{put}, {out}")
+    runs.check(after(words, "-drop_radius") == "1", f"{name}_options", str(words))
+    runs.check_within(float(after(words, "-wall_clock_limit") or 0), LIMIT[name] - 10, LIMIT[name], f"{name}_limit")
+    code, out, err, words, put = submit(name, place, ENDED)
+    runs.check(code == 0 and put == again and "goes on" in out, f"{name}_goes_on", f"code {code}, {put}, {out}, {err}")
+    code, out, err, words, put = submit(name, place, "echo 'isph: error: other' >&2; exit 3")
+    runs.check(code == 3 and not put and "isph: error: other" in err and "failed with code 3" in err,
+               f"{name}_that_failed_stays_out", f"code {code}, {put}, {out}, {err}")
     for step in ("000500", "999999", "1000000", "1000000.h5.tmp"):
         program(os.path.join(path, f"checkpoint_{step}" + ("" if "." in step else ".h5")), "")
-    code, out, err, words = submit(name, place)
-    runs.check(code == 0 and after(words, "-restart") == f"{place}/checkpoint_1000000.h5" and
+    os.utime(os.path.join(path, "checkpoint_000500.h5"), (time.time() + 60,) * 2)
+    code, out, err, words, put = submit(name, place, DONE)
+    runs.check(code == 0 and not put and after(words, "-restart") == f"{place}/checkpoint_1000000.h5" and
                "-output_overwrite" not in words, f"{name}_continues_from_the_largest_number", f"code {code}, {words}")
-    done = 'eval echo "isph: error: the checkpoint c is at 1 s, not before -time_end 1 s" >&2; exit 1'
-    code, out, err, words = submit(name, place, done)
-    runs.check(code == 0 and "is done" in out, f"{name}_done", f"code {code}, {out}, {err}")
-    code, out, err, words = submit(name, place, 'eval echo "isph: error: other" >&2; exit 3')
-    runs.check(code == 3 and "isph: error: other" in err and "is done" not in out, f"{name}_fails",
-               f"code {code}, {out}, {err}")
+    program(os.path.join(path, "checkpoint_clock.h5"), "")
+    code, out, err, words, put = submit(name, place, DONE)
+    runs.check(after(words, "-restart") == f"{place}/checkpoint_clock.h5", f"{name}_continues_from_the_clock",
+               str(words))
+    code, out, err, words, put = submit(
+        name, place, "echo 'isph: error: the checkpoint c is at 1 s, not before -time_end 1 s' >&2; exit 1")
+    runs.check(code == 0 and not put and "is done" in out, f"{name}_done", f"code {code}, {put}, {out}, {err}")
 
-# a run that hangs is ended by the watchdog, one that goes on is not
-os.environ.update(ISPH_SILENCE="2", ISPH_WATCH="1")
-silent = "eval trap '' TERM; for ((k = 0; k < 200; k++)); do sleep 0.2; done"
-began = time.time()
-code, out, err, words = submit("isph", "output/hangs", silent)
-runs.check(code == 137 and "has had no line for 2 s" in err and time.time() - began < 30, "isph_that_hangs_is_ended",
-           f"code {code} after {time.time() - began:.0f} s, {err}")
-busy = "eval for ((k = 0; k < 25; k++)); do sleep 0.2; echo >>output/goes/log.txt; done"
-code, out, err, words = submit("isph", "output/goes", busy)
-runs.check(code == 0 and "no line" not in err, "isph_that_goes_on_is_not", f"code {code}, {err}")
-del os.environ["ISPH_SILENCE"], os.environ["ISPH_WATCH"]
-
-# the script of the impact hands the signal on and waits for the checkpoint
-process = begin("impact", "",
-                "eval trap 'echo checkpoint; exit 0' TERM; for ((k = 0; k < 300; k++)); do sleep 0.1; done")
-while not os.path.exists(notes) and process.poll() is None:
-    time.sleep(0.05)
-time.sleep(0.5)
-process.send_signal(signal.SIGTERM)
-out, err = process.communicate(timeout=120)
-runs.check(process.returncode == 0 and "checkpoint" in out, "impact_hands_the_signal_on",
-           f"code {process.returncode}, {out}, {err}")
-
-# the program itself
+# the program itself, in as many jobs as it takes
 os.unlink(os.path.join(here, "isph"))
 os.symlink(runs.PROGRAM, os.path.join(here, "isph"))
-folder = os.path.join(here, "output", "real")
-code, out, err, words = submit("isph", folder)
-runs.check(code == 0 and len(runs.numbered(folder, "checkpoint")) == 2, "checkpoints_on_the_way",
-           f"code {code}, {err}, {sorted(os.listdir(folder))}")
-code, out, err, words = submit("isph", folder)
-runs.check(code == 0 and "is done" in out, "done_again", f"code {code}, {out[-300:]}, {err}")
-with open(scene, "a", encoding="utf-8") as scene_file:
-    scene_file.write("-time_end 0.06\n")
-code, out, err, words = submit("isph", folder)
-runs.check(code == 0 and abs(runs.series(folder)["time"][-1] - 0.06) < 1e-12, "continues_with_a_later_end",
-           f"code {code}, {out[-300:]}, {err}")
+folder, jobs, put = os.path.join(here, "output", "real"), 0, AGAIN["slurm"]
+while put == AGAIN["slurm"] and jobs < 50:
+    code, out, err, words, put = submit("slurm", folder, more=("-wall_clock_limit", "2"))
+    jobs += 1
+runs.check(code == 0 and not put and jobs > 1 and "is done" in out and runs.series(folder)["time"][-1] == 2,
+           "the_program_in_several_jobs", f"code {code} after {jobs} jobs, {put}, {out[-300:]}, {err}")
+print(f"{jobs} jobs")
+code, out, err, words, put = submit("slurm", folder)
+runs.check(code == 0 and not put and "is done" in out, "done_again", f"code {code}, {put}, {out}, {err}")
 for path in runs.numbered(folder, "checkpoint"):
     os.unlink(path)
-code, out, err, words = submit("isph", folder)
-runs.check(code == 0 and len(runs.numbered(folder, "checkpoint")) == 2, "starts_afresh_without_checkpoint",
+code, out, err, words, put = submit("slurm", folder, more=("-time_end", "0.05"))
+runs.check(code == 0 and len(runs.numbered(folder, "checkpoint")) == 1, "starts_afresh_without_checkpoint",
            f"code {code}, {out[-300:]}, {err}")
 
 # the container: what is copied, and that the program can be made and installed from it

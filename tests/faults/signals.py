@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """Signals, closed pipes and the wall clock, at any moment of a run, on one and two ranks: the run ends with its last
 checkpoint and series written, and with a sentence that names what ended it; before the first step with the sentence
-alone. One that is ignored from outside (nohup) stays ignored. And faults of one rank alone end all.
+alone. One that is ignored from outside (nohup) stays ignored. Faults of one rank alone and silence end all.
 
     tests/faults/signals.py [--all]
 
 Without --all a short part, as in make test. The last lines tell how many were tried, continued and refused."""
+import contextlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -34,12 +36,13 @@ def count(what, outcome, why=""):
     runs.check(outcome != "failed", what, why)
 
 
-def launch(options, ranks=1, **kwargs):
-    """Starts the program, with all its processes in a session of its own."""
+def launch(options, ranks=1, more=None, **kwargs):
+    """Starts the program, with all its processes in a session of its own; more: variables of the environment."""
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [runs.PROGRAM] + runs.shlex.split(options)
     kwargs = {"stdout": subprocess.PIPE, **kwargs}
-    return subprocess.Popen(command, cwd=runs.ROOT, env=runs.environment(ranks), stdin=subprocess.DEVNULL,
-                            stderr=subprocess.PIPE, universal_newlines=True, start_new_session=True, **kwargs)
+    return subprocess.Popen(command, cwd=runs.ROOT, env=dict(runs.environment(ranks), **(more or {})),
+                            stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, universal_newlines=True,
+                            start_new_session=True, **kwargs)
 
 
 def ranks_of(process):
@@ -73,6 +76,8 @@ def wait(process, ranks, moment, folder):
         time.sleep(0.002)
     while moment == "write" and process.poll() is None and not present("checkpoint", ".tmp"):
         pass
+    while moment == "checkpoint" and process.poll() is None and not present("checkpoint", ".h5"):
+        time.sleep(0.002)
     return ranks_of(process)
 
 
@@ -160,22 +165,24 @@ def ignored(name):
 
 
 def confirmed():
-    """A step that takes long: a signal is confirmed when it comes, with how to have mpiexec wait; the run ends as ever.
-    The step takes long because the processes are stopped for a while."""
-    for ranks, words in ((1, "after this step"), (2, "odls_base_sigkill_timeout")):
-        folder = runs.scratch(f"confirmed_{ranks}")
-        process = launch(SCENE + f" -output_dir {folder}", ranks)
-        there = wait(process, ranks, "step", folder)
-        for order in (signal.SIGSTOP, signal.SIGTERM, signal.SIGCONT):
-            for pid in there:
+    """A step that takes long, as the other rank is stopped for a while: a signal is confirmed within a second, with the
+    last checkpoint and, unless mpiexec is patient, with how to have it wait; the run ends as ever."""
+    hint = "OMPI_MCA_odls_base_sigkill_timeout"
+    for what, more in (("mpiexec that kills", {}), ("mpiexec that waits", {hint: "600"})):
+        folder = runs.scratch(f"confirmed_{len(more)}")
+        process = launch(MOMENTS["write"] + f" -output_dir {folder}", 2, more)
+        there = wait(process, 2, "checkpoint", folder)
+        for order, pids, pause in ((signal.SIGSTOP, there[1:], 0.1), (signal.SIGTERM, there, 0.9),
+                                   (signal.SIGCONT, there[1:], 0)):
+            for pid in pids:
                 os.kill(pid, order)
-            time.sleep(0.8 if order == signal.SIGSTOP else 0)
+            time.sleep(pause)
         code, out, err = end(process)
         result = outcome(code, out + err, err, folder, "SIGTERM")
         said = [line for line in err.splitlines() if "received a signal" in line]
-        if len(said) != 1 or words not in said[0]:
+        if len(said) != 1 or (hint in said[0]) == bool(more) or "checkpoint is " + folder not in said[0]:
             result = "failed"
-        count(f"confirmed, {ranks} rank{'s' * (ranks > 1)}", result, f"code {code}: {err[-400:]}")
+        count(f"confirmed, {what}", result, f"code {code}: {err[-400:]}")
 
 
 def clock():
@@ -187,6 +194,42 @@ def clock():
     process = launch(SCENE + f" -wall_clock_limit 1 -output_dir {folder}", 2)
     code, out, err = end(process)
     count("wall clock, step", outcome(code, out, err, folder, "-wall_clock_limit"), f"code {code}: {err[-300:]}")
+
+
+def silence():
+    """-wall_clock_silence ends a run whose other rank is stuck, with the name of the checkpoint to continue from. It
+    does not end one that was stopped and goes on, nor one whose rank 0 works alone for long."""
+    folder = runs.scratch("silence")
+    options = f"{MOMENTS['write']} -wall_clock_silence 2 -output_dir {folder}"
+    process = launch(options, 2)
+    stuck = wait(process, 2, "checkpoint", folder)[1:]
+    began = time.monotonic()
+    for pid in stuck:
+        os.kill(pid, signal.SIGSTOP)
+    code, _, err = end(process)
+    took, said = time.monotonic() - began, re.findall(r"^isph: error: .* for 2 s .*checkpoint is (\S+)$", err, re.M)
+    good = code and took < 20 and said and said[0] == max(runs.numbered(folder, "checkpoint"))
+    again = runs.start(f"{SCENE} -steps_max 1 -output_dir {folder} -restart {said[0]}").returncode if good else None
+    with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+        good = good and again == 0 and "-wall_clock_silence" in file.read()
+    count("silence, a rank that is stuck", "continued" if good else "failed",
+          f"code {code}, {took:.0f} s: {err[-400:]}")
+    process = launch(options + "_stopped", 2)
+    there = wait(process, 2, "step", folder + "_stopped")
+    for order, pause in ((signal.SIGSTOP, 3), (signal.SIGCONT, 0.5), (signal.SIGTERM, 0)):
+        for pid in there:
+            with contextlib.suppress(ProcessLookupError):  # it has ended, and fails below
+                os.kill(pid, order)
+        time.sleep(pause)
+    code, out, err = end(process)
+    count("silence, a run that was stopped", outcome(code, out + err, err, folder + "_stopped", "SIGTERM"),
+          f"code {code}: {err[-400:]}")
+    folder += "_packing"
+    process = launch(MOMENTS["packing"] + " -spacing 1e-3 -wall_clock_silence 1.5 -wall_clock_limit 4 "
+                     f"-output_dir {folder}", 2)
+    code, out, err = end(process)
+    result = outcome(code, out, err, folder, "-wall_clock_limit")
+    count("silence, rank 0 packs alone", result, f"code {code}: {err[:300]}")
 
 
 def alone():
@@ -220,6 +263,7 @@ def main():
     pipes()
     confirmed()
     clock()
+    silence()
     alone()
     print(f"{'signal':28s} {'tried':>6s} {'continued':>10s} {'refused':>8s} {'failed':>7s}")
     for what, results in tally.items():

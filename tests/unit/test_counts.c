@@ -11,7 +11,7 @@
 #define POOL                                                                                                           \
   "-spacing 1 -box_lower 0,0,0 -box_upper 9,8,20 -box_x periodic -box_y symmetry -box_zmin wall -packing_jitter 0.2 "  \
   "-bodies a,b -a_upper 9,8,4 -a_viscosity 2 -b_lower 0,0,4 -b_upper 9,8,6 -b_viscosity 3 "
-#define BEHIND ((PetscInt64)PETSC_MAX_INT + 4096) /* places before the list that was moved */
+#define BEHIND ((PetscInt64)INT32_MAX + 4096) /* places before the list that was moved */
 #define SUMS   8
 
 /* Room for BEHIND items of that size, which no memory stands behind, and then for n. */
@@ -147,9 +147,9 @@ static PetscErrorCode TestFarList(void)
 /* What a rank of twenty million particles needs, and a hundred neighbours each. */
 static void TestSizes(void)
 {
-  const PetscInt64 used = 1900000000;
-  PetscInt  few[] = {0, 700000000, 700000000, 600000000}, many[] = {0, 700000000, 700000000, 700000000, 900000000};
-  PetscBool room;
+  const PetscInt64 used  = 1900000000;
+  PetscInt         few[] = {0, 700000000, 700000000, 600000000};
+  PetscBool        room;
 
   CHECK(CloudListRoom(0, 30000000, 1000) == 72 * (PetscInt64)30000000 + 1000, "list_at_first");
   CHECK(CloudListRoom(used, 1000000, 1000) == used + used / 8 + 72000000 + 1000, "list_later");
@@ -157,6 +157,8 @@ static void TestSizes(void)
   MatrixStarts(3, few, &room);
   CHECK(room && few[1] == 700000000 && few[2] == 1400000000 && few[3] == 2000000000, "matrix_that_fits");
 #if !defined(PETSC_USE_64BIT_INDICES)
+  PetscInt many[] = {0, 700000000, 700000000, 700000000, 900000000};
+
   MatrixStarts(4, many, &room);
   CHECK(!room, "matrix_too_large");
 #endif

@@ -147,7 +147,8 @@ static PetscErrorCode TestDistance(void)
   PetscCall(Pack(SQUARE "-packing_type poisson -packing_cache \"\" -packing_distance 0.8 -packing_tolerance 0.05", &s,
                  &report));
   CHECK(report.smallest_distance >= 0.8 && report.density_std <= 0.05 * 1000 * 1.001, "least_distance");
-  if (getenv("TEST_VERBOSE")) printf("%g %g %d\n", report.smallest_distance, report.density_std, report.iterations);
+  if (getenv("TEST_VERBOSE"))
+    printf("%g %g %" PetscInt_FMT "\n", report.smallest_distance, report.density_std, report.iterations);
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -145,6 +145,7 @@ static PetscErrorCode TestDensities(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#if !defined(PETSC_USE_64BIT_INDICES)
 /* A whole number of more than 32 bits is refused, not taken for its last 32. */
 static PetscErrorCode TestWrapped(void)
 {
@@ -160,6 +161,7 @@ static PetscErrorCode TestWrapped(void)
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+#endif
 
 /* --- trial --- */
 
@@ -588,7 +590,9 @@ int main(int argc, char **argv)
   PetscCall(TestStep());
   PetscCall(TestScales());
   PetscCall(TestDensities());
+#if !defined(PETSC_USE_64BIT_INDICES)
   PetscCall(TestWrapped());
+#endif
   PetscCall(TestRefused());
   PetscCall(TestSums());
   PetscCall(TestGuard());
