@@ -50,12 +50,25 @@ static void Reserve(H5File *h5, hsize_t bytes)
     h5->reserved = PetscMax(h5->reserved, length);
 }
 
-/* Lets HDF5 close the file, unless it cannot write what it has: HDF5 1.10 would crash in closing such a file, also at
-   the end of the program (H5dont_atexit), so it stays open. */
+/* HDF5 writes what it still has. HDF5 1.10 would crash in closing a data set or a file to which it cannot write, which
+   a limit may forbid in spite of the room; then it writes to nowhere from here on. */
+static void Settle(H5File *h5)
+{
+  void *handle = NULL; /* of HDF5's driver: its file descriptor */
+  int   nowhere;
+
+  if (h5->id < 0 || H5Fflush(h5->id, H5F_SCOPE_LOCAL) >= 0) return;
+  h5->failed = PETSC_TRUE;
+  nowhere    = open("/dev/null", O_RDWR | O_CLOEXEC);
+  if (nowhere >= 0 && H5Fget_vfd_handle(h5->id, H5P_DEFAULT, &handle) >= 0 && handle)
+    (void)dup2(nowhere, *(int *)handle);
+  if (nowhere >= 0) (void)close(nowhere);
+}
+
 static void LetClose(H5File *h5, PetscBool writing)
 {
-  if (h5->id < 0) return;
-  if ((writing && H5Fflush(h5->id, H5F_SCOPE_LOCAL) < 0) || H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
+  if (writing) Settle(h5);
+  if (h5->id >= 0 && H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
   h5->id = -1;
 }
 
@@ -66,7 +79,6 @@ static PetscErrorCode OpenOrCreate(MPI_Comm comm, const char path[], PetscBool w
   PetscBool all;
 
   PetscFunctionBegin;
-  (void)H5dont_atexit(); /* see LetClose; without effect but for the first time */
   h5->comm        = comm;
   h5->failed      = PETSC_FALSE;
   h5->external    = PETSC_FALSE;
@@ -290,7 +302,10 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
     PetscCall(PlaceRows(h5, set, type, rows, values));
   else
     PetscCall(GatherRows(h5, set, type, rows, values));
-  if (set >= 0) H5FileNote(h5, H5Dclose(set));
+  if (set >= 0) {
+    Settle(h5);
+    H5FileNote(h5, H5Dclose(set));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
