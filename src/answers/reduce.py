@@ -17,6 +17,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
@@ -32,7 +33,8 @@ PLAIN = {"shape", "type", "density", "viscosity", "tension", "viscosity_model", 
 VECTORS = {"center", "velocity", "lower", "upper", "radii", "point", "normal", "oscillation_amplitude"}
 SCENE_VECTORS = {"box_lower", "box_upper", "gravity", "gravity_amplitude"}
 # options of the whole scene that depend on places or directions and are not known here
-PLACED = ("frame_", "shaking_", "gauge_points", "gauge_heights", "gauge_lines", "snapshot_lower", "snapshot_upper")
+PLACED = ("frame_", "shaking_", "gauge_points", "gauge_heights", "gauge_lines", "gauge_film", "snapshot_lower",
+          "snapshot_upper")
 NEVER = ("restart", "packing_cache")
 
 
@@ -140,6 +142,8 @@ class Scene:
                 continue
             elif body and name == "axis":
                 value = "y"
+            elif key == "gauge_neck":
+                value = next((to for d, to in zip(kept, "xy") if "xyz"[d] == value), "none")
             elif body and name in VECTORS or key in SCENE_VECTORS:
                 v = tables.vector({"v": value}, "v")
                 value = ",".join(f"{v[d] if len(v) == 3 else 0:.9g}" for d in kept)
@@ -148,8 +152,10 @@ class Scene:
     def faces(self, kept, lines):
         for d, letter in zip(kept, "xy"):
             for side, end in enumerate(("min", "max")):
-                for kind in ("", "_contact_angle"):
+                for kind in ("", "_contact_angle", "_velocity"):
                     value = self.options.get(f"box_{'xyz'[d]}{end}{kind}") if kind else self.face(d, side)
+                    if kind == "_velocity" and value:
+                        value = ",".join(f"{tables.vector({'v': value}, 'v')[k]:.9g}" for k in kept)
                     if value and value != "open":
                         lines.append((f"box_{letter}{end}{kind}", value))
 
@@ -213,14 +219,17 @@ def mirrored(scene, planes):
 
 
 def without(scene, lines, why):
-    """Removes tension, viscosity or gravity that cannot matter."""
-    bodies, zero = scene.options.get("bodies", "").split(","), dict(lines).get("gravity", "0")
-    present = dict(lines).get("bodies", "").split(",")
+    """Removes tension, viscosity or gravity that cannot matter, with the options that nothing reads then."""
+    zero, bodies = dict(lines).get("gravity", "0"), dict(lines).get("bodies", "").split(",")
     for what, reason in scene.model.vain:
-        names = ["gravity"] if what == "gravity" else [f"{b}_{what}" for b in bodies]
-        lines = [(k, v) for k, v in lines if k not in names]
+        if what == "tension" and "interface_tension" in scene.options:  # it also keeps the liquids apart
+            continue
+        vain = re.compile({"gravity": "gravity$", "viscosity": f"(({'|'.join(bodies)})_)?viscosity",
+                           "tension": f"({'|'.join(bodies)})_tension$|tension_|wall_contact_|\\w+_contact_(angle|hyst)"}
+                          [what])
+        lines = [(k, v) for k, v in lines if not vain.match(k)]
         lines += [("gravity", ",".join("0" for _ in zero.split(",")))] if what == "gravity" else \
-            [(f"{b}_{what}", "0") for b in present]
+            [(f"{b}_{what}", "0") for b in bodies]
         why += f"; no {what}, since {reason}"
     return lines, why
 
@@ -235,27 +244,31 @@ def reduced(path, more=()):
     ways = [lambda: rings(scene)] if model.axis else []
     ways += [lambda: plane(scene, uniform[0])] if uniform else []
     ways += [lambda: mirrored(scene, planes[:2])] if planes else []
+    ways += [lambda one=one: mirrored(scene, [one]) for one in planes if len(planes) > 1]
+    ways += [lambda: (list(scene.options.items()), "the scene as it is")] if model.vain else []
     notes = [f"no rings: {model.why}"] if model.why and not model.axis else []
     for way in ways:
         try:
-            lines, why = way()
-            break
+            lines, why = without(scene, *way())
+            with tempfile.NamedTemporaryFile("w", suffix=".opts") as file:  # isph must take it
+                file.write(as_text(lines))
+                file.flush()
+                Model(file.name)
+            return lines, why + (f" ({'; '.join(notes)})" if notes else "")
         except tables.RunError as error:
             notes.append(str(error))
-    else:
-        if not model.vain:
-            notes += model.against + [f"the mirror across {letter} is used already" for letter in sorted(model.folded)]
-            raise tables.RunError(f"the scene cannot be reduced: {'; '.join(notes)}.")
-        lines, why = list(scene.options.items()), "the scene as it is"
-    lines, why = without(scene, lines, why)
-    return lines, why + (f" ({'; '.join(notes)})" if notes else "")
+    notes += model.against + [f"the mirror across {letter} is used already" for letter in sorted(model.folded)]
+    raise tables.RunError(f"the scene cannot be reduced: {'; '.join(notes)}.")
+
+
+def as_text(lines):
+    return "".join(f"-{k} {v}".rstrip() + "\n" for k, v in lines)
 
 
 def text(path, more=()):
     """The reduced scene as an options file, and the reason."""
     lines, why = reduced(path, more)
-    options = "".join(f"-{k} {v}".rstrip() + "\n" for k, v in lines)
-    return f"# {os.path.basename(path)}, reduced: {why}.\n{options}", why
+    return f"# {os.path.basename(path)}, reduced: {why}.\n{as_text(lines)}", why
 
 
 def main():

@@ -284,7 +284,7 @@ static PetscBool HasLabel(PetscInt n, const Piece piece[], PetscReal label)
    largest piece is new: 'taken' tells that the label of the largest piece is new. */
 static PetscBool WasThere(Gauges gauges, PetscInt n, const Piece before[], const Piece *now, PetscBool taken)
 {
-  const PetscReal time = SceneSolidTime(gauges->cloud->scene) - gauges->before_time;
+  const PetscReal time = gauges->time - gauges->before_time;
 
   for (PetscInt k = 0; k < n; k++) {
     PetscReal r[DIM];
@@ -316,7 +316,7 @@ static PetscErrorCode Rows_PinchOff(Gauges gauges, PetscInt *count, PetscInt *wi
   PetscCall(PetscFree(before));
   gauges->piece_before = piece;
   gauges->before       = pieces;
-  gauges->before_time  = SceneSolidTime(gauges->cloud->scene);
+  gauges->before_time  = gauges->time;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

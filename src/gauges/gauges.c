@@ -174,10 +174,12 @@ PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscInt *count, PetscInt *width, PetscReal **values)
+PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscReal time, PetscInt *count, PetscInt *width,
+                               PetscReal **values)
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  gauges->time = time;
   PetscCall(TableKind(gauges, table)->rows(gauges, count, width, values));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

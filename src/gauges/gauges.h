@@ -67,12 +67,13 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[]);
 #define GAUGE_TABLES_MOST 4
 /* GaugesTables - number of tables that the gauges fill, at most GAUGE_TABLES_MOST. GaugesTableHead - the table's file
    name, and its column names separated by commas. GaugesTableEvents - whether its rows are of the times of the series,
-   not of the snapshots. Not collective. GaugesTableRows - measures the rows now: values
+   not of the snapshots. Not collective. GaugesTableRows - measures the rows at this time (s): values
    [count][width] on rank 0, none elsewhere; free them with PetscFree. Collective. */
 PetscInt       GaugesTables(Gauges gauges);
 PetscBool      GaugesTableEvents(Gauges gauges, PetscInt table);
 PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length);
-PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscInt *count, PetscInt *width, PetscReal **values);
+PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscReal time, PetscInt *count, PetscInt *width,
+                               PetscReal **values);
 
 /* GaugeUnit - the unit in the dimensions of the scene: J, N and m3 become J/m, N/m and m2 in two dimensions,
    m2 becomes m. Not

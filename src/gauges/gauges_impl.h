@@ -63,7 +63,7 @@ struct _p_Gauges {
   PetscBool        forces, droplets, droplet_main, spread, pinch_off;
   PetscInt         neck;                    /* direction of -gauge_neck; DIM: none */
   PetscInt         before;                  /* pieces at the last time of the series; -1: none known */
-  PetscReal        before_time;             /* s */
+  PetscReal        time, before_time;       /* s, of the table that is asked for, and of those pieces */
   void            *piece_before;            /* [before], see droplets.c */
   PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
   void    *context;

@@ -89,7 +89,7 @@ PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState 
   if (restart) PetscCall(FolderHolds(output, restart, &same));
   if (!same) PetscCall(FolderClear(output));
   PetscCall(DescribeRun(output, same));
-  PetscCall(SeriesStart(output, same, state->step));
+  PetscCall(SeriesStart(output, same, state));
   if (same) PetscCall(SnapshotScan(output, state->step));
   output->ready = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

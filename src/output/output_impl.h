@@ -148,7 +148,7 @@ int TableWrite(FILE *file, const StepState *state, PetscInt digits, PetscInt cou
    snapshot --- */
 /* SeriesStart - opens the files as TableOpen does; SeriesWrite - adds a line; SeriesWriteTables - adds a block to each
    table; SeriesFinish - closes the files. Collective. */
-PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step);
+PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state);
 PetscErrorCode SeriesWrite(Output output, const StepState *state);
 PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBool events);
 PetscErrorCode SeriesFinish(Output output);

@@ -81,13 +81,13 @@ static PetscErrorCode HeadLine(Output output, char **line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
+PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state)
 {
   char *head;
 
   PetscFunctionBegin;
   PetscCall(HeadLine(output, &head));
-  PetscCall(TableOpen(output, SERIES_FILE, head, same, restart_step, &output->series_file, &output->series_step));
+  PetscCall(TableOpen(output, SERIES_FILE, head, same, state->step, &output->series_file, &output->series_step));
   PetscCall(PetscFree(head));
   for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
     const char *file;
@@ -96,12 +96,12 @@ PetscErrorCode SeriesStart(Output output, PetscBool same, PetscInt restart_step)
 
     PetscCall(GaugesTableHead(output->gauges, t, &file, columns_of_gauge, sizeof(columns_of_gauge)));
     PetscCall(PetscSNPrintf(line, sizeof(line), "time_s,step,%s\n", columns_of_gauge));
-    PetscCall(TableOpen(output, file, line, same, restart_step, &output->table_file[t], &last));
+    PetscCall(TableOpen(output, file, line, same, state->step, &output->table_file[t], &last));
     if (GaugesTableEvents(output->gauges, t)) { /* what is there at the start is no event */
       PetscInt   count, width;
       PetscReal *values;
 
-      PetscCall(GaugesTableRows(output->gauges, t, &count, &width, &values));
+      PetscCall(GaugesTableRows(output->gauges, t, state->time, &count, &width, &values));
       PetscCall(PetscFree(values));
     }
   }
@@ -156,7 +156,7 @@ PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBoo
     int         error = 0;
 
     if (GaugesTableEvents(output->gauges, t) != events) continue;
-    PetscCall(GaugesTableRows(output->gauges, t, &count, &width, &values));
+    PetscCall(GaugesTableRows(output->gauges, t, state->time, &count, &width, &values));
     if (!output->rank) error = TableWrite(output->table_file[t], state, TABLE_DIGITS, count, width, values);
     PetscCall(PetscFree(values));
     PetscCall(GaugesTableHead(output->gauges, t, &file, head, sizeof(head)));

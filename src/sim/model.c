@@ -11,6 +11,7 @@
 #define MARGIN       0.1  /* by which the bounds of a body are widened, of their extent */
 #define NEAR         0.1  /* spacings from a surface within which it is not known what a point is in */
 #define SAME         1e-6 /* of the largest value of the scene, for velocities, accelerations, sizes */
+#define SEED         1
 #define TIMES        3
 #define TURNS        3
 #define SMALL        0.01 /* share that counts as nothing */
@@ -20,7 +21,8 @@
 /* What is at a place: of the liquid or the solid there. Equal structs are equal places. */
 typedef struct {
   PetscReal kind; /* 0: air, 1: liquid, 2: solid */
-  PetscReal density, tension, viscosity[RATES], angle, hysteresis, spacing, liquid, emits;
+  PetscReal density, tension, viscosity[RATES], angle, hysteresis, spacing, liquid;
+  PetscReal emits; /* 0: no emitter; else 1 and the fillings so far */
 } Matter;
 typedef struct {
   Matter    matter;
@@ -38,6 +40,7 @@ typedef struct {
   PetscReal center[DIM];  /* m, of the whole scene: the middle of the box, or its mirror at a lower face */
   PetscBool folded[DIM];  /* the lower face is that mirror */
   PetscReal speed, force; /* the largest, m/s, m/s2 */
+  PetscReal least_force;  /* m/s2 */
   PetscBool cheaper;      /* a cheaper model holds */
 } Model;
 
@@ -77,7 +80,7 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
                                .density = BodyMaterial(body)->density,
                                .tension = BodyMaterial(body)->tension,
                                .liquid  = (PetscReal)SceneLiquid(scene, b),
-                               .emits   = (PetscReal)BodyEmits(body)};
+                               .emits   = BodyEmits(body) ? 1 + (PetscReal)BodyEmissions(body, time) : 0};
       for (PetscInt r = 0; r < RATES; r++) place->matter.viscosity[r] = BodyViscosity(body, rates[r]);
       if (BodyEmits(body))
         BodyEmissionVelocity(body, time, x, place->velocity);
@@ -128,29 +131,28 @@ static PetscBool Alike(const Model *model, PetscReal time, const Map *map, const
   return (PetscBool)(Difference(map, one.force, other.force) <= SAME * model->force);
 }
 
-/* Radical inverse, the Halton sequence. */
-static PetscReal Halton(PetscInt k, PetscInt base)
+/* Body or solid s, NULL beyond the last. */
+static Body Member(const Model *model, PetscInt s)
 {
-  PetscReal share = 1, sum = 0;
+  const Scene    scene = model->sim->scene;
+  const PetscInt solid = s - SceneCount(scene);
 
-  for (; k > 0; k /= base) {
-    share /= (PetscReal)base;
-    sum += share * (PetscReal)(k % base);
-  }
-  return sum;
+  return solid < 0 ? SceneBody(scene, s) : solid < SceneSolidCount(scene) ? SceneSolid(scene, solid) : NULL;
+}
+
+/* Point k within bounds. */
+static void Point(PetscInt k, const PetscReal lower[DIM], const PetscReal upper[DIM], PetscReal x[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    x[d] = lower[d] + RandomUnit(SEED, (unsigned long long)(DIM * k + d)) * (upper[d] - lower[d]);
 }
 
 /* Bounds of the points of set s: the bodies', the solids', the box. Returns the name. */
 static const char *Bounds(const Model *model, PetscInt s, PetscReal lower[DIM], PetscReal upper[DIM])
 {
-  const Scene  scene  = model->sim->scene;
   const Domain domain = model->sim->domain;
-  Body         body   = NULL;
+  const Body   body   = Member(model, s);
 
-  if (s < SceneCount(scene))
-    body = SceneBody(scene, s);
-  else if (s < SceneCount(scene) + SceneSolidCount(scene))
-    body = SceneSolid(scene, s - SceneCount(scene));
   if (body) BodyBounds(body, lower, upper);
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal margin = body ? MARGIN * (upper[d] - lower[d]) : 0;
@@ -182,11 +184,10 @@ static PetscBool AtAll(const Model *model,
       PetscReal         lower[DIM], upper[DIM];
       const char *const name = Bounds(model, s, lower, upper);
 
-      for (PetscInt k = 1; k <= points && good; k++) {
-        const PetscReal x[DIM] = {lower[0] + Halton(k, 2) * (upper[0] - lower[0]),
-                                  lower[1] + Halton(k, 3) * (upper[1] - lower[1]),
-                                  lower[2] + Halton(k, 5) * (upper[2] - lower[2])};
+      for (PetscInt k = 0; k < points && good; k++) {
+        PetscReal x[DIM];
 
+        Point(k, lower, upper, x);
         good = ok(model, time, x, context, &what);
         if (!good)
           (void)PetscSNPrintf(why, WHY_LENGTH, "%s, at %.3g, %.3g, %.3g m and %.3g s (%s)", what, (double)x[0],
@@ -342,13 +343,12 @@ static void CountParticles(const Model *model, PetscInt u, PetscReal *whole, Pet
 
     (void)Bounds(model, s, lower, upper);
     volume = (upper[0] - lower[0]) * (upper[1] - lower[1]) * (upper[2] - lower[2]) / POINTS;
-    for (PetscInt k = 1; k <= POINTS; k++) {
+    for (PetscInt k = 0; k < POINTS; k++) {
       PetscReal x[DIM], square = 0;
 
-      for (PetscInt d = 0; d < DIM; d++) {
-        x[d] = lower[d] + Halton(k, d == 0 ? 2 : d == 1 ? 3 : 5) * (upper[d] - lower[d]);
+      Point(k, lower, upper, x);
+      for (PetscInt d = 0; d < DIM; d++)
         if (d != u) square += PetscSqr(x[d] - model->center[d]);
-      }
       if (!BodyContains(SceneBody(scene, s), x)) continue;
       *whole += volume / PetscPowRealInt(d0, 3);
       *as_rings += parts * volume / (2 * PETSC_PI * PetscSqrtReal(square) * d0 * d0);
@@ -359,12 +359,11 @@ static void CountParticles(const Model *model, PetscInt u, PetscReal *whole, Pet
 /* "; without a,b": bodies and solids that lie wholly below the middle across d, which a half has no more. */
 static void Outside(const Model *model, PetscInt d, char names[], size_t length)
 {
-  const Scene scene = model->sim->scene;
+  Body body;
 
   names[0] = 0;
-  for (PetscInt s = 0; s < SceneCount(scene) + SceneSolidCount(scene); s++) {
-    const Body body = s < SceneCount(scene) ? SceneBody(scene, s) : SceneSolid(scene, s - SceneCount(scene));
-    PetscReal  lower[DIM], upper[DIM];
+  for (PetscInt s = 0; (body = Member(model, s)); s++) {
+    PetscReal lower[DIM], upper[DIM];
 
     BodyBounds(body, lower, upper);
     if (upper[d] > model->center[d] + NEAR * model->sim->domain->spacing) continue;
@@ -391,20 +390,21 @@ static PetscErrorCode PrintForces(Model *model)
   const Scene     scene = sim->scene;
   const PetscReal d0 = sim->domain->spacing, span = sim->has_end ? sim->time_end - sim->state.time : PETSC_MAX_REAL,
                   g = model->force, fall = 0.5 * g * PetscSqr(span);
-  PetscReal capillary = 0, drawn = 0, diffused = 0;
+  PetscReal capillary = 0, drawn = 0, diffused = 0; /* m: capillary length, way by tension, width of a boundary layer */
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     const Material *m  = BodyMaterial(SceneBody(scene, b));
-    const PetscReal mu = PetscMax(BodyViscosity(SceneBody(scene, b), 0), BodyViscosity(SceneBody(scene, b), rates[2]));
+    const PetscReal mu = PetscMax(BodyViscosity(SceneBody(scene, b), 0), BodyViscosity(SceneBody(scene, b), rates[2])),
+                    sigma = PetscMax(m->tension, SceneInterfaceTension(scene));
 
-    if (g > 0) capillary = PetscMax(capillary, PetscSqrtReal(m->tension / (m->density * g)));
-    drawn    = PetscMax(drawn, 0.5 * m->tension * PetscSqr(span) / (m->density * PetscSqr(d0)));
-    diffused = PetscMax(diffused, PetscSqrtReal(mu / m->density * span));
+    capillary = PetscMax(capillary, PetscSqrtReal(sigma / (m->density * PetscMax(model->least_force, PETSC_SMALL))));
+    drawn     = PetscMax(drawn, 0.5 * sigma * PetscSqr(span) / (m->density * PetscSqr(d0)));
+    diffused  = PetscMax(diffused, PetscSqrtReal(mu / m->density * span));
   }
   PetscCall(PrintForce(model, "tension", (PetscBool)(drawn > 0), (PetscBool)(drawn < SMALL * d0),
                        "it moves a drop of one spacing by less than a hundredth of that within the run"));
-  PetscCall(PrintForce(model, "tension", (PetscBool)(drawn >= SMALL * d0), (PetscBool)(g > 0 && capillary < d0),
+  PetscCall(PrintForce(model, "tension", (PetscBool)(drawn >= SMALL * d0), (PetscBool)(capillary < d0),
                        "the capillary length is below the spacing"));
   PetscCall(PrintForce(model, "viscosity", (PetscBool)(diffused > 0), (PetscBool)(diffused < 0.5 * d0),
                        "momentum spreads by less than half a spacing within the run"));
@@ -415,10 +415,11 @@ static PetscErrorCode PrintForces(Model *model)
 
 static PetscErrorCode PrintRevolution(Model *model, PetscInt u, PetscBool *found)
 {
-  const Sim      sim = model->sim;
-  const PetscInt a = (u + 1) % DIM, b = (u + 2) % DIM;
-  PetscReal      whole, as_rings;
-  char           why[WHY_LENGTH];
+  const Sim        sim = model->sim;
+  const PetscInt   a = (u + 1) % DIM, b = (u + 2) % DIM;
+  const PetscReal *c = model->center;
+  PetscReal        whole, as_rings;
+  char             why[WHY_LENGTH];
 
   PetscFunctionBegin;
   *found         = IsRevolution(model, u, why);
@@ -428,14 +429,13 @@ static PetscErrorCode PrintRevolution(Model *model, PetscInt u, PetscBool *found
     PetscCall(PetscPrintf(sim->comm,
                           "  revolution about %c: yes, through %c = %.9g, %c = %.9g m; rings take %.2g %% of "
                           "the particles\n",
-                          "xyz"[u], "xyz"[a], (double)model -> center[a], "xyz"[b], (double)model -> center[b],
-                          (double)(100 * as_rings / whole)));
+                          "xyz"[u], "xyz"[a], (double)c[a], "xyz"[b], (double)c[b], (double)(100 * as_rings / whole)));
   } else
     PetscCall(PetscPrintf(sim->comm, "  revolution about %c: no: %s\n", "xyz"[u], why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest speed and force at the points of all bodies. */
+/* The largest speed, and the largest and least force, at all points. */
 static PetscBool Measure(const Model *model, PetscReal time, const PetscReal x[], const void *context,
                          const char **what)
 {
@@ -443,8 +443,9 @@ static PetscBool Measure(const Model *model, PetscReal time, const PetscReal x[]
   Place        place;
 
   Look(model, time, x, &place);
-  scale->speed = PetscMax(scale->speed, Norm(place.velocity));
-  scale->force = PetscMax(scale->force, Norm(place.force));
+  scale->speed       = PetscMax(scale->speed, Norm(place.velocity));
+  scale->force       = PetscMax(scale->force, Norm(place.force));
+  scale->least_force = PetscMin(scale->least_force, Norm(place.force));
   return PETSC_TRUE;
 }
 
@@ -473,7 +474,7 @@ static PetscErrorCode PrintMirror(Model *model, PetscInt d)
 PetscErrorCode ModelPrint(Sim sim)
 {
   const Domain domain = sim->domain;
-  Model        model = {.sim = sim}, scale = {.sim = sim};
+  Model        model = {.sim = sim}, scale = {.sim = sim, .least_force = PETSC_MAX_REAL};
   PetscReal    g[DIM];
   PetscInt     first = 0, last = DIM - 1;
   PetscBool    found = PETSC_FALSE;
@@ -482,8 +483,9 @@ PetscErrorCode ModelPrint(Sim sim)
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) model.center[d] = 0.5 * (domain->lower[d] + domain->upper[d]);
   (void)AtAll(&model, Measure, &scale, why);
-  model.speed = scale.speed;
-  model.force = scale.force;
+  model.speed       = scale.speed;
+  model.force       = scale.force;
+  model.least_force = scale.least_force;
   PetscCall(PetscPrintf(sim->comm, "Model\n"));
   if (SceneHasFree(sim->scene) || SceneFrameTurns(sim->scene)) {
     PetscCall(PetscPrintf(sim->comm, "  symmetry: none is looked for with %s\n",

@@ -50,24 +50,27 @@ static void Reserve(H5File *h5, hsize_t bytes)
     h5->reserved = PetscMax(h5->reserved, length);
 }
 
-/* HDF5 writes what it still has. HDF5 1.10 would crash in closing a data set or a file to which it cannot write, which
-   a limit may forbid in spite of the room; then it writes to nowhere from here on. */
-static void Settle(H5File *h5)
+/* HDF5 1.10 crashes in closing what it cannot write, which a limit may forbid in spite of the room, and so it would at
+   the end of the program, when it closes all that is open: here before main, and so before MPI, since what HDF5 plans
+   for the end depends on the time of its first call. */
+__attribute__((constructor)) static void CloseNothing(void)
 {
-  void *handle = NULL; /* of HDF5's driver: its file descriptor */
-  int   nowhere;
+  (void)H5dont_atexit();
+  (void)H5open();
+}
 
-  if (h5->id < 0 || H5Fflush(h5->id, H5F_SCOPE_LOCAL) >= 0) return;
+/* HDF5 writes what it still has; false: it cannot, and the file stays open for ever. */
+static PetscBool Settle(H5File *h5)
+{
+  if (h5->id < 0 || H5Fflush(h5->id, H5F_SCOPE_LOCAL) >= 0) return PETSC_TRUE;
   h5->failed = PETSC_TRUE;
-  nowhere    = open("/dev/null", O_RDWR | O_CLOEXEC);
-  if (nowhere >= 0 && H5Fget_vfd_handle(h5->id, H5P_DEFAULT, &handle) >= 0 && handle)
-    (void)dup2(nowhere, *(int *)handle);
-  if (nowhere >= 0) (void)close(nowhere);
+  h5->id     = -1;
+  return PETSC_FALSE;
 }
 
 static void LetClose(H5File *h5, PetscBool writing)
 {
-  if (writing) Settle(h5);
+  if (writing && !Settle(h5)) return;
   if (h5->id >= 0 && H5Fclose(h5->id) < 0) h5->failed = PETSC_TRUE;
   h5->id = -1;
 }
@@ -302,10 +305,7 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
     PetscCall(PlaceRows(h5, set, type, rows, values));
   else
     PetscCall(GatherRows(h5, set, type, rows, values));
-  if (set >= 0) {
-    Settle(h5);
-    H5FileNote(h5, H5Dclose(set));
-  }
+  if (set >= 0 && Settle(h5)) H5FileNote(h5, H5Dclose(set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

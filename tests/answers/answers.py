@@ -50,12 +50,18 @@ REDUCED = (
     ("piston_from_aside", POOL + "-solids p -p_shape sphere -p_radius 1e-3 -p_center 0,0,-1e-3 -p_velocity 0.1,0,0",
      "across y: a half", None),
     ("channel", POOL + "-box_y periodic -b_shape cylinder -b_axis y", "uniform along y: a plane", 0.05),
+    ("sliding_channel", POOL + "-box_y periodic -b_shape cylinder -b_axis y -box_zmin_velocity 1,0,0 -b_viscosity 0.1 "
+     "-a_viscosity 0.1", "uniform along y: a plane", 0.05),
     ("sheet", SHEET, "uniform along y: a plane", 0.05),
     ("jet", JET, "rings", 0.1),
     ("circle", FLAT + "-box_lower -4e-3,-2e-3 -box_upper 4e-3,4e-3 -box_x wall -box_ymin wall -bodies a,b -a_upper "
      "4e-3,0 -b_shape sphere -b_radius 1.5e-3 -b_center 0,1.7e-3 -b_velocity 0,-1 -a_tension 0.07 -b_tension 0.07",
      "across x: a half", 0.05),
-    ("weak_tension", POOL + "-b_tension 1e-6 -a_tension 1e-6", "no tension", 0.1),
+    ("weak_tension", POOL + "-b_tension 1e-6 -a_tension 1e-6 -wall_contact_angle 60", "no tension", 0.1),
+    ("two_emitters", JET + "-bodies a,b -a_center -2e-3,0,3e-3 -b_center 2e-3,0,3e-3 -b_type emitter -b_shape cylinder "
+     "-b_radius 1e-3 -b_height 1.6e-3 -b_velocity 0,0,-2 -b_start 0.4e-3", "across y: a half", None),
+    ("too_narrow_for_a_quarter", POOL + "-box_lower -4e-3,-1e-3,-2e-3 -box_upper 4e-3,1e-3,4e-3 -a_upper 4e-3,1e-3,0 "
+     "-box_y wall", "across x: a half", None),
     ("thin_liquid", POOL + "-b_viscosity 1e-6 -a_viscosity 1e-6", "no viscosity", 0.1),
     ("short_fall", PAIR.format("0") + "-gravity -1e-3,0,0", "no gravity", None))
 
@@ -137,6 +143,19 @@ def reductions():
         except tables.RunError as error:
             why = str(error)
         runs.check(words in why, name, why)
+    block = runs.scratch("block.stl")  # a wedge, symmetric across y
+    vertices = ((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0), (1, -1, 1), (1, 1, 1))
+    with open(block, "w", encoding="utf-8") as file:
+        file.write("solid wedge\n")
+        for corners in ((0, 2, 1), (0, 3, 2), (1, 2, 5), (1, 5, 4), (0, 1, 4), (3, 5, 2), (0, 4, 5), (0, 5, 3)):
+            file.write("facet normal 0 0 0\nouter loop\n")
+            for c in corners:
+                file.write("vertex {} {} {}\n".format(*vertices[c]))
+            file.write("endloop\nendfacet\n")
+        file.write("endsolid wedge\n")
+    wedge = reduce.reduced(scene("wedge", POOL + f"-solids p -p_shape stl -p_file {block} -p_scale 1e-3 "
+                                 "-p_offset 0,0,-1e-3"))[1]
+    runs.check("mirror plane across y: a half" in wedge, "wedge_of_an_stl_file", wedge)
     floats = reduce.reduced(scene("floats", POOL + " -solids p -p_shape sphere -p_radius 1e-3 -p_mass 2e-6"))[1]
     runs.check("the scene as it is" in floats and "a free body" in floats, "floats", floats)
 

@@ -101,7 +101,7 @@ static PetscErrorCode Table(const char options[], PetscInt *count, PetscReal fir
 
   PetscFunctionBegin;
   PetscCall(Open(options, NULL, &s, &gauges));
-  PetscCall(GaugesTableRows(gauges, 0, count, &width, &rows));
+  PetscCall(GaugesTableRows(gauges, 0, 0, count, &width, &rows));
   for (PetscInt k = 0; k < 6 && *count; k++) { /* x, y of place and velocity */
     const PetscInt column[] = {0, 1, 2, 3, 5, 6};
 
@@ -246,7 +246,7 @@ static PetscErrorCode TestLines(void)
   PetscCall(Open(SPACE "-box_lower 0,0 -box_upper 2,1 -box_x periodic -bodies a -gauge_lines 1,0.3,1.2,0.7 "
                        "-gauge_line_points 5",
                  Wave, &s, &gauges));
-  PetscCall(GaugesTableRows(gauges, 0, &count, &width, &rows));
+  PetscCall(GaugesTableRows(gauges, 0, 0, &count, &width, &rows));
   CHECK(count == (rank ? 0 : 5), "points_of_a_line");
   for (PetscInt k = 0; k < count; k++) {
     const PetscReal *row = rows + width * k, y = 0.3 + 0.1 * k;

@@ -158,7 +158,7 @@ static PetscErrorCode TestFilm(void)
                       &s));
   PetscCall(GaugesCreate(s.cloud, &gauges));
   PetscCall(GaugesSetFromOptions(gauges));
-  PetscCall(GaugesTableRows(gauges, 0, &count, &width, &rows));
+  PetscCall(GaugesTableRows(gauges, 0, 0, &count, &width, &rows));
   CHECK(count == (rank ? 0 : 6) && width == 3, "rows_of_a_film");
   for (PetscInt k = 0; k < count; k++) {
     CHECK_CLOSE(rows[width * k + 1], 0.5 * k, 1e-12, "place_on_the_line");
