@@ -54,6 +54,7 @@ static PetscErrorCode ReadHoles(Body body, const BodyChoices *choices, char *nam
     PetscCall(BodyCreate(body->domain, names[k], k, &body->hole[k]));
     body->holes++;
     PetscCall(RegionSetFromOptions(body->hole[k], choices));
+    PetscCall(BodyCheckShape(body->hole[k]));
     PetscCall(BodyCheckInside(body->hole[k]));
     PetscCall(PetscFree(names[k]));
   }

@@ -71,8 +71,7 @@ static PetscErrorCode ShapeGiven(Body body, PetscBool *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a body without a shape, perhaps for a misspelt option: it is the likely cause of an overlap. */
-static PetscErrorCode RefuseShapeless(Body body)
+PetscErrorCode BodyCheckShape(Body body)
 {
   char      option[2 * SCENE_NAME_LENGTH];
   PetscBool given;
@@ -98,8 +97,8 @@ PetscErrorCode SceneCheckOverlap(Scene scene)
     for (PetscInt b = a + 1; b < scene->count; b++) {
       const PetscBool overlap = FindCommonPoint(scene->body[a], scene->body[b], -tolerance, x);
 
-      if (overlap) PetscCall(RefuseShapeless(scene->body[b]));
-      if (overlap) PetscCall(RefuseShapeless(scene->body[a]));
+      if (overlap) PetscCall(BodyCheckShape(scene->body[b]));
+      if (overlap) PetscCall(BodyCheckShape(scene->body[a]));
       PetscCheckUser(!overlap, scene->domain->comm,
                      "the bodies %s and %s overlap, for instance at %g,%g,%g m: shapes must be apart or touch, or "
                      "-bodies_overlap gives the common part to the first in -bodies",

@@ -202,8 +202,10 @@ typedef void (*ShapeFlow)(const void *shape, const PetscReal x[DIM], PetscReal v
 void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x);
 void MoveAlong(const void *shape, ShapeFlow flow, PetscReal time, PetscInt steps, PetscReal x[DIM]);
 
-/* BodyCheckInside - refuses (UserError) a body wholly outside the box. SceneCheckOverlap - refuses (UserError) bodies
+/* BodyCheckShape - refuses (UserError) a body without a shape, perhaps for a misspelt option, which would fill the box.
+   BodyCheckInside - refuses (UserError) a body wholly outside the box. SceneCheckOverlap - refuses (UserError) bodies
    that overlap. Collective. */
+PetscErrorCode BodyCheckShape(Body body);
 PetscErrorCode BodyCheckInside(Body body);
 PetscErrorCode SceneCheckOverlap(Scene scene);
 

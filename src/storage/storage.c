@@ -9,7 +9,7 @@
 
 #define TEXT_MAX   60000              /* bytes of a text attribute; HDF5's limit is 64 KB */
 #define ROWS_TAG   1                  /* of the messages that bring rows to rank 0 */
-#define STRUCTURE  ((hsize_t)1 << 22) /* bytes that HDF5 may need for attributes and the structure of the file */
+#define STRUCTURE  ((hsize_t)1 << 18) /* bytes that HDF5 may need for attributes and the structure of the file */
 #define DEFLATE    1.01               /* most bytes of a compressed data set, over those of its rows */
 #define PIECE      ((size_t)1 << 22)  /* bytes that go to rank 0 in one message */
 #define CHUNK_ROWS ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors is a third of HDF5's cache */
@@ -258,10 +258,10 @@ static PetscErrorCode PlaceRows(H5File *h5, hid_t set, hid_t type, const Rows *r
   PetscInt64   place = set < 0 || h5->failed ? -1 : (PetscInt64)H5Dget_offset(set);
 
   PetscFunctionBegin;
-  if (!h5->rank && place < 0) h5->failed = PETSC_TRUE; /* HADDR_UNDEF is negative here */
   PetscCallMPI(MPI_Bcast(&place, 1, MPIU_INT64, 0, h5->comm));
+  if (place < 0) h5->failed = PETSC_TRUE; /* HADDR_UNDEF is negative here */
   place += (PetscInt64)(size * (size_t)rows->start);
-  for (size_t done = 0; done < bytes && !h5->failed && place >= 0;) {
+  for (size_t done = 0; done < bytes && !h5->failed;) {
     const ssize_t n = pwrite(h5->file, (const char *)values + done, PetscMin(bytes - done, (size_t)1 << 30),
                              (off_t)(place + (PetscInt64)done));
 

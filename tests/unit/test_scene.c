@@ -385,6 +385,7 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE, "-bodies is missing", "refuse_no_body"));
   PetscCall(Refused(CUBE "-bodies a,a", "twice", "refuse_twice"));
   PetscCall(Refused(CUBE BALL "-a_holes a", "cannot be a hole", "refuse_hole_of_itself"));
+  PetscCall(Refused(CUBE BALL "-a_holes pit -pitt_radius 0.1", "pit has no shape", "refuse_hole_without_shape"));
   PetscCall(Refused(CUBE BALL "-a_holes b -b_upper -2,0,0", "-b_upper must be above", "refuse_hole_without_size"));
   PetscCall(Refused(CUBE "-bodies 2a", "'2a' is not a name", "refuse_name"));
   PetscCall(Refused(CUBE "-bodies box", "taken", "refuse_box_name"));
