@@ -77,6 +77,16 @@ static inline Simd SimdLoadSingle(const float x[])
 #endif
 }
 
+/* SimdScaleSingle - multiplies SIMD_WIDTH numbers in single precision with t. */
+static inline void SimdScaleSingle(SimdSingle t, float x[])
+{
+  SimdSingle own;
+
+  (void)memcpy(&own, x, sizeof(own));
+  own *= t;
+  (void)memcpy(x, &own, sizeof(own));
+}
+
 /* SimdGather - p[b[0]] to p[b[SIMD_WIDTH - 1]]. Single loads are faster than the processor's gather instruction. */
 static inline Simd SimdGather(const PetscReal p[], const PetscInt b[SIMD_WIDTH])
 {
@@ -120,7 +130,8 @@ static inline SimdOffsets SimdLocate(const PetscInt b[SIMD_WIDTH])
 }
 
 /* Simd3Collect - the vectors of SIMD_WIDTH particles from v ([n][3], with one readable number after the last vector).
-   It loads four numbers for each vector and transposes the registers to x, y and z, in half the time of a gather. */
+   It loads four numbers for each vector and transposes the registers to x, y and z, in half the time of a gather.
+   flat, here and below: in two dimensions; z is zero and costs nothing if the compiler knows 'flat'. */
 #if SIMD_WIDTH == 8
 /* a[0] to a[3], then b[0] to b[3] */
 static inline Simd SimdOfTwo(const PetscReal a[], const PetscReal b[])
@@ -128,10 +139,26 @@ static inline Simd SimdOfTwo(const PetscReal a[], const PetscReal b[])
   return (Simd)_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(a)), _mm256_loadu_pd(b), 1);
 }
 
-static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *offsets)
+/* a[0], a[1], b[0], b[1], c[0] and so on */
+static inline Simd SimdOfFour(const PetscReal a[], const PetscReal b[], const PetscReal c[], const PetscReal d[])
 {
-  const uint32_t *at = offsets->at;
-  const Simd      t0 = SimdOfTwo(v + at[0], v + at[4]), t1 = SimdOfTwo(v + at[1], v + at[5]),
+  const __m512d t = _mm512_insertf64x2(_mm512_castpd128_pd512(_mm_loadu_pd(a)), _mm_loadu_pd(b), 1);
+
+  return (Simd)_mm512_insertf64x2(_mm512_insertf64x2(t, _mm_loadu_pd(c), 2), _mm_loadu_pd(d), 3);
+}
+
+static inline Simd3 Simd3CollectFlat(const PetscReal v[], const uint32_t at[])
+{
+  const Simd t0 = SimdOfFour(v + at[0], v + at[2], v + at[4], v + at[6]),
+             t1 = SimdOfFour(v + at[1], v + at[3], v + at[5], v + at[7]);
+
+  return (Simd3){__builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
+                 __builtin_shufflevector(t0, t1, 1, 9, 3, 11, 5, 13, 7, 15), SimdSet(0)};
+}
+
+static inline Simd3 Simd3CollectAll(const PetscReal v[], const uint32_t at[])
+{
+  const Simd t0 = SimdOfTwo(v + at[0], v + at[4]), t1 = SimdOfTwo(v + at[1], v + at[5]),
              t2 = SimdOfTwo(v + at[2], v + at[6]), t3 = SimdOfTwo(v + at[3], v + at[7]);
   const Simd xz01 = __builtin_shufflevector(t0, t1, 0, 8, 2, 10, 4, 12, 6, 14),
              xz23 = __builtin_shufflevector(t2, t3, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -142,37 +169,44 @@ static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *offsets
                      __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15)};
   return all;
 }
+
+static inline Simd3 Simd3Collect(PetscBool flat, const PetscReal v[], const SimdOffsets *offsets)
+{
+  return flat ? Simd3CollectFlat(v, offsets->at) : Simd3CollectAll(v, offsets->at);
+}
 #else
-static inline Simd3 Simd3Collect(const PetscReal v[], const SimdOffsets *offsets)
+static inline Simd3 Simd3Collect(PetscBool flat, const PetscReal v[], const SimdOffsets *offsets)
 {
   const uint32_t *at = offsets->at;
   const Vec4 t0 = Vec4Load(v + at[0]), t1 = Vec4Load(v + at[1]), t2 = Vec4Load(v + at[2]), t3 = Vec4Load(v + at[3]);
   const Vec4 xz01 = __builtin_shufflevector(t0, t1, 0, 4, 2, 6), xz23 = __builtin_shufflevector(t2, t3, 0, 4, 2, 6),
              y01 = __builtin_shufflevector(t0, t1, 1, 5, 3, 7), y23 = __builtin_shufflevector(t2, t3, 1, 5, 3, 7);
   const Simd3 all = {__builtin_shufflevector(xz01, xz23, 0, 1, 4, 5), __builtin_shufflevector(y01, y23, 0, 1, 4, 5),
-                     __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7)};
+                     flat ? SimdSet(0) : __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7)};
   return all;
 }
 #endif
 
 /* Simd3Difference - a - b. */
-static inline Simd3 Simd3Difference(Simd3 a, Simd3 b)
+static inline Simd3 Simd3Difference(PetscBool flat, Simd3 a, Simd3 b)
 {
-  return (Simd3){a.x - b.x, a.y - b.y, a.z - b.z};
+  return (Simd3){a.x - b.x, a.y - b.y, flat ? SimdSet(0) : a.z - b.z};
 }
 
 /* Simd3Add - adds f v to sum. */
-static inline void Simd3Add(Simd3 *sum, Simd f, Simd3 v)
+static inline void Simd3Add(PetscBool flat, Simd3 *sum, Simd f, Simd3 v)
 {
   sum->x += f * v.x;
   sum->y += f * v.y;
-  sum->z += f * v.z;
+  if (!flat) sum->z += f * v.z;
 }
 
 /* Simd3Dot - the products a.b. */
-static inline Simd Simd3Dot(Simd3 a, Simd3 b)
+static inline Simd Simd3Dot(PetscBool flat, Simd3 a, Simd3 b)
 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
+  const Simd sum = a.x * b.x + a.y * b.y;
+
+  return flat ? sum : sum + a.z * b.z;
 }
 
 /* SimdMax - the larger of a and b. */
@@ -181,6 +215,12 @@ static inline Simd SimdMax(Simd a, Simd b)
   const SimdMask larger = a > b;
 
   return (Simd)((larger & (SimdMask)a) | (~larger & (SimdMask)b));
+}
+
+/* SimdAbs - |a|. */
+static inline Simd SimdAbs(Simd a)
+{
+  return SimdMax(a, -a);
 }
 
 /* SimdFold - the first four numbers plus the last four; t itself if SIMD_WIDTH is four. */
@@ -201,6 +241,14 @@ static inline Vec4 SimdSums(Simd a, Simd b, Simd c, Simd d)
              cd = __builtin_shufflevector(hc, hd, 0, 4, 2, 6) + __builtin_shufflevector(hc, hd, 1, 5, 3, 7);
 
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+}
+
+/* SimdSum - the sum over the lanes of t, as SimdSums has it. */
+static inline PetscReal SimdSum(Simd t)
+{
+  const Vec4 h = SimdFold(t);
+
+  return (h[0] + h[1]) + (h[2] + h[3]);
 }
 
 /* Simd3Sum - the sum of the vectors v; the fourth number is the sum of 'fourth'. */

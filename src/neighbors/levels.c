@@ -126,7 +126,7 @@ static PetscErrorCode SortLevel(Cloud cloud, const Search *search, CellGrid *gri
       level->all.size[k]  = (float)cloud->size[level->all.index[k]];
     }
   }
-  for (PetscInt r = 0; r < reach; r++) LinesSet(grid, r + 1, &level->lines[r]);
+  for (PetscInt r = 0; r < reach; r++) LinesSet(grid, cloud->domain->dim, r + 1, &level->lines[r]);
   for (PetscInt c = 0; c < grid->count; c++) longest = PetscMax(longest, grid->start[c + 1] - grid->start[c]);
   *most = LinesCandidates(reach, longest);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -188,8 +188,8 @@ PetscInt SearchLevelRuns(Cloud cloud, const Search *search, PetscInt a, PetscInt
   const PetscReal  radius = (1 + POINT_TOLERANCE) * 0.5 * search->support * (cloud->size[a] + near);
 
   if (near <= 0) return 0;
-  if (radius <= grid->size) return FindRuns(grid, &level->lines[0], 1, PETSC_TRUE, x, radius, search->run);
-  if (radius <= 2 * grid->size) return FindRuns(grid, &level->lines[1], 2, PETSC_TRUE, x, radius, search->run);
-  if (radius <= 3 * grid->size) return FindRuns(grid, &level->lines[2], 3, PETSC_TRUE, x, radius, search->run);
-  return FindRuns(grid, &level->lines[LINES_MOST_REACH - 1], LINES_MOST_REACH, PETSC_TRUE, x, radius, search->run);
+  if (radius <= grid->size) return FindRuns(grid, &level->lines[0], PETSC_TRUE, x, radius, search->run);
+  if (radius <= 2 * grid->size) return FindRuns(grid, &level->lines[1], PETSC_TRUE, x, radius, search->run);
+  if (radius <= 3 * grid->size) return FindRuns(grid, &level->lines[2], PETSC_TRUE, x, radius, search->run);
+  return FindRuns(grid, &level->lines[LINES_MOST_REACH - 1], PETSC_TRUE, x, radius, search->run);
 }

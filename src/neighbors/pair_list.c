@@ -24,15 +24,16 @@ Units SearchUnits(Cloud cloud)
   return units;
 }
 
-void LinesSet(const CellGrid *grid, PetscInt reach, Lines *lines)
+void LinesSet(const CellGrid *grid, PetscInt dim, PetscInt reach, Lines *lines)
 {
-  const PetscInt width = 2 * reach + 1;
+  const PetscInt width = 2 * reach + 1, layers = dim == 3 ? reach : 0;
 
+  lines->count = width * (2 * layers + 1);
   for (PetscInt l = 0; l < LINES_MOST; l++) {
-    const PetscInt y = l % width - reach, z = l / width - reach;
+    const PetscInt y = l % width - reach, z = l / width - layers;
 
     lines->y[l]       = y;
-    lines->z[l]       = l < LINES(reach) ? z : -reach - 1 - grid->n[2]; /* outside */
+    lines->z[l]       = l < lines->count ? z : -reach - 1 - grid->n[2]; /* outside */
     lines->cells[l]   = CellIndex(grid->n, 0, y, z);
     lines->from_y[l]  = (float)(y > 0 ? y : y < 0 ? -y - 1 : 0);
     lines->times_y[l] = (float)(y > 0 ? -1 : y < 0 ? 1 : 0);
@@ -90,12 +91,12 @@ void FindWeights(Cloud cloud)
 void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w, float *restrict slope_over_r2,
                float *restrict slope)
 {
-  for (PetscInt k = 0; k < n; k++) {
-    const float share = (float)cloud->relative_weight[list[k]];
+  for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
+    const SimdSingle share = __builtin_convertvector(SimdGather(cloud->relative_weight, list + k), SimdSingle);
 
-    if (w) w[k] *= share;
-    slope_over_r2[k] *= share;
-    slope[k] *= share;
+    if (w) SimdScaleSingle(share, w + k);
+    SimdScaleSingle(share, slope_over_r2 + k);
+    SimdScaleSingle(share, slope + k);
   }
 }
 

@@ -34,8 +34,8 @@ INSTANCE void PackIndices(WideKept kept, WideInteger index, PetscInt to[])
 /* Stores in list, s and near the candidates of a run that are neighbours of particle a at the integer position p: s =
    r2/h2 is below the limit times the square of the mean size. Omits the particle itself. near: their sizes. Returns
    their number. Reads LANES candidates, and may write as many. */
-INSTANCE PetscInt KeepNear(PetscBool sized, Run run, Candidates all, const float unit[DIM], float own, float limit,
-                           PetscInt a, const int32_t p[DIM], PetscInt *restrict list, float *restrict s,
+INSTANCE PetscInt KeepNear(PetscBool sized, PetscBool flat, Run run, Candidates all, const float unit[DIM], float own,
+                           float limit, PetscInt a, const int32_t p[DIM], PetscInt *restrict list, float *restrict s,
                            float *restrict near)
 {
   const PetscInt count = RUN_COUNT(run), n = all.n;
@@ -45,7 +45,8 @@ INSTANCE PetscInt KeepNear(PetscBool sized, Run run, Candidates all, const float
     const PetscInt begin = RUN_BEGIN(run) + k;
     const int32_t *x     = all.position + begin;
     const Wide     dx = unit[0] * WideApart(p[0], x), dy = unit[1] * WideApart(p[1], x + n),
-               dz = unit[2] * WideApart(p[2], x + 2 * n), s2 = dz * dz + (dy * dy + dx * dx);
+               dz = flat ? WideSet(0) : unit[2] * WideApart(p[2], x + 2 * n), in_plane = dy * dy + dx * dx,
+               s2    = flat ? in_plane : dz * dz + in_plane;
     const Wide other = sized ? WideLoad(all.size + begin) : WideSet(1), both = own + other,
                most        = sized ? both * both * (0.25f * limit) : WideSet(limit);
     const WideInteger b    = LoadIndices(all.index + begin);
@@ -63,7 +64,7 @@ INSTANCE PetscInt KeepNear(PetscBool sized, Run run, Candidates all, const float
 /* Appends the neighbours in the runs of a level to the 'found' neighbours of particle a; see KeepNear. Returns more
    than ROW_CAPACITY if there is no room. Local variables stay in registers: otherwise the loop's stores might
    alias *search. */
-INSTANCE PetscInt KeepRuns(PetscBool sized, Candidates all, const Run *restrict run, PetscInt runs,
+INSTANCE PetscInt KeepRuns(PetscBool sized, PetscBool flat, Candidates all, const Run *restrict run, PetscInt runs,
                            const float unit[DIM], float own, float limit, PetscInt a, const int32_t p[DIM],
                            PetscInt *restrict list, float *restrict s, float *restrict near, PetscInt found)
 {
@@ -71,13 +72,14 @@ INSTANCE PetscInt KeepRuns(PetscBool sized, Candidates all, const Run *restrict 
     const PetscInt fit = PetscMin(runs, r + 1 + (ROW_CAPACITY - found) / LANES); /* the room suffices up to this run */
 
     for (; r < fit; r++)
-      found += KeepNear(sized, run[r], all, unit, own, limit, a, p, list + found, s + found, near + found);
+      found += KeepNear(sized, flat, run[r], all, unit, own, limit, a, p, list + found, s + found, near + found);
   }
   return found;
 }
 
 /* Finds the neighbours of particle a; returns their number. Writes to list, search->s and search->size. */
-INSTANCE PetscInt FindNeighbors(PetscBool sized, Cloud cloud, Search *search, PetscInt a, PetscInt list[])
+INSTANCE PetscInt FindNeighbors(PetscBool sized, PetscBool flat, Cloud cloud, Search *search, PetscInt a,
+                                PetscInt list[])
 {
   const PetscReal *x         = cloud->field[FIELD_POSITION] + DIM * a;
   const PetscInt   own       = sized ? SearchLevel(cloud, a) : 0;
@@ -94,10 +96,10 @@ INSTANCE PetscInt FindNeighbors(PetscBool sized, Cloud cloud, Search *search, Pe
 
     if (sized && !level->all.n) continue;
     if (sized && l <= own) block = CellBoxFind(&level->blocks.box, x);
-    runs = sized ? SearchLevelRuns(cloud, search, a, own, l, block)
-                 : FindRuns(level->grid, level->lines, 1, PETSC_FALSE, x, search->support, search->run);
-    found =
-      KeepRuns(sized, level->all, search->run, runs, unit, size, limit, a, p, list, search->s, search->size, found);
+    runs  = sized ? SearchLevelRuns(cloud, search, a, own, l, block)
+                  : FindRuns(level->grid, level->lines, PETSC_FALSE, x, search->support, search->run);
+    found = KeepRuns(sized, flat, level->all, search->run, runs, unit, size, limit, a, p, list, search->s, search->size,
+                     found);
   }
   return found;
 }
@@ -155,7 +157,7 @@ INSTANCE PetscErrorCode FindRows(PetscBool sized, PetscBool flat, Cloud cloud, S
 
     if (used + most > cloud->list_capacity)
       PetscCall(ReserveList(cloud, CloudListRoom(used, cloud->n_owned - a, most)));
-    found = FindNeighbors(sized, cloud, search, a, cloud->list + used);
+    found = FindNeighbors(sized, flat, cloud, search, a, cloud->list + used);
     PetscCall(RowCheck(cloud, a, found));
     PadRow(a, found, cloud->list + used, search->s);
     for (PetscInt k = found; k < found + LANES && sized; k++) search->size[k] = 1;
@@ -180,7 +182,9 @@ PetscErrorCode CloudSearch(Cloud cloud, RowVisitor visit, void *context)
   FindWeights(cloud);
   cloud->laplacian_unit = search->unit;
   cloud->first[0]       = 0;
-  if (!cloud->domain->graded)
+  if (!cloud->domain->graded && cloud->domain->dim == 2)
+    PetscCall(FindRows(PETSC_FALSE, PETSC_TRUE, cloud, search, visit, context));
+  else if (!cloud->domain->graded)
     PetscCall(FindRows(PETSC_FALSE, PETSC_FALSE, cloud, search, visit, context));
   else if (cloud->domain->dim == 2)
     PetscCall(FindRows(PETSC_TRUE, PETSC_TRUE, cloud, search, visit, context));

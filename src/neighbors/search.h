@@ -32,9 +32,10 @@ typedef int64_t Run;
 #define RUN_BEGIN(run)    ((PetscInt)((run)&UINT32_MAX))
 #define RUN_COUNT(run)    (PetscMin((PetscInt)((run) >> 32), LANES))
 
-/* The lines of cells along x around a cell, up to 'reach' cells away in y and z: LINES(reach) lines, and more outside
-   to fill the lanes. y, z: offsets of the lines; cells: offset of their cells' numbers. The distance of a point from a
-   line along an axis, in cells, is from + times p, with p from 0 to 1 the position in the point's own cell. */
+/* The lines of cells along x around a cell, up to 'reach' cells away in y and z: 'count' lines, LINES(reach) at most,
+   and more outside to fill the lanes. y, z: offsets of the lines; cells: offset of their cells' numbers. The distance
+   of a point from a line along an axis, in cells, is from + times p, with p from 0 to 1 the position in the point's own
+   cell. */
 #define SPLIT            4     /* cells along x in the length of a cell along y and z */
 #define SLACK            1e-3f /* of a cell along x: error of a chord in single precision */
 #define LINES(reach)     ((2 * (reach) + 1) * (2 * (reach) + 1))
@@ -42,21 +43,22 @@ typedef int64_t Run;
 #define LINES_MOST       128 /* LINES(LINES_MOST_REACH), in whole vectors */
 
 typedef struct {
+  PetscInt count;
   PetscInt y[LINES_MOST], z[LINES_MOST], cells[LINES_MOST];
   float    from_y[LINES_MOST], times_y[LINES_MOST], from_z[LINES_MOST], times_z[LINES_MOST];
 } Lines;
 
-/* LinesSet - sets the lines of a grid. LinesCandidates - largest number of candidates of FindRuns with at most
-   'longest' points in a cell. Not collective. */
-void     LinesSet(const CellGrid *grid, PetscInt reach, Lines *lines);
+/* LinesSet - sets the lines of a grid in 'dim' dimensions. LinesCandidates - largest number of candidates of FindRuns
+   with at most 'longest' points in a cell. Not collective. */
+void     LinesSet(const CellGrid *grid, PetscInt dim, PetscInt reach, Lines *lines);
 PetscInt LinesCandidates(PetscInt reach, PetscInt longest);
 
 /* FindRuns - finds the candidates for neighbours of a point at x (m): of each line of cells around it, the cells that
-   intersect the sphere of the radius (m). The lines are for 'reach', and the radius is at most 'reach' cells in y and
-   z. outside: the point may be outside the grid. Returns the number of runs. There are no data-dependent branches but
-   for long runs. Not collective. */
-static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, PetscInt reach, PetscBool outside,
-                                const PetscReal x[DIM], PetscReal radius, Run run[])
+   intersect the sphere of the radius (m). The radius is at most as many cells in y and z as the lines
+   reach. outside: the point may be outside the grid. Returns the number of runs. There are no data-dependent branches
+   but for long runs. Not collective. */
+static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, PetscBool outside, const PetscReal x[DIM],
+                                PetscReal radius, Run run[])
 {
   const PetscInt *start = grid->start, nx = grid->n[0], ny = grid->n[1], nz = grid->n[2];
   const PetscReal inverse = 1 / grid->size, ry = inverse * (x[1] - grid->lower[1]),
@@ -68,7 +70,7 @@ static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, PetscI
   PetscInt       from[LINES_MOST], to[LINES_MOST], runs = 0;
 
   SIMD_LOOP()
-  for (PetscInt l = 0; l < (LINES(reach) + LANES - 1) / LANES * LANES; l++) {
+  for (PetscInt l = 0; l < (lines->count + LANES - 1) / LANES * LANES; l++) {
     const float    dy = lines->from_y[l] + lines->times_y[l] * py, dz = lines->from_z[l] + lines->times_z[l] * pz;
     const float    left2 = reach2 - dy * dy - dz * dz, half = SPLIT * sqrtf(left2 > 0 ? left2 : 0) + SLACK;
     const PetscInt iy = cy + lines->y[l], iz = cz + lines->z[l];
@@ -80,7 +82,7 @@ static inline PetscInt FindRuns(const CellGrid *grid, const Lines *lines, PetscI
     from[l] = there ? line + lines->cells[l] + x0 : 0;
     to[l]   = there ? line + lines->cells[l] + x1 + 1 : 0;
   }
-  for (PetscInt l = 0; l < LINES(reach); l++) {
+  for (PetscInt l = 0; l < lines->count; l++) {
     const PetscInt begin = start[from[l]];
     Run            next  = RUN(begin, start[to[l]] - begin);
 

@@ -65,8 +65,8 @@ static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, con
 }
 
 /* G_ij = sum f (v_b - v_a)_i (r_ab)_j over the row of a. Returns the largest |v_b - v_a|^2. */
-static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscInt a, const PetscReal velocity[],
-                                         PetscReal G[DIM * DIM])
+static inline PetscReal VelocityGradient(PetscBool flat, Cloud cloud, const PairRow *row, PetscInt a,
+                                         const PetscReal velocity[], PetscReal G[DIM * DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
   const Simd3      p = Simd3Set(x + DIM * a), v = Simd3Set(velocity + DIM * a);
@@ -77,17 +77,28 @@ static inline PetscReal VelocityGradient(Cloud cloud, const PairRow *row, PetscI
 
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const SimdOffsets at = SimdLocate(row->index + k);
-    const Simd3       d = Simd3Difference(p, Simd3Collect(x, &at)), w = Simd3Difference(Simd3Collect(velocity, &at), v);
-    const Simd        f = SimdLoad(row->f + k), w2 = SimdFirst(Simd3Dot(w, w), row->n - k);
+    const Simd3       d  = Simd3Difference(flat, p, Simd3Collect(flat, x, &at)),
+                w        = Simd3Difference(flat, Simd3Collect(flat, velocity, &at), v);
+    const Simd f = SimdLoad(row->f + k), w2 = SimdFirst(Simd3Dot(flat, w, w), row->n - k);
 
-    Simd3Add(&gx, f * w.x, d);
-    Simd3Add(&gy, f * w.y, d);
-    Simd3Add(&gz, f * w.z, d);
+    Simd3Add(flat, &gx, f * w.x, d);
+    Simd3Add(flat, &gy, f * w.y, d);
+    if (!flat) Simd3Add(flat, &gz, f * w.z, d);
     most = SimdMax(most, w2);
   }
-  Vec4Store(Simd3Sum(gx, zero), G);
-  Vec4Store(Simd3Sum(gy, zero), G + DIM);
-  Vec4Store(Simd3Sum(gz, zero), G + 2 * DIM);
+  if (flat) {
+    const Vec4 g = SimdSums(gx.x, gx.y, gy.x, gy.y);
+
+    for (PetscInt k = 0; k < DIM * DIM; k++) G[k] = 0;
+    G[0] = g[0];
+    G[1] = g[1];
+    G[3] = g[2];
+    G[4] = g[3];
+  } else {
+    Vec4Store(Simd3Sum(gx, zero), G);
+    Vec4Store(Simd3Sum(gy, zero), G + DIM);
+    Vec4Store(Simd3Sum(gz, zero), G + 2 * DIM);
+  }
   for (PetscInt k = 0; k < SIMD_WIDTH; k++) largest = PetscMax(largest, most[k]);
   return largest;
 }
@@ -137,7 +148,8 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
       if (div) div[a] = scale * WallDivergence(cloud, a, &row, velocity);
       continue;
     }
-    jump2 = VelocityGradient(cloud, &row, a, velocity, G);
+    jump2 = cloud->domain->dim == 2 ? VelocityGradient(PETSC_TRUE, cloud, &row, a, velocity, G)
+                                    : VelocityGradient(PETSC_FALSE, cloud, &row, a, velocity, G);
     if (jump) jump[a] = PetscSqrtReal(jump2);
     for (PetscInt k = 0; k < DIM * DIM; k++) no_sliding[k] = G[k];
     if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, no_sliding);

@@ -73,7 +73,7 @@ typedef struct {
   PetscReal scale_w, scale_f; /* of KernelScales */
   PetscReal ratio;            /* scale_w/W(d0) */
   PetscBool viscous;          /* the viscous term is wanted */
-  PetscReal friction;         /* zeta V 2 mu/rho scale_f/h2, 1/(m2 s) */
+  PetscReal nu, friction;     /* mu/rho, m2/s; zeta V 2 nu scale_f/h2, 1/(m2 s) */
 } Scales;
 
 /* (s_ab/s_b)^dim of SIMD_WIDTH neighbours of a graded particle; s_ab is the mean of both sizes. It turns V_b W_ab into
@@ -85,66 +85,98 @@ static inline Simd PairVolumeRatio(Cloud cloud, PetscInt a, const PetscInt list[
   return cloud->domain->dim == 2 ? ratio * ratio : ratio * ratio * ratio;
 }
 
+/* Adds the lanes up and stores all sums of row a but the viscous term. In two dimensions there are two thirds of them.
+ */
+static inline void StoreMoments(PetscBool flat, Cloud cloud, PetscInt a, const Scales *scales, Simd3 normal, Simd sum,
+                                Simd3 crowding, Simd3 diagonal, Simd3 off)
+{
+  const PetscReal V = scales->V, scale = V * scales->scale_f;
+  const Simd      zero  = SimdSet(0);
+  const Vec4      total = Simd3Sum(normal, sum),
+             more       = flat ? SimdSums(crowding.x, crowding.y, zero, off.x) : Simd3Sum(crowding, off.x);
+  PetscReal *M          = cloud->field[FIELD_CORRECTION] + 6 * a;
+
+  Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
+  cloud->field[FIELD_DENSITY][a] =
+    cloud->rest_density[a] * V * (cloud->relative_weight[a] * scales->self + scales->scale_w * total[3]);
+  Vec4Store(scale * (total + more), cloud->field[FIELD_CROWDING] + DIM * a);
+  Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
+  M[3] = -scale * more[3];
+  M[4] = flat ? 0 : -scale * SimdSum(off.y);
+  M[5] = flat ? 0 : -scale * SimdSum(off.z);
+}
+
 /* Computes all sums of row a: FIELD_DENSITY, FIELD_NORMAL, FIELD_CROWDING, the moments in FIELD_CORRECTION and, if
    'viscous', the viscous term in FIELD_ACCELERATION. */
-static inline void SumMoments(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[],
-                              const Scales *scales, PetscBool viscous, PetscBool graded)
+static inline void SumMoments(PetscBool flat, PetscBool graded, PetscBool viscous, Cloud cloud, PetscInt a,
+                              const float w[], const float slope_over_r2[], const Scales *scales)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY], V = scales->V,
-                  scale = V * scales->scale_f;
-  const PetscInt *list = cloud->list + cloud->first[a], n = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
-  const float    *slope = cloud->slope + cloud->first[a];
-  const Simd3     p = Simd3Set(x + DIM * a), own = Simd3Set(v + DIM * a);
-  const Simd      zero = SimdSet(0), ratio = SimdSet(scales->ratio), weight = SimdSet(CROWDING_WEIGHT);
+  const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY];
+  const PetscInt  *list = cloud->list + cloud->first[a], n = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
+  const float     *slope = cloud->slope + cloud->first[a];
+  const Simd3      p = Simd3Set(x + DIM * a), own = Simd3Set(v + DIM * a);
+  const Simd       zero = SimdSet(0), ratio = SimdSet(scales->ratio), weight = SimdSet(CROWDING_WEIGHT),
+             along       = SimdSet(PETSC_PI / cloud->length[a]);
+  const PetscBool rings  = cloud->domain->rings;
   Simd3           normal = {zero, zero, zero}, crowding = normal, diagonal = normal, off = normal, friction = normal;
   Simd            sum = zero;
-  Vec4            total;
-  PetscReal      *M = cloud->field[FIELD_CORRECTION] + 6 * a;
 
   for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
     const SimdOffsets at = SimdLocate(list + k);
-    const Simd3       d  = Simd3Difference(p, Simd3Collect(x, &at));
+    const Simd3       d  = Simd3Difference(flat, p, Simd3Collect(flat, x, &at));
     const Simd        f = SimdLoadSingle(slope + k), W = SimdLoadSingle(w + k),
                r = graded ? W * ratio * PairVolumeRatio(cloud, a, list + k) : W * ratio, r2 = r * r, fx = f * d.x,
-               fy = f * d.y, fz = f * d.z;
+               fy = f * d.y;
 
     sum += W;
     normal.x += fx;
     normal.y += fy;
-    normal.z += fz;
-    Simd3Add(&crowding, weight * r2 * r2 * f, d);
+    Simd3Add(flat, &crowding, weight * r2 * r2 * f, d);
     diagonal.x += fx * d.x;
     diagonal.y += fy * d.y;
-    diagonal.z += fz * d.z;
     off.x += fx * d.y;
-    off.y += fx * d.z;
-    off.z += fy * d.z;
-    if (viscous) /* Eq. (1) of Kuri et al. */
-      Simd3Add(&friction, SimdLoadSingle(slope_over_r2 + k) * Simd3Dot(Simd3Difference(own, Simd3Collect(v, &at)), d),
-               d);
+    if (!flat) {
+      const Simd fz = f * d.z;
+
+      normal.z += fz;
+      diagonal.z += fz * d.z;
+      off.y += fx * d.z;
+      off.z += fy * d.z;
+    }
+    if (viscous) { /* Eq. (1) of Kuri et al. */
+      const Simd3 u = Simd3Difference(flat, own, Simd3Collect(flat, v, &at));
+      Simd        c = SimdLoadSingle(slope_over_r2 + k) * Simd3Dot(flat, u, d);
+
+      if (flat && rings) c *= along * SimdAbs(2 * p.x - d.x); /* DomainPairLength over the ring's own */
+      Simd3Add(flat, &friction, c, d);
+    }
   }
-  total = Simd3Sum(normal, sum);
-  Vec4Store(scale * total, cloud->field[FIELD_NORMAL] + DIM * a);
-  cloud->field[FIELD_DENSITY][a] =
-    cloud->rest_density[a] * V * (cloud->relative_weight[a] * scales->self + scales->scale_w * total[3]);
-  Vec4Store(scale * (total + Simd3Sum(crowding, zero)), cloud->field[FIELD_CROWDING] + DIM * a);
-  Vec4Store(-scale * Simd3Sum(diagonal, zero), M);
-  Vec4Store(-scale * Simd3Sum(off, zero), M + DIM);
-  if (viscous) Vec4Store(scales->friction * Simd3Sum(friction, zero), cloud->field[FIELD_ACCELERATION] + DIM * a);
+  StoreMoments(flat, cloud, a, scales, normal, sum, crowding, diagonal, off);
+  if (viscous) {
+    PetscReal *acceleration = cloud->field[FIELD_ACCELERATION] + DIM * a;
+
+    Vec4Store(scales->friction * Simd3Sum(friction, zero), acceleration);
+    if (rings) acceleration[0] += OperatorsGrowthFriction(cloud, a, scales->nu) * v[DIM * a];
+  }
 }
 
-/* Three instances of one text. */
+/* Five instances of one text. */
 static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
 {
   const Scales   *scales  = (const Scales *)context;
   const PetscBool viscous = (PetscBool)(scales->viscous && a < cloud->n_fluid);
+  const PetscBool flat    = (PetscBool)(cloud->domain->dim == 2);
 
-  if (cloud->domain->graded)
-    SumMoments(cloud, a, w, slope_over_r2, scales, viscous, PETSC_TRUE);
+  if (cloud->domain->graded && flat)
+    SumMoments(PETSC_TRUE, PETSC_TRUE, viscous, cloud, a, w, slope_over_r2, scales);
+  else if (cloud->domain->graded)
+    SumMoments(PETSC_FALSE, PETSC_TRUE, viscous, cloud, a, w, slope_over_r2, scales);
+  else if (flat)
+    SumMoments(PETSC_TRUE, PETSC_FALSE, viscous, cloud, a, w, slope_over_r2, scales);
   else if (scales->viscous)
-    SumMoments(cloud, a, w, slope_over_r2, scales, viscous, PETSC_FALSE);
+    SumMoments(PETSC_FALSE, PETSC_FALSE, viscous, cloud, a, w, slope_over_r2, scales);
   else
-    SumMoments(cloud, a, w, slope_over_r2, scales, PETSC_FALSE, PETSC_FALSE);
+    SumMoments(PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, cloud, a, w, slope_over_r2, scales);
 }
 
 /* Computes FIELD_LAMBDA from the moments M in FIELD_CORRECTION, and replaces M by B. */
@@ -181,6 +213,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   KernelEvaluate(cloud->kernel, 1, &d2, &at_spacing, NULL);
   scales.ratio    = scales.scale_w / at_spacing;
   scales.viscous  = (PetscBool)(viscosity != NULL);
+  scales.nu       = liquid->viscosity / liquid->density;
   scales.friction = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
                     scales.scale_f * inverse_h2;
   PetscCall(CloudSearch(cloud, MomentsRow, &scales));

@@ -21,11 +21,13 @@ void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
   for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = a;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-      const PetscInt  b      = cloud->list[k];
-      const PetscReal r[DIM] = {x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1], x[3 * a + 2] - x[3 * b + 2]};
+      const PetscInt b = cloud->list[k];
+      PetscReal      r[DIM];
 
-      if (b > a && b < cloud->n_fluid) continue;
-      if (layer[b] == 0 && Dot(r, r) < PetscSqr(CloudPairSize(cloud, a, b) * distance)) {
+      /* most pairs share a parent already; the order is as good as random, so it must not be a branch of its own */
+      if ((parent[a] == parent[b]) | ((b > a) & (b < cloud->n_fluid)) | (layer[b] != 0)) continue;
+      for (PetscInt d = 0; d < DIM; d++) r[d] = x[DIM * a + d] - x[DIM * b + d];
+      if (Dot(r, r) < PetscSqr(CloudPairSize(cloud, a, b) * distance)) {
         const PetscInt p = Find(parent, a), q = Find(parent, b);
 
         if (p != q) parent[PetscMax(p, q)] = PetscMin(p, q);

@@ -218,9 +218,9 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PairRow *row)
 
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const SimdOffsets at   = SimdLocate(row->index + k);
-    const Simd3       d    = Simd3Difference(p, Simd3Collect(x, &at));
+    const Simd3       d    = Simd3Difference(PETSC_FALSE, p, Simd3Collect(PETSC_FALSE, x, &at));
     const Simd        size = 0.5 * (SimdSet(cloud->size[a]) + SimdGather(cloud->size, row->index + k)),
-               f           = SimdLoad(row->f + k) / (Simd3Dot(d, d) + eta2 * size * size);
+               f           = SimdLoad(row->f + k) / (Simd3Dot(PETSC_FALSE, d, d) + eta2 * size * size);
 
     (void)memcpy(row->f + k, &f, sizeof(f));
   }
@@ -260,16 +260,9 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
       row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / cloud->length[a];
 }
 
-/* The rate (1/s) of the friction -nu v_r/r^2 of ring a's growth, in the form of Cleary; 0 for other particles and in
-   the form of Morris. The pairs in the plane dissipate mu (2 S:S + (tr S)^2), with the rate of strain S in the plane.
-   The liquid is incompressible, so tr S = -v_r/r. The full dissipation is mu (2 S:S + 2 (v_r/r)^2); mu (v_r/r)^2
-   remains for the growth. */
 static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
 {
-  const PetscReal r = cloud->length[a] / (2 * PETSC_PI);
-
-  if (!cloud->domain->rings || f->viscosity->form != VISCOSITY_CLEARY) return 0;
-  return -f->mu[a] / (f->density[a] * r * r);
+  return f->viscosity->form == VISCOSITY_CLEARY ? OperatorsGrowthFriction(cloud, a, f->mu[a] / f->density[a]) : 0;
 }
 
 /* The factor of v_r of ring a over that of v_r of ring b, in the form of Morris. Along the axis the sum is the
@@ -301,14 +294,14 @@ static inline void AddPairs(ViscosityForm form, const PetscInt index[], Simd f, 
                             const PetscReal v[], Simd3 p, Simd3 own, Simd3 *sum)
 {
   const SimdOffsets at = SimdLocate(index);
-  const Simd3       u  = Simd3Difference(own, Simd3Collect(v, &at));
+  const Simd3       u  = Simd3Difference(PETSC_FALSE, own, Simd3Collect(PETSC_FALSE, v, &at));
 
   if (form == VISCOSITY_CLEARY) {
-    const Simd3 d = Simd3Difference(p, Simd3Collect(x, &at));
+    const Simd3 d = Simd3Difference(PETSC_FALSE, p, Simd3Collect(PETSC_FALSE, x, &at));
 
-    Simd3Add(sum, f * Simd3Dot(u, d), d);
+    Simd3Add(PETSC_FALSE, sum, f * Simd3Dot(PETSC_FALSE, u, d), d);
   } else
-    Simd3Add(sum, f, u);
+    Simd3Add(PETSC_FALSE, sum, f, u);
 }
 
 /* out: the sum over the n pairs of fluid particle a with coefficients c. index and c are readable up to the next

@@ -21,6 +21,45 @@ static PetscBool OneDensity(Pressure pressure)
   return (PetscBool)(!pressure->summed && SceneOneDensity(pressure->cloud->scene));
 }
 
+/* The weights of SIMD_WIDTH pairs of particle a, the neighbours 'index' with the cloud's factors 'coded'. radius: NULL,
+   or the signed distances of rings from the axis, m; one: all have one density. See SetWeights. */
+static inline SimdSingle PairWeights(Pressure pressure, PetscBool one, const PetscReal radius[], PetscInt a,
+                                     const PetscInt index[], const uint16_t coded[])
+{
+  typedef uint16_t Coded __attribute__((vector_size(SIMD_WIDTH * sizeof(uint16_t))));
+  const PetscReal *density = PressureDensity(pressure), *rest = pressure->cloud->rest_density,
+                  *share = pressure->cloud->relative_weight;
+  Simd       parts       = share[a] * SimdGather(share, index);
+  SimdSingle weight;
+  Coded      t;
+
+  (void)memcpy(&t, coded, sizeof(t));
+  weight = __builtin_convertvector(t, SimdSingle);
+  if (radius) parts *= PETSC_PI * SimdAbs(radius[a] + SimdGather(radius, index)); /* DomainPairLength */
+  if (!one) {
+    const Simd sum = SimdSet(density[a]) + SimdGather(density, index);
+
+    weight *= __builtin_convertvector(rest[a] * 4 * SimdGather(rest, index) / (sum * sum), SimdSingle);
+  }
+  return weight * __builtin_convertvector(parts, SimdSingle);
+}
+
+/* Sets the weights of the pairs of particle a; returns their sum. */
+static inline PetscReal RowWeights(Pressure pressure, PetscBool one, const PetscReal radius[], PetscInt a)
+{
+  const Cloud      cloud = pressure->cloud;
+  const PetscInt64 end   = cloud->first[a + 1];
+  Simd             sum   = SimdSet(0);
+
+  for (PetscInt64 k = cloud->first[a]; k < end; k += SIMD_WIDTH) { /* the last overwrites those of the next row */
+    const SimdSingle weight = PairWeights(pressure, one, radius, a, cloud->list + k, cloud->laplacian + k);
+
+    (void)memcpy(pressure->pair_weight + k, &weight, sizeof(weight));
+    sum += SimdFirst(__builtin_convertvector(weight, Simd), (PetscInt)PetscMin(end - k, SIMD_WIDTH));
+  }
+  return SimdSum(sum);
+}
+
 /* Eq. (8) times m_a/m_ref: K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2). The factor makes K_ab
    symmetric, also between different liquids. m_ref is the mass of a particle of the first body. With one density
    weight_scale has all but the cloud's factors. Rings: times the shares of both and the length of the ring half-way
@@ -28,35 +67,32 @@ static PetscBool OneDensity(Pressure pressure)
    lattice, not by 5 %, and that of z^2 by 26 %, not by 2 %. */
 static PetscErrorCode SetWeights(Pressure pressure)
 {
-  Cloud            cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *share = cloud->relative_weight,
-                  *x = cloud->field[FIELD_POSITION], reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
-  const PetscInt64 count = cloud->first[cloud->n_owned];
-  PetscReal        scale_w, scale_f, inverse_h2;
+  Cloud            cloud     = pressure->cloud;
+  const PetscReal  reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
+  const PetscInt64 count     = cloud->first[cloud->n_owned];
+  const PetscBool  one       = OneDensity(pressure);
+  PetscReal        scale_w, scale_f, inverse_h2, *radius;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !OneDensity(pressure));
+  pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !one);
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > pressure->weight_capacity) {
     pressure->weight_capacity = count + count / 16 + SIMD_WIDTH; /* PairSum reads multiples of SIMD_WIDTH */
     PetscCall(PetscFree(pressure->pair_weight));
     PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->pair_weight));
   }
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal rho_a = density[a], rest_a = rest[a];
-
-    SIMD_LOOP()
-    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-      const PetscInt  b   = cloud->list[k];
-      const PetscReal sum = rho_a + density[b];
-
-      pressure->pair_weight[k] =
-        (float)(rest_a * rest[b] * 4 / (sum * sum)) * (float)cloud->laplacian[k] *
-        (float)(share[a] * share[b] * DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b));
-    }
+  if (cloud->n_owned > pressure->sum_capacity) {
+    pressure->sum_capacity = cloud->capacity;
+    PetscCall(PetscFree(pressure->weight_sum));
+    PetscCall(PetscMalloc1(pressure->sum_capacity, &pressure->weight_sum));
   }
+  PetscCall(CloudGetWork(cloud, 1, &radius));
+  for (PetscInt a = 0; a < cloud->n_total; a++) radius[a] = cloud->field[FIELD_POSITION][DIM * a];
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    pressure->weight_sum[a] = RowWeights(pressure, one, cloud->domain->rings ? radius : NULL, a);
+  PetscCall(CloudRestoreWork(cloud, &radius));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -85,11 +121,8 @@ static PetscReal WeightSum(Pressure pressure, PetscInt a, PetscBool itself)
 
   if (!itself && a < cloud->n_fluid && MayMeetItself(cloud, a)) {
     for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += id[cloud->list[k]] == id[a] ? 0 : PairWeight(pressure, k);
-  } else if (pressure->own_weights) {
-    SIMD_LOOP(reduction(+ : sum))
-    for (PetscInt64 k = cloud->first[a]; k < end; k++) sum += pressure->pair_weight[k];
   } else
-    sum = (PetscReal)cloud->laplacian_sum[a];
+    sum = pressure->own_weights ? pressure->weight_sum[a] : (PetscReal)cloud->laplacian_sum[a];
   return sum;
 }
 
@@ -164,8 +197,8 @@ static inline Simd Weights(const uint16_t *coded, const float *plain, PetscInt k
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
-  const Simd all = SimdSet(own), zero = SimdSet(0);
-  Simd       even = zero, odd = zero;
+  const Simd all  = SimdSet(own);
+  Simd       even = SimdSet(0), odd = even;
   PetscInt   k = 0;
 
   for (; k + 2 * SIMD_WIDTH <= n; k += 2 * SIMD_WIDTH) {
@@ -173,7 +206,7 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
     odd += Weights(coded, plain, k + SIMD_WIDTH) * (all - SimdGather(p, index + k + SIMD_WIDTH));
   }
   for (; k < n; k += SIMD_WIDTH) even += SimdFirst(Weights(coded, plain, k), n - k) * (all - SimdGather(p, index + k));
-  return SimdSums(even + odd, zero, zero, zero)[0];
+  return SimdSum(even + odd);
 }
 #else /* with shorter registers the compiler's own loop is faster */
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,

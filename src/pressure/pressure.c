@@ -214,6 +214,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PetscFree(p->closure_diagonal));
   PetscCall(PetscFree(p->pair_diagonal));
   PetscCall(PetscFree(p->pair_weight));
+  PetscCall(PetscFree(p->weight_sum));
   PetscCall(PetscFree(p->parent_row));
   PetscCall(ColumnsReset(&p->columns));
   PetscCall(CouplingReset(p));

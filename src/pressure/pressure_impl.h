@@ -72,9 +72,10 @@ struct _p_Pressure {
   PetscReal  weight_scale;
   PetscBool  own_weights; /* densities or volumes differ: pairs have pair_weight, not the cloud's laplacian */
   float     *pair_weight;
+  PetscReal *weight_sum;       /* [n_owned] of pair_weight */
   PetscReal *pair_diagonal;    /* [n_rows] sum of K_ab */
   PetscReal *closure_diagonal; /* [n_rows] the closure's addition; an empty row has a full diagonal */
-  PetscInt   rows_capacity;
+  PetscInt   rows_capacity, sum_capacity;
   PetscInt64 weight_capacity;
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
   PetscInt   empty_rows;    /* rows without pairs of all ranks, as deep in a solid; zero in the constant */

@@ -72,7 +72,7 @@ void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial)
 PetscBool StepViscosityFused(Stepper stepper)
 {
   return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity.form == VISCOSITY_CLEARY &&
-                     !stepper->cloud->domain->rings && OperatorsOneLiquid(stepper->cloud));
+                     OperatorsOneLiquid(stepper->cloud));
 }
 
 static void AddBodyForce(Cloud cloud, PetscReal acceleration[])

@@ -318,6 +318,7 @@ static inline void CornerWeights(const PetscReal *restrict t, PetscReal *restric
 
 PetscErrorCode CoarseGridRestrict(CoarseGrid g, Vec fine, Vec coarse)
 {
+  const PetscInt     corners = 1 << g->dim;
   const PetscScalar *f;
   PetscScalar       *c;
 
@@ -331,7 +332,7 @@ PetscErrorCode CoarseGridRestrict(CoarseGrid g, Vec fine, Vec coarse)
     if (g->cell[a] < 0) continue;
     corner = g->corner + GRID_CORNERS * g->cell[a];
     CornerWeights(g->t + DIM * a, w);
-    for (PetscInt m = 0; m < GRID_CORNERS; m++) g->value[corner[m]] += w[m] * PetscRealPart(f[a]);
+    for (PetscInt m = 0; m < corners; m++) g->value[corner[m]] += w[m] * PetscRealPart(f[a]);
   }
   PetscCall(VecRestoreArrayRead(fine, &f));
   PetscCall(VecSet(coarse, 0));
@@ -344,6 +345,7 @@ PetscErrorCode CoarseGridRestrict(CoarseGrid g, Vec fine, Vec coarse)
 
 PetscErrorCode CoarseGridProlongAdd(CoarseGrid g, Vec coarse, Vec fine)
 {
+  const PetscInt     corners = 1 << g->dim;
   const PetscScalar *c;
   PetscScalar       *f;
 
@@ -360,7 +362,7 @@ PetscErrorCode CoarseGridProlongAdd(CoarseGrid g, Vec coarse, Vec fine)
     if (g->cell[a] < 0) continue;
     corner = g->corner + GRID_CORNERS * g->cell[a];
     CornerWeights(g->t + DIM * a, w);
-    for (PetscInt m = 0; m < GRID_CORNERS; m++) sum += w[m] * g->value[corner[m]];
+    for (PetscInt m = 0; m < corners; m++) sum += w[m] * g->value[corner[m]];
     f[a] += sum;
   }
   PetscCall(VecRestoreArray(fine, &f));

@@ -129,4 +129,27 @@ static inline PetscReal SetupMax(PetscReal value)
   return value;
 }
 
+/* SetupTakenAlong - largest difference of the viscous term that OperatorsMoments takes along to that of
+   OperatorsViscosity, which FIELD_ACCELERATION holds, over the largest of it. */
+static inline PetscErrorCode SetupTakenAlong(Cloud cloud, const Viscosity *viscosity, PetscReal *difference)
+{
+  const PetscInt n    = DIM * cloud->n_fluid;
+  PetscReal      most = 0, *own;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &own));
+  PetscCall(PetscArraycpy(own, cloud->field[FIELD_ACCELERATION], n));
+  PetscCall(OperatorsMoments(cloud, viscosity));
+  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
+  PetscCall(OperatorsViscosityRemainder(cloud, viscosity));
+  *difference = 0;
+  for (PetscInt k = 0; k < n; k++) {
+    most        = PetscMax(most, PetscAbsReal(own[k]));
+    *difference = PetscMax(*difference, PetscAbsReal(own[k] - cloud->field[FIELD_ACCELERATION][k]));
+  }
+  PetscCall(PetscFree(own));
+  *difference = SetupMax(*difference) / SetupMax(most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 #endif

@@ -323,29 +323,6 @@ static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest difference of the viscous term that OperatorsMoments takes along to that of OperatorsViscosity, which
- * FIELD_ACCELERATION holds, over the largest of it. */
-static PetscErrorCode TakenAlong(Cloud cloud, const Viscosity *viscosity, PetscReal *difference)
-{
-  const PetscInt n    = DIM * cloud->n_fluid;
-  PetscReal      most = 0, *own;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &own));
-  PetscCall(PetscArraycpy(own, cloud->field[FIELD_ACCELERATION], n));
-  PetscCall(OperatorsMoments(cloud, viscosity));
-  PetscCall(CloudUpdate(cloud, FIELD_DENSITY));
-  PetscCall(OperatorsViscosityRemainder(cloud, viscosity));
-  *difference = 0;
-  for (PetscInt k = 0; k < n; k++) {
-    most        = PetscMax(most, PetscAbsReal(own[k]));
-    *difference = PetscMax(*difference, PetscAbsReal(own[k] - cloud->field[FIELD_ACCELERATION][k]));
-  }
-  PetscCall(PetscFree(own));
-  *difference = SetupMax(*difference) / SetupMax(most);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Shear along the lattice and at 45 degrees to it. A lattice of 80 (20) neighbours is not isotropic: along it the
    operator is 11 % (14 %) low, across it as much high; the mean over all directions, 0.6 and 0.4 of the two (0.5 and
    0.5), is what the factor zeta = dim + 2 sets: zeta = 5 in two dimensions would give 1.25 times it. */
@@ -364,7 +341,7 @@ static PetscErrorCode CheckViscosity(const char options[], PetscInt dim, PetscRe
   PetscCall(ShearResponse(&s, x, y, nu, &along));
   PetscCall(ShearResponse(&s, up, down, nu, &across));
   CHECK_CLOSE(dim == 3 ? 0.6 * along + 0.4 * across : 0.5 * (along + across), 1, tol, label);
-  PetscCall(TakenAlong(s.cloud, &(Viscosity){.form = VISCOSITY_CLEARY}, &difference));
+  PetscCall(SetupTakenAlong(s.cloud, &(Viscosity){.form = VISCOSITY_CLEARY}, &difference));
   CHECK_CLOSE(difference, 0, 1e-6, "viscosity_taken_along");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -415,7 +392,7 @@ static PetscErrorCode TestNoSlip(void)
     CHECK(rest > 0.3, "dummies_at_rest_let_the_first_layer_slide");
     CHECK(straight < 0.003, "a_linear_shear_flow_feels_no_force_at_a_wall");
     if (viscosity.form == VISCOSITY_CLEARY) {
-      PetscCall(TakenAlong(s.cloud, &viscosity, &difference));
+      PetscCall(SetupTakenAlong(s.cloud, &viscosity, &difference));
       CHECK_CLOSE(difference, 0, 1e-5, "viscosity_taken_along_walls");
     }
     PetscCall(SetupClose(&s));
@@ -511,7 +488,7 @@ static PetscErrorCode Sheet(PetscInt layers, PetscReal *ratio, PetscReal *implic
   *ratio    = SetupSum(loss) / SetupSum(volume) / (4 * mu * E * E);
   *implicit = SetupMax(different) / SetupMax(most);
   PetscCall(PetscFree2(pair, out));
-  PetscCall(TakenAlong(cloud, &viscosity, along));
+  PetscCall(SetupTakenAlong(cloud, &viscosity, along));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

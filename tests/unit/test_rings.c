@@ -339,7 +339,7 @@ static PetscErrorCode TestImplicit(ViscosityForm form, const char label[])
   const Viscosity viscosity = {.form = form};
   Setup           s;
   Cloud           cloud;
-  PetscReal      *pair, *u, *out, *diagonal, error = 0, most = 0, product[2] = {0, 0}, wrong = 0;
+  PetscReal      *pair, *u, *out, *diagonal, error = 0, most = 0, product[2] = {0, 0}, wrong = 0, along = 0;
   char            name[96];
 
   PetscFunctionBegin;
@@ -360,6 +360,8 @@ static PetscErrorCode TestImplicit(ViscosityForm form, const char label[])
   }
   PetscCall(PetscSNPrintf(name, sizeof(name), "%s_implicit_as_explicit", label));
   CHECK_CLOSE(SetupMax(error) / SetupMax(most), 0, 1e-6, name);
+  if (form == VISCOSITY_CLEARY) PetscCall(SetupTakenAlong(cloud, &viscosity, &along));
+  CHECK_CLOSE(along, 0, 1e-6, "viscosity_taken_along");
   for (PetscInt a = 0; a < cloud->n_total; a++) /* two other fields, the walls at rest */
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal fluid = cloud->integer[INT_LAYER][a] ? 0 : 1;
