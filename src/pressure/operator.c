@@ -78,8 +78,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
   pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
   pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !one);
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
-  if (count > pressure->weight_capacity) {
-    pressure->weight_capacity = count + count / 16 + SIMD_WIDTH; /* PairSum reads multiples of SIMD_WIDTH */
+  if (count + SIMD_WIDTH > pressure->weight_capacity) { /* rows are read and written in multiples of SIMD_WIDTH */
+    pressure->weight_capacity = count + count / 16 + SIMD_WIDTH;
     PetscCall(PetscFree(pressure->pair_weight));
     PetscCall(PetscMalloc1(pressure->weight_capacity, &pressure->pair_weight));
   }
