@@ -22,7 +22,7 @@ BUILD     = output/build
 PROGRAM   = isph
 PKG_PATH  = $(if $(PETSC_DIR),$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)$(if $(SLEPC_DIR),$(SLEPC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)
 PKG       = PKG_CONFIG_PATH=$(PKG_PATH)$$PKG_CONFIG_PATH pkg-config
-PACKAGES  = SLEPc PETSc hdf5-openmpi
+PACKAGES  = SLEPc PETSc hdf5-openmpi zlib
 ARCH      = $(if $(PORTABLE),,-march=native)
 PIC       =
 CFLAGS    = -O3 $(ARCH) -g

@@ -158,7 +158,8 @@ int ErrorFinish(PetscErrorCode code);
 PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first, PetscMPIInt *all);
 
 /* ProgramStart - main's first call. It starts the program's clock, opens /dev/null for each closed standard stream, and
-   lets Open MPI's ranks yield if there are more of them than processors.
+   lets Open MPI's ranks yield if there are more of them than processors. Freed arrays of many megabytes leave the
+   process.
    From then on the signals HUP, INT, QUIT, PIPE, TERM, USR1 and XCPU are recorded instead of ending the program. A
    second signal of the same kind ends the program at once. A signal that was ignored at the start stays ignored.
    InterruptBlock - blocks these signals until InterruptWatch records them again: PetscInitialize sets handlers of its

@@ -62,6 +62,12 @@ PetscErrorCode CloudIdentity(Cloud cloud, char **text)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a field is first written when another is no longer read, and so has that one's memory. */
+static PetscBool Borrows(PetscInt f)
+{
+  return (PetscBool)(f == FIELD_POSITION_NEW || f == FIELD_VELOCITY_NEW);
+}
+
 PetscErrorCode CloudDestroy(Cloud *cloud)
 {
   Cloud c = *cloud;
@@ -70,11 +76,14 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   if (!c) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudFreeWork(c));
   PetscCall(HaloDestroy(&c->halo));
-  for (PetscInt f = 0; f < FIELD_COUNT; f++) PetscCall(PetscFree(c->field[f]));
+  if (c->weight != c->size) {
+    PetscCall(PetscFree(c->weight));
+    PetscCall(PetscFree(c->length));
+    PetscCall(PetscFree(c->relative_weight));
+  }
+  for (PetscInt f = 0; f < FIELD_COUNT; f++)
+    if (!Borrows(f)) PetscCall(PetscFree(c->field[f]));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscFree(c->integer[f]));
-  PetscCall(PetscFree(c->weight));
-  PetscCall(PetscFree(c->length));
-  PetscCall(PetscFree(c->relative_weight));
   PetscCall(PetscFree(c->rest_density));
   PetscCall(PetscFree(c->solid_normal));
   PetscCall(PetscFree(c->liquid));
@@ -101,15 +110,21 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    if ((f != FIELD_VISCOSITY && f != FIELD_COLOUR && f != FIELD_LINE) || ParticlesHave(cloud->particles, f))
+    if (!Borrows(f) &&
+        ((f != FIELD_VISCOSITY && f != FIELD_COLOUR && f != FIELD_LINE) || ParticlesHave(cloud->particles, f)))
       PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
+  cloud->field[FIELD_POSITION_NEW] = cloud->field[FIELD_ACCELERATION];
+  cloud->field[FIELD_VELOCITY_NEW] = cloud->field[FIELD_CAPILLARY_SLOPE];
   for (PetscInt f = 0; f < INT_COUNT; f++)
     PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscInt), &cloud->integer[f]));
   cloud->volume = cloud->field[FIELD_VOLUME];
   cloud->size   = cloud->field[FIELD_SIZE];
-  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
-  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->length));
-  PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->relative_weight));
+  if (ParticlesHave(cloud->particles, FIELD_VOLUME)) {
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->weight));
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->length));
+    PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->relative_weight));
+  } else
+    cloud->weight = cloud->length = cloud->relative_weight = cloud->size; /* all are 1 */
   PetscCall(PetscRealloc(cloud->capacity * sizeof(PetscReal), &cloud->rest_density));
   PetscCall(PetscRealloc(cloud->capacity * DIM * sizeof(PetscReal), &cloud->reference));
   if (SceneSolidCount(cloud->scene))

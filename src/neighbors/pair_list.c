@@ -81,7 +81,7 @@ void FindWeights(Cloud cloud)
   const PetscReal *x      = cloud->field[FIELD_POSITION];
   const PetscBool  weighs = CloudWeighs(cloud);
 
-  for (PetscInt a = 0; a < cloud->n_total; a++) {
+  for (PetscInt a = 0; a < cloud->n_total && cloud->weight != cloud->size; a++) {
     cloud->length[a]          = DomainRingLength(domain, x + DIM * a, cloud->size[a]);
     cloud->weight[a]          = cloud->volume[a] / (cloud->length[a] * domain->volume);
     cloud->relative_weight[a] = weighs ? cloud->weight[a] / PetscPowRealInt(cloud->size[a], (int)domain->dim) : 1;

@@ -180,6 +180,6 @@ PetscErrorCode SolidsWrite(Output output);
    Collective. VtkWrite - adds to an open snapshot the group VTKHDF, whose data sets are links to the fields. VTK 9.1
    and ParaView 5.10 and later then read the snapshot as a file of points. Collective. */
 PetscErrorCode XdmfWrite(Output output);
-PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry);
+PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry, Rows *rows);
 
 #endif

@@ -81,62 +81,45 @@ PetscErrorCode XdmfWrite(Output output)
 
 #define VTK_POLY_VERTEX 2 /* vtkCellType.h: one cell of all points */
 
-/* A data set of n integers. compressed: for one integer a particle. */
-static void Integers(H5File *h5, hid_t group, const char name[], hid_t type, PetscBool compressed, PetscInt n,
-                     const PetscInt64 values[])
+/* A data set of n integers. Rank 0. */
+static void Integers(H5File *h5, hid_t group, const char name[], hid_t type, PetscInt n, const PetscInt64 values[])
 {
-  const hsize_t size = (hsize_t)n, chunk = PetscMax(size, 1);
-  const hid_t   space = H5Screate_simple(1, &size, NULL), create = H5Pcreate(H5P_DATASET_CREATE);
-  hid_t         set;
+  const hsize_t size  = (hsize_t)n;
+  const hid_t   space = H5Screate_simple(1, &size, NULL),
+              set     = H5Dcreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
 
-  if (compressed) {
-    H5FileNote(h5, H5Pset_chunk(create, 1, &chunk));
-    H5FileNote(h5, H5Pset_shuffle(create));
-    H5FileNote(h5, H5Pset_deflate(create, 1));
-  }
-  set = H5Dcreate2(group, name, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
   H5FileNote(h5, set < 0 ? set : H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   if (set >= 0) (void)H5Dclose(set);
-  (void)H5Pclose(create);
   (void)H5Sclose(space);
 }
 
 /* Makes 'group', VTKHDF, an unstructured grid of one cell with all n points. Rank 0. */
-static PetscErrorCode VtkCell(H5File *h5, hid_t group, PetscInt n)
+static void VtkCell(H5File *h5, hid_t group, PetscInt n)
 {
   const PetscInt64 points = n, cells = n > 0, offsets[2] = {0, n}, version[2] = {1, 0}, type = VTK_POLY_VERTEX;
   const char       grid[] = "UnstructuredGrid";
   const hid_t      text   = H5Tcopy(H5T_C_S1);
-  PetscInt64      *index;
 
-  PetscFunctionBegin;
   H5FileNote(h5, H5Tset_size(text, sizeof(grid) - 1));
   H5FileNote(h5, H5Tset_strpad(text, H5T_STR_NULLPAD));
   H5FilePutAttribute(h5, group, "Version", H5T_STD_I64LE, H5T_NATIVE_LLONG, 2, version);
   H5FilePutAttribute(h5, group, "Type", text, text, 1, grid);
   (void)H5Tclose(text);
-  Integers(h5, group, "NumberOfPoints", H5T_STD_I64LE, PETSC_FALSE, 1, &points);
-  Integers(h5, group, "NumberOfCells", H5T_STD_I64LE, PETSC_FALSE, 1, &cells);
-  Integers(h5, group, "NumberOfConnectivityIds", H5T_STD_I64LE, PETSC_FALSE, 1, &points);
-  Integers(h5, group, "Offsets", H5T_STD_I64LE, PETSC_FALSE, (PetscInt)cells + 1, offsets);
-  Integers(h5, group, "Types", H5T_STD_U8LE, PETSC_FALSE, (PetscInt)cells, &type);
-  PetscCall(PetscMalloc1(n, &index));
-  for (PetscInt k = 0; k < n; k++) index[k] = k;
-  Integers(h5, group, VTK_POINTS, H5T_STD_I64LE, PETSC_TRUE, n, index);
-  PetscCall(PetscFree(index));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Integers(h5, group, "NumberOfPoints", H5T_STD_I64LE, 1, &points);
+  Integers(h5, group, "NumberOfCells", H5T_STD_I64LE, 1, &cells);
+  Integers(h5, group, "NumberOfConnectivityIds", H5T_STD_I64LE, 1, &points);
+  Integers(h5, group, "Offsets", H5T_STD_I64LE, (PetscInt)cells + 1, offsets);
+  Integers(h5, group, "Types", H5T_STD_U8LE, (PetscInt)cells, &type);
 }
 
-PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry)
+/* The group of the fields' links. Rank 0. */
+static void VtkGroup(H5File *h5, const SnapshotEntry *entry)
 {
-  hid_t group, point;
+  const hid_t group = H5Gcreate2(h5->id, VTK_GROUP, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+              point = group < 0 ? group : H5Gcreate2(group, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
 
-  PetscFunctionBegin;
-  if (!h5->owns_file || h5->id < 0 || h5->failed) PetscFunctionReturn(PETSC_SUCCESS);
-  group = H5Gcreate2(h5->id, VTK_GROUP, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  point = group < 0 ? group : H5Gcreate2(group, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   H5FileNote(h5, point);
-  if (!h5->failed) PetscCall(VtkCell(h5, group, entry->n));
+  if (!h5->failed) VtkCell(h5, group, entry->n);
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !h5->failed; f++) {
     const char *name = SnapshotFieldAt(f).name;
 
@@ -147,5 +130,19 @@ PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry)
   }
   if (point >= 0) (void)H5Gclose(point);
   if (group >= 0) (void)H5Gclose(group);
+}
+
+PetscErrorCode VtkWrite(H5File *h5, const SnapshotEntry *entry, Rows *rows)
+{
+  PetscInt64 *index;
+
+  PetscFunctionBegin;
+  if (h5->owns_file && h5->id >= 0 && !h5->failed) VtkGroup(h5, entry);
+  PetscCall(PetscMalloc1(rows->n, &index));
+  for (PetscInt k = 0; k < rows->n; k++) index[k] = rows->start + k;
+  rows->width     = 1;
+  h5->compression = PetscMax(1, h5->compression);
+  PetscCall(H5FileWrite(h5, VTK_GROUP "/" VTK_POINTS, H5T_NATIVE_LLONG, rows, index, "1", "the particles of the cell"));
+  PetscCall(PetscFree(index));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

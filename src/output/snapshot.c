@@ -244,7 +244,7 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   WriteHead(output, state, &entry, &h5);
   h5.compression = output->content.compression;
   PetscCall(WriteFields(output, &arrays, particle, &rows, &h5));
-  PetscCall(VtkWrite(&h5, &entry));
+  PetscCall(VtkWrite(&h5, &entry, &rows));
   PetscCall(H5FileClose(&h5, &failed));
   PetscCall(PetscFree(particle));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));

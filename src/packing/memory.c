@@ -2,7 +2,7 @@
 #include "packing_impl.h"
 #include <unistd.h>
 
-#define PARTICLE_LEAST 500 /* bytes of a particle, at least: 1.2 kB in two dimensions, 2.2 kB in three by default */
+#define PARTICLE_LEAST 500 /* bytes of a particle, at least: 1.1 kB in two dimensions, 1.7 kB in three by default */
 #define SAMPLES        16  /* probes of a body in each direction */
 
 /* The number of particles of the bodies, to a few percent, and of the box's walls. */

@@ -68,10 +68,12 @@ static PetscErrorCode LocateRows(Pressure pressure)
   if (!twolevel) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt d = 0; d < DIM; d++) periodic[d] = (PetscBool)(domain->face[d][0] == FACE_PERIODIC);
   PetscCall(PCTwoLevelSetGrid(pc, domain->spacing, domain->lower, domain->upper, periodic));
-  PetscCall(CloudGetWork(cloud, 1, &factor));
-  for (PetscInt a = 0; a < cloud->n_rows; a++) factor[a] = cloud->weight[a] * cloud->length[a];
-  PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight, factor));
-  PetscCall(CloudRestoreWork(cloud, &factor));
+  if (ParticlesHave(cloud->particles, FIELD_VOLUME)) {
+    PetscCall(CloudGetWork(cloud, 1, &factor));
+    for (PetscInt a = 0; a < cloud->n_rows; a++) factor[a] = cloud->weight[a] * cloud->length[a];
+    PetscCall(PCTwoLevelSetVolumes(pc, domain->spacing_coarse, cloud->n_rows, cloud->weight, factor));
+    PetscCall(CloudRestoreWork(cloud, &factor));
+  }
   if (domain->dim < DIM) {
     PetscCall(PetscMalloc1(domain->dim * cloud->n_rows, &x));
     for (PetscInt a = 0; a < cloud->n_rows; a++)

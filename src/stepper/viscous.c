@@ -212,6 +212,7 @@ PetscErrorCode ViscousPrepare(Stepper stepper)
   PetscFunctionBegin;
   if (stepper->viscous.choice != VISCOUS_EXPLICIT && SceneHasViscosity(stepper->cloud->scene))
     PetscCall(CreateSolver(stepper));
+  PetscCall(Reset(&stepper->viscous)); /* most runs never need its vectors */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

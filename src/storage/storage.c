@@ -1,18 +1,18 @@
 /* HDF5 files. Rank 0 makes the structure of a file; HDF5 says where the rows of a data set lie, and each rank writes
-   its own there. Rows that are compressed go to rank 0, piece by piece. On a full disk HDF5 over MPI-IO would wait for
-   ever, and serial HDF5 1.10 would crash in closing the file, so the disk's space is reserved before HDF5 needs it.
-   Every rank reads its own rows. */
+   its own there. Of compressed rows each rank compresses its own, and rank 0 writes them. On a full disk HDF5 over
+   MPI-IO would wait for ever, and serial HDF5 1.10 would crash in closing the file, so the disk's space is reserved
+   before HDF5 needs it. Every rank reads its own rows. */
 #define _GNU_SOURCE /* pwrite, posix_fallocate */
 #include "storage.h"
 #include <fcntl.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #define TEXT_MAX   60000              /* bytes of a text attribute; HDF5's limit is 64 KB */
-#define ROWS_TAG   1                  /* of the messages that bring rows to rank 0 */
+#define ROWS_TAG   1                  /* of the messages that bring rows */
 #define STRUCTURE  ((hsize_t)1 << 18) /* bytes that HDF5 may need for attributes and the structure of the file */
 #define DEFLATE    1.01               /* most bytes of a compressed data set, over those of its rows */
-#define PIECE      ((size_t)1 << 22)  /* bytes that go to rank 0 in one message */
-#define CHUNK_ROWS ((hsize_t)1 << 14) /* of a compressed data set: a chunk of vectors is a third of HDF5's cache */
+#define CHUNK_ROWS (1 << 14)          /* of a compressed data set: a chunk of vectors is a third of HDF5's cache */
 
 PetscErrorCode RowsSet(MPI_Comm comm, PetscInt n, PetscInt width, Rows *rows)
 {
@@ -149,13 +149,6 @@ PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The type in the file: little-endian, as large as the type in memory. */
-static hid_t FileType(hid_t type)
-{
-  if (H5Tget_class(type) == H5T_FLOAT) return H5Tget_size(type) == sizeof(float) ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
-  return H5Tget_size(type) == 4 ? H5T_STD_I32LE : H5T_STD_I64LE;
-}
-
 void H5FileNote(H5File *h5, hid_t status)
 {
   if (status < 0) h5->failed = PETSC_TRUE;
@@ -206,47 +199,128 @@ static void SelectRows(const Rows *rows, PetscInt start, PetscInt n, hid_t *file
   }
 }
 
-/* Writes rows of a data set. Rank 0. */
-static void WriteRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, PetscInt start, PetscInt n,
-                      const void *values)
+/* HDF5's shuffle of a chunk (the first bytes of all its numbers, then the second ones, ...) and deflate. Returns the
+   number of bytes, 0 if zlib fails. */
+static uLong Deflate(H5File *h5, size_t number, size_t bytes, const Bytef *raw, Bytef *shuffled, Bytef *packed)
 {
-  hid_t file, memory;
+  const size_t count  = bytes / number;
+  uLong        length = compressBound(bytes);
 
-  if (set < 0 || !n || h5->failed) return;
-  SelectRows(rows, start, n, &file, &memory);
-  H5FileNote(h5, H5Dwrite(set, type, memory, file, H5P_DEFAULT, values));
-  (void)H5Sclose(memory);
-  (void)H5Sclose(file);
+  for (size_t b = 0; b < number; b++)
+    for (size_t k = 0; k < count; k++) shuffled[b * count + k] = raw[number * k + b];
+  return compress2(packed, &length, shuffled, bytes, (int)h5->compression) == Z_OK ? length : 0;
 }
 
-/* Rank 0 writes the rows of all ranks, one rank after the other, in pieces. It receives every message even after a
-   failure, so no rank waits. */
-static PetscErrorCode GatherRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, const void *values)
+/* The rows of a compressed data set lie in chunks of so many rows. A chunk belongs to the rank with its first row,
+   which gets its other rows from the ranks behind. */
+typedef struct {
+  PetscInt    rows, first, last; /* of a chunk; the chunks of this rank, first to last - 1 */
+  PetscInt    n;                 /* rows from the ranks behind */
+  PetscInt   *start;             /* [ranks + 1] first row of each rank, and the end */
+  const char *own;
+  char       *behind;
+} Chunks;
+
+static PetscInt ChunksBefore(const Chunks *chunks, PetscInt row)
 {
-  const size_t   size   = H5Tget_size(type) * (size_t)rows->width; /* of a row, bytes */
-  const PetscInt piece  = (PetscInt)PetscMax(1, PIECE / size);
-  PetscInt       own[2] = {rows->n, rows->start}, *all = NULL;
-  char          *buffer = NULL;
-  MPI_Datatype   row;
+  return (row + chunks->rows - 1) / chunks->rows;
+}
+
+static PetscErrorCode ChunksCreate(H5File *h5, const Rows *rows, PetscInt count, size_t size, MPI_Datatype row,
+                                   const void *values, Chunks *chunks)
+{
+  const PetscMPIInt me = h5->rank;
+  PetscInt         *start, lead, end;
+  PetscMPIInt       owner   = me;
+  MPI_Request       request = MPI_REQUEST_NULL;
+
+  PetscFunctionBegin;
+  *chunks = (Chunks){.rows = count, .own = (const char *)values};
+  PetscCall(PetscMalloc1(h5->size + 1, &chunks->start));
+  start           = chunks->start;
+  start[h5->size] = rows->total;
+  PetscCallMPI(MPI_Allgather(&rows->start, 1, MPIU_INT, start, 1, MPIU_INT, h5->comm));
+  chunks->first = ChunksBefore(chunks, start[me]);
+  chunks->last  = ChunksBefore(chunks, start[me + 1]);
+  lead          = PetscMin(rows->n, chunks->first * count - start[me]);
+  while (lead && start[owner] > (chunks->first - 1) * count) owner--;
+  if (lead) PetscCallMPI(MPI_Isend(values, (PetscMPIInt)lead, row, owner, ROWS_TAG, h5->comm, &request));
+  end       = chunks->last > chunks->first ? PetscMin(chunks->last * count, rows->total) : start[me + 1];
+  chunks->n = end - start[me + 1];
+  PetscCall(PetscMalloc1(size * (size_t)chunks->n, &chunks->behind));
+  for (PetscMPIInt r = me + 1; r < h5->size && start[r] < end; r++)
+    if (start[r + 1] > start[r])
+      PetscCallMPI(MPI_Recv(chunks->behind + size * (size_t)(start[r] - start[me + 1]),
+                            (PetscMPIInt)(PetscMin(start[r + 1], end) - start[r]), row, r, ROWS_TAG, h5->comm,
+                            MPI_STATUS_IGNORE));
+  PetscCallMPI(MPI_Wait(&request, MPI_STATUS_IGNORE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The bytes of chunk k of this rank; zeros behind the last row. */
+static void ChunkGet(const Chunks *chunks, const Rows *rows, PetscInt k, size_t size, Bytef *raw)
+{
+  const PetscInt at = k * chunks->rows - rows->start, own = PetscMin(chunks->rows, rows->n - at),
+                 behind = PetscMin(chunks->rows - own, chunks->n);
+
+  (void)memset(raw, 0, size * (size_t)chunks->rows);
+  (void)memcpy(raw, chunks->own + size * (size_t)at, size * (size_t)own);
+  if (behind) (void)memcpy(raw + size * (size_t)own, chunks->behind, size * (size_t)behind);
+}
+
+static void WriteChunk(H5File *h5, hid_t set, PetscInt row, size_t bytes, const void *packed)
+{
+  const hsize_t at[2] = {(hsize_t)row, 0};
+
+  if (set >= 0 && !h5->failed) H5FileNote(h5, bytes ? H5Dwrite_chunk(set, H5P_DEFAULT, 0, at, bytes, packed) : -1);
+}
+
+/* Each rank compresses its chunks; rank 0 writes those of all, one rank after the other. It receives every message even
+   after a failure, so no rank waits. */
+static PetscErrorCode DeflateRows(H5File *h5, hid_t set, hid_t type, const Rows *rows, PetscInt count,
+                                  const void *values)
+{
+  const size_t size = H5Tget_size(type) * (size_t)rows->width, bytes = size * (size_t)count;
+  const size_t most = compressBound(bytes);
+  Bytef       *raw, *shuffled, *packed;
+  size_t       used = 0, *length;
+  Chunks       chunks;
+  MPI_Datatype row;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Type_contiguous((int)size, MPI_BYTE, &row));
   PetscCallMPI(MPI_Type_commit(&row));
-  if (!h5->rank) PetscCall(PetscMalloc2(2 * h5->size, &all, size * (size_t)piece, &buffer));
-  PetscCallMPI(MPI_Gather(own, 2, MPIU_INT, all, 2, MPIU_INT, 0, h5->comm));
-  for (PetscInt k = 0; k < rows->n && h5->rank; k += piece)
-    PetscCallMPI(MPI_Ssend((const char *)values + size * (size_t)k, (PetscMPIInt)PetscMin(piece, rows->n - k), row, 0,
-                           ROWS_TAG, h5->comm));
-  if (!h5->rank) WriteRows(h5, set, type, rows, own[1], own[0], values);
-  for (PetscMPIInt r = 1; r < h5->size && !h5->rank; r++)
-    for (PetscInt k = 0; k < all[2 * r]; k += piece) {
-      const PetscInt n = PetscMin(piece, all[2 * r] - k);
+  PetscCall(ChunksCreate(h5, rows, count, size, row, values, &chunks));
+  PetscCall(PetscMalloc4(bytes, &raw, bytes, &shuffled, most * (size_t)(chunks.last - chunks.first + 1), &packed,
+                         chunks.last - chunks.first, &length));
+  for (PetscInt k = chunks.first; k < chunks.last; k++) {
+    ChunkGet(&chunks, rows, k, size, raw);
+    length[k - chunks.first] = Deflate(h5, H5Tget_size(type), bytes, raw, shuffled, packed + used);
+    used += length[k - chunks.first];
+    InterruptAlive(NULL);
+  }
+  used = 0;
+  for (PetscInt k = chunks.first; k < chunks.last; used += length[k++ - chunks.first]) {
+    const size_t n = length[k - chunks.first];
 
-      PetscCallMPI(MPI_Recv(buffer, (PetscMPIInt)n, row, r, ROWS_TAG, h5->comm, MPI_STATUS_IGNORE));
-      WriteRows(h5, set, type, rows, all[2 * r + 1] + k, n, buffer);
+    if (h5->rank)
+      PetscCallMPI(MPI_Ssend(packed + used, (PetscMPIInt)n, MPI_BYTE, 0, ROWS_TAG, h5->comm));
+    else
+      WriteChunk(h5, set, k * count, n, packed + used);
+  }
+  for (PetscMPIInt r = 1; r < h5->size && !h5->rank; r++)
+    for (PetscInt k = ChunksBefore(&chunks, chunks.start[r]); k < ChunksBefore(&chunks, chunks.start[r + 1]); k++) {
+      MPI_Status  status;
+      PetscMPIInt n;
+
+      PetscCallMPI(MPI_Recv(packed, (PetscMPIInt)most, MPI_BYTE, r, ROWS_TAG, h5->comm, &status));
+      PetscCallMPI(MPI_Get_count(&status, MPI_BYTE, &n));
+      WriteChunk(h5, set, k * count, (size_t)n, packed);
       InterruptAlive(NULL);
     }
-  if (!h5->rank) PetscCall(PetscFree2(all, buffer));
+  PetscCall(PetscFree4(raw, shuffled, packed, length));
+  PetscCall(PetscFree(chunks.behind));
+  PetscCall(PetscFree(chunks.start));
   PetscCallMPI(MPI_Type_free(&row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -275,9 +349,9 @@ static PetscErrorCode PlaceRows(H5File *h5, hid_t set, hid_t type, const Rows *r
 PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows *rows, const void *values,
                            const char unit[], const char meaning[])
 {
-  const hsize_t   bytes = H5Tget_size(type) * (hsize_t)rows->width * (hsize_t)rows->total;
-  const PetscBool apart = (PetscBool)(!h5->compression && rows->total > 0 && H5Tequal(type, FileType(type)) > 0);
-  hid_t           file, memory, create, set = -1;
+  const hsize_t  bytes = H5Tget_size(type) * (hsize_t)rows->width * (hsize_t)rows->total;
+  const PetscInt chunk = PetscMin(rows->total, CHUNK_ROWS);
+  hid_t          file, memory, create, set = -1;
 
   PetscFunctionBegin;
   Reserve(h5, (hsize_t)(DEFLATE * (double)bytes));
@@ -285,15 +359,15 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
     SelectRows(rows, 0, 0, &file, &memory);
     create = H5Pcreate(H5P_DATASET_CREATE);
     (void)H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
-    if (apart) (void)H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY);
-    if (h5->compression && rows->total) {
-      const hsize_t chunk[2] = {PetscMin((hsize_t)rows->total, CHUNK_ROWS), (hsize_t)rows->width};
+    if (!h5->compression) (void)H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY);
+    if (h5->compression && chunk) {
+      const hsize_t shape[2] = {(hsize_t)chunk, (hsize_t)rows->width};
 
-      H5FileNote(h5, H5Pset_chunk(create, rows->width > 1 ? 2 : 1, chunk));
+      H5FileNote(h5, H5Pset_chunk(create, rows->width > 1 ? 2 : 1, shape));
       H5FileNote(h5, H5Pset_shuffle(create));
       H5FileNote(h5, H5Pset_deflate(create, (unsigned)h5->compression));
     }
-    set = H5Dcreate2(h5->id, name, FileType(type), file, H5P_DEFAULT, create, H5P_DEFAULT);
+    set = H5Dcreate2(h5->id, name, type, file, H5P_DEFAULT, create, H5P_DEFAULT);
     (void)H5Pclose(create);
     (void)H5Sclose(memory);
     (void)H5Sclose(file);
@@ -301,10 +375,10 @@ PetscErrorCode H5FileWrite(H5File *h5, const char name[], hid_t type, const Rows
     AttributePutText(h5, set, "unit", unit);
     AttributePutText(h5, set, "meaning", meaning);
   }
-  if (apart)
+  if (chunk && h5->compression)
+    PetscCall(DeflateRows(h5, set, type, rows, chunk, values));
+  else if (chunk)
     PetscCall(PlaceRows(h5, set, type, rows, values));
-  else
-    PetscCall(GatherRows(h5, set, type, rows, values));
   if (set >= 0 && Settle(h5)) H5FileNote(h5, H5Dclose(set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

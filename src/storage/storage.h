@@ -8,8 +8,8 @@
 
 /* --- storage.c: HDF5 files. Each rank records a failure in 'failed'; H5FileClose combines the ranks. --- */
 
-/* An open HDF5 file. Rank 0 keeps the structure of a file that is written, and compresses; every rank writes its own
-   rows of data sets without compression, and reads. */
+/* An open HDF5 file. Rank 0 keeps the structure of a file that is written; every rank compresses its own rows, writes
+   them where they are not compressed, and reads. */
 typedef struct {
   MPI_Comm    comm;
   PetscMPIInt rank, size;

@@ -421,6 +421,24 @@ static PetscErrorCode FillStencils(CoarseGrid g, PetscReal energy, PetscReal vol
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* An empty matrix with room for the entries of the stencils: of a row that ranks share, those of all of them. */
+static PetscErrorCode CreateMatrix(CoarseGrid g, const PetscReal stencil[], Mat *A)
+{
+  PetscInt *entries, *room;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(g->n_nodes, &entries, g->n_own, &room));
+  for (PetscInt k = 0; k < g->n_nodes; k++)
+    for (PetscInt s = 0; s < GRID_STENCIL; s++) entries[k] += stencil[(PetscInt64)GRID_STENCIL * k + s] != 0;
+  PetscCall(PetscSFReduceBegin(g->sf, MPIU_INT, entries, room, MPI_SUM));
+  PetscCall(PetscSFReduceEnd(g->sf, MPIU_INT, entries, room, MPI_SUM));
+  for (PetscInt r = 0; r < g->n_own; r++) room[r] = PetscMin(room[r], g->n_own);
+  PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, 0, room, 0, room, A));
+  PetscCall(PetscFree2(entries, room));
+  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* tiny grids may need more */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal point_volume, const PetscReal factor[],
                                 const PetscReal surplus[], Mat *A)
 {
@@ -431,10 +449,7 @@ PetscErrorCode CoarseGridMatrix(CoarseGrid g, PetscReal point_energy, PetscReal 
   PetscCall(PetscCalloc1((size_t)GRID_STENCIL * (size_t)g->n_nodes, &stencil));
   PetscCall(PetscMalloc1((size_t)GRID_STENCIL * (size_t)g->n_nodes, &node));
   PetscCall(FillStencils(g, point_energy, point_volume, factor, surplus, stencil, node));
-  PetscCall(MatCreateAIJ(g->comm, g->n_own, g->n_own, PETSC_DETERMINE, PETSC_DETERMINE, GRID_STENCIL, NULL,
-                         GRID_STENCIL, NULL, A));
-  PetscCall(
-    MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE)); /* narrow periodic boxes may exceed the guess */
+  PetscCall(CreateMatrix(g, stencil, A));
   for (PetscInt k = 0; k < g->n_nodes; k++) {
     const PetscInt64 first = (PetscInt64)GRID_STENCIL * k;
     PetscScalar      values[GRID_STENCIL];

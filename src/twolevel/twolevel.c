@@ -42,7 +42,7 @@ typedef struct {
   PetscReal  spacing, lower[DIM], upper[DIM];
   PetscBool  periodic[DIM];
   PetscInt   dim, n;       /* n: points */
-  PetscReal *x;            /* [n][dim] m */
+  PetscReal *x;            /* [n][dim] m, until the set-up has used them: then n is -1 */
   PetscReal *volume;       /* [n] relative volumes, see PCTwoLevelSetVolumes; NULL: all 1 */
   PetscReal *factor;       /* [n] of the rows; NULL: all 1 */
   PetscReal  spacing_most; /* largest spacing, m */
@@ -75,10 +75,8 @@ static PetscErrorCode PCSetCoordinates_TwoLevel(PC pc, PetscInt dim, PetscInt n,
   PetscFunctionBegin;
   PetscCheck(dim == 2 || dim == 3, PetscObjectComm((PetscObject)pc), PETSC_ERR_ARG_OUTOFRANGE,
              "PC type " PCTWOLEVEL " works in 2 or 3 dimensions, not %" PetscInt_FMT, dim);
-  if (two->n != n || two->dim != dim) {
-    PetscCall(PetscFree(two->x));
-    PetscCall(PetscMalloc1(dim * n, &two->x));
-  }
+  PetscCall(PetscFree(two->x));
+  PetscCall(PetscMalloc1(dim * n, &two->x));
   two->dim = dim;
   two->n   = n;
   PetscCall(PetscArraycpy(two->x, x, dim * n));
@@ -300,19 +298,21 @@ static PetscErrorCode PCSetUp_TwoLevel(PC pc)
   PetscCall(PetscMalloc1(n, &surplus));
   PetscCall(PetscMalloc1(n, &skip));
   PetscCall(SplitDiagonal(pc, two, surplus, skip, &largest));
+  PetscCall(MeasureEnergy(pc, two, surplus, largest));
   PetscCall(CoarseGridCreate(PetscObjectComm((PetscObject)pc), two->dim, n, two->x, two->volume, skip,
                              PetscMax(RATIO * two->spacing, two->spacing_most), two->lower, two->upper, two->periodic,
                              &two->grid));
+  PetscCall(PetscFree(two->x));
   PetscCall(CoarseGridSizes(two->grid, &local, &nodes));
   if (nodes > 0) {
     for (PetscInt d = 0; d < two->dim; d++) volume *= two->spacing;
-    PetscCall(MeasureEnergy(pc, two, surplus, largest));
     PetscCall(CoarseGridMatrix(two->grid, two->point_energy, volume, two->factor, surplus, &two->A));
     PetscCall(MatCreateVecs(two->A, &two->coarse_x, &two->coarse_b));
-    PetscCall(CreateCoarseSolver(pc, two, nodes));
   }
+  two->n = -1;
   PetscCall(PetscFree(surplus));
   PetscCall(PetscFree(skip));
+  if (nodes > 0) PetscCall(CreateCoarseSolver(pc, two, nodes));
   PetscCall(VecReciprocal(two->jacobi));
   PetscCall(VecScale(two->jacobi, OMEGA));
   PetscCall(PetscInfo(pc, "%" PetscInt_FMT " nodes, point energy %g\n", nodes, (double)two->point_energy));

@@ -7,36 +7,38 @@
 
 #define FOLDER  "output/test_storage/below"
 #define FILE_H5 FOLDER "/file.h5"
-#define MOST    5 /* rows of a rank */
+#define MOST    5    /* rows of a rank, or times ... */
+#define MANY    9000 /* ... so many: some chunks of a compressed data set have the rows of several ranks */
 
-/* Rank r has r % MOST rows, so some have none. Value c of row k is k + c/4. */
-static PetscErrorCode MakeRows(PetscInt width, Rows *rows, double values[])
+/* Rank r has (r + 2) % MOST times 'of' rows, so some have none. Value c of row k is k + c/4. */
+static PetscErrorCode MakeRows(PetscInt of, PetscInt width, Rows *rows, double **values)
 {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  *rows = (Rows){.n = (rank + 2) % MOST, .width = width};
+  *rows = (Rows){.n = of * ((rank + 2) % MOST), .width = width};
   PetscCallMPI(MPI_Exscan(&rows->n, &rows->start, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   if (!rank) rows->start = 0;
   PetscCallMPI(MPI_Allreduce(&rows->n, &rows->total, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCall(PetscMalloc1(width * rows->n, values));
   for (PetscInt k = 0; k < rows->n; k++)
-    for (PetscInt c = 0; c < width; c++) values[width * k + c] = (double)(rows->start + k) + 0.25 * (double)c;
+    for (PetscInt c = 0; c < width; c++) (*values)[width * k + c] = (double)(rows->start + k) + 0.25 * (double)c;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteAndRead(PetscInt compression)
+static PetscErrorCode WriteAndRead(PetscInt of, PetscInt compression)
 {
   H5File     h5;
   Rows       rows, all;
-  double     values[DIM * MOST], *back;
+  double    *values, *back;
   PetscReal  time = 0.1, corner[2] = {1, 2};
   PetscInt64 step = 0;
   char       text[16];
   PetscBool  failed, same = PETSC_TRUE;
 
   PetscFunctionBegin;
-  PetscCall(MakeRows(DIM, &rows, values));
+  PetscCall(MakeRows(of, DIM, &rows, &values));
   PetscCall(H5FileCreate(PETSC_COMM_WORLD, FILE_H5, &h5));
   h5.compression = compression;
   H5FilePutReal(&h5, "time", 1, &time);
@@ -68,6 +70,7 @@ static PetscErrorCode WriteAndRead(PetscInt compression)
   PetscCall(H5FileClose(&h5, &failed));
   CHECK(failed, "rows of another width are refused");
   PetscCall(PetscFree(back));
+  PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,8 +131,9 @@ int main(int argc, char **argv)
     CHECK(!FileSync(FOLDER) && FileSync(FOLDER "/none") == ENOENT, "what is not there cannot be synced");
   }
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
-  PetscCall(WriteAndRead(0));
-  PetscCall(WriteAndRead(1));
+  PetscCall(WriteAndRead(MANY, 1));
+  PetscCall(WriteAndRead(1, 0));
+  PetscCall(WriteAndRead(1, 1));
   PetscCall(CheckSeals());
   if (!rank) CHECK(FolderCreate(FILE_H5) == ENOTDIR, "a file is no folder");
   PetscCall(H5FileCreate(PETSC_COMM_WORLD, FOLDER "/none/file.h5", &h5));
