@@ -70,6 +70,7 @@ typedef struct _p_Cloud {
   PetscReal  laplacian_unit;      /* slope at r = 0 over the largest number of sixteen bits */
   CellGrid   grid[SEARCH_LEVELS]; /* of the last search, over all n_total points, for each level of sizes */
   WorkArray *work;                /* arrays of CloudGetWork, a list */
+  PetscReal  margin;              /* m, by which the lists of CloudSearch reach beyond the kernel's support, 0 */
   PetscReal  slack;               /* m, twice the distance that particles may move before the halo is rebuilt */
   PetscReal  reach;               /* m, largest kernel support in use, at size 1 */
   PetscReal *reference;           /* [n_owned][3] positions when the halo was built, m */

@@ -141,7 +141,7 @@ PetscErrorCode SearchCreate(Cloud cloud, Search *search)
 
   PetscFunctionBegin;
   search->units   = SearchUnits(cloud);
-  search->support = KernelSupport(cloud->kernel);
+  search->support = KernelSupport(cloud->kernel) + cloud->margin;
   search->limit   = (float)PetscSqr(search->support / KernelSmoothingLength(cloud->kernel));
   KernelSingle(cloud->kernel, 1, zero, NULL, slope);
   /* V_a V_b F grows as size^(dim - 2) */

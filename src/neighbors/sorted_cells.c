@@ -1,7 +1,9 @@
 #include "sorted_cells.h"
+#include "../base/simd.h"
 
-#define VECTOR   8  /* numbers that are copied at once */
-#define FAR_AWAY 10 /* supports: position of the entries that fill the last vector */
+#define VECTOR   8    /* numbers that are copied at once */
+#define ROUNDING 1e-5 /* of positions in single precision, over the support */
+#define FAR_AWAY 10   /* supports: position of the entries that fill the last vector */
 
 PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count, const PetscInt of[], PetscReal size,
                                 PetscReal support)
@@ -13,7 +15,7 @@ PetscErrorCode SortedCellsBuild(SortedCells *cells, Cloud cloud, PetscInt count,
     cells->capacity = count + count / 8;
     PetscCall(PetscFree(cells->sorted));
     PetscCall(PetscFree(cells->index));
-    PetscCall(PetscCalloc1(SORTED_WIDTH * cells->capacity + VECTOR, &cells->sorted));
+    PetscCall(PetscCalloc1(SORTED_WIDTH * cells->capacity + WIDE, &cells->sorted));
     PetscCall(PetscMalloc1(cells->capacity, &cells->index));
   }
   cells->support = support;
@@ -99,22 +101,17 @@ PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscRea
   return PETSC_FALSE;
 }
 
-/* Functions that copy a column of the lines, less 'shift'. Each line is copied in whole vectors; the next line
-   overwrites the surplus. */
-#define COPY_COLUMN(Name, Type)                                                                                        \
-  static void Name(const SortedCells *cells, const PetscReal from[], PetscReal shift, Type *restrict to)               \
-  {                                                                                                                    \
-    for (PetscInt l = 0; l < cells->lines; to += cells->line[l++].length)                                              \
-      for (PetscInt k = 0; k < cells->line[l].length; k += VECTOR) {                                                   \
-        const PetscReal *restrict piece = from + cells->line[l].begin + k;                                             \
-                                                                                                                       \
-        SIMD_LOOP()                                                                                                    \
-        for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = (Type)(piece[i] - shift);                                    \
-      }                                                                                                                \
-  }
+/* Copies a column of the lines. Each line is copied in whole vectors; the next line overwrites the surplus. */
+static void CopyColumn(const SortedCells *cells, const PetscReal from[], PetscReal *restrict to)
+{
+  for (PetscInt l = 0; l < cells->lines; to += cells->line[l++].length)
+    for (PetscInt k = 0; k < cells->line[l].length; k += VECTOR) {
+      const PetscReal *restrict piece = from + cells->line[l].begin + k;
 
-COPY_COLUMN(CopyColumn, PetscReal)
-COPY_COLUMN(NarrowColumn, float)
+      SIMD_LOOP()
+      for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = piece[i];
+    }
+}
 
 PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
 {
@@ -129,31 +126,81 @@ PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt colum
     PetscCall(PetscMalloc1(SORTED_WIDTH * cells->stride, &cells->near));
   }
   for (PetscInt w = 0; w < SORTED_WIDTH; w++)
-    if (columns >> w & 1) CopyColumn(cells, cells->sorted + w * cells->count, 0, cells->near + w * cells->stride);
+    if (columns >> w & 1) CopyColumn(cells, cells->sorted + w * cells->count, cells->near + w * cells->stride);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SortedCellsCollectSingle(SortedCells *cells, PetscInt c, PetscInt columns, const PetscReal origin[DIM],
-                                        PetscInt *m)
+/* What is copied in single precision: the columns of the particles within the support of a box. */
+typedef struct {
+  PetscInt         columns;
+  const PetscReal *from[SORTED_WIDTH]; /* [columns], the first three the positions */
+  float           *to[SORTED_WIDTH];
+  PetscReal        origin[DIM];                   /* m */
+  float            center[DIM], half[DIM], limit; /* of the box, relative to the origin, m; square of the support, m2 */
+} Near;
+
+/* The numbers of WIDE particles, less 'shift'. */
+static inline Wide LoadNarrow(const PetscReal from[], PetscReal shift)
 {
+  typedef PetscReal WideReal __attribute__((vector_size(WIDE * sizeof(PetscReal))));
+  WideReal          t;
+
+  (void)memcpy(&t, from, sizeof(t));
+  return __builtin_convertvector(t - shift, Wide);
+}
+
+/* Copies those of a line; n have been copied before. Returns how many there are then. */
+static inline PetscInt CopyNear(const Near *near, SortedLine line, PetscInt n)
+{
+  for (PetscInt k = 0; k < line.length; k += WIDE) {
+    const PetscInt place = line.begin + k;
+    Wide           x[DIM], s = WideSet(0);
+    WideKept       kept;
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      Wide outside;
+
+      x[d]    = LoadNarrow(near->from[d] + place, near->origin[d]);
+      outside = (Wide)((WideInteger)(x[d] - near->center[d]) & INT32_MAX) - near->half[d]; /* of the absolute value */
+      outside = (Wide)((WideInteger)outside & (outside > 0));
+      s += outside * outside;
+    }
+    kept = WideKeep(WideBelow(s, WideSet(near->limit)), line.length - k);
+    for (PetscInt d = 0; d < DIM; d++) WidePack(kept, x[d], near->to[d] + n);
+    for (PetscInt w = DIM; w < near->columns; w++)
+      WidePack(kept, LoadNarrow(near->from[w] + place, 0), near->to[w] + n);
+    n += WideCount(kept);
+  }
+  return n;
+}
+
+PetscErrorCode SortedCellsCollectSingle(SortedCells *cells, PetscInt c, PetscInt columns, const PetscReal lower[DIM],
+                                        const PetscReal upper[DIM], PetscInt *m)
+{
+  Near     near = {.columns = columns, .limit = (float)PetscSqr((1 + ROUNDING) * SortedRadius(cells, c))};
   PetscInt n, cell[DIM];
 
   PetscFunctionBegin;
+  WideStart();
   CellCoordinates(cells->grid.n, c, cell);
-  n  = FindLines(cells, cell, SortedRadius(cells, c));
-  *m = (n + KERNEL_LANES - 1) / KERNEL_LANES * KERNEL_LANES;
-  if (*m + VECTOR > cells->single_stride) {
-    cells->single_stride = *m + (*m / 4 + VECTOR) / KERNEL_LANES * KERNEL_LANES + KERNEL_LANES;
+  n = FindLines(cells, cell, SortedRadius(cells, c));
+  if (n + KERNEL_LANES + WIDE > cells->single_stride) {
+    cells->single_stride = (n + n / 4) / KERNEL_LANES * KERNEL_LANES + 3 * KERNEL_LANES;
     PetscCall(PetscFree(cells->single));
     PetscCall(PetscMalloc1(SORTED_WIDTH * cells->single_stride, &cells->single));
   }
-  for (PetscInt w = 0; w < SORTED_WIDTH; w++) {
-    float *column = cells->single + w * cells->single_stride;
-
-    if (!(columns >> w & 1)) continue;
-    NarrowColumn(cells, cells->sorted + w * cells->count, w < DIM ? origin[w] : 0, column);
-    for (PetscInt k = n; k < *m; k++) column[k] = w < DIM ? (float)(FAR_AWAY * cells->support) : 0;
+  for (PetscInt w = 0; w < columns; w++) {
+    near.from[w] = cells->sorted + w * cells->count;
+    near.to[w]   = cells->single + w * cells->single_stride;
   }
+  for (PetscInt d = 0; d < DIM; d++) {
+    near.origin[d] = lower[d];
+    near.center[d] = near.half[d] = (float)(0.5 * (upper[d] - lower[d]));
+  }
+  n = 0;
+  for (PetscInt l = 0; l < cells->lines; l++) n = CopyNear(&near, cells->line[l], n);
+  for (*m = n; *m % KERNEL_LANES; ++*m)
+    for (PetscInt w = 0; w < columns; w++) near.to[w][*m] = w < DIM ? (float)(FAR_AWAY * cells->support) : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

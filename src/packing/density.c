@@ -1,7 +1,9 @@
 /* The summed density of the particles. */
 #include "packing_impl.h"
 
-PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row)
+/* Loads the row of particle a, with kernel values W. Returns the volume fraction V_0 (W(0) + sum_b W_ab),
+   dimensionless: the density over rho_0. */
+static PetscReal Fraction(Cloud cloud, PetscInt a, PairRow *row)
 {
   const PetscReal self = KernelSelf(cloud->kernel);
   PetscReal       sum  = 0;
@@ -23,7 +25,7 @@ PetscErrorCode PackingMeasure(Packing packing, PackingReport *report)
   PetscFunctionBegin;
   PetscCall(PetscNew(&row));
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal rest = cloud->rest_density[a], fraction = PackingFraction(cloud, a, row);
+    const PetscReal rest = cloud->rest_density[a], fraction = Fraction(cloud, a, row);
 
     cloud->field[FIELD_DENSITY][a] = rest * fraction;
     if (a >= cloud->n_fluid) continue;

@@ -11,14 +11,15 @@
 
 #define SMALLEST_DISTANCE 1e-6 /* over c: two particles at one point have no direction in which to move apart */
 #define REPULSION_MARGIN  1.02 /* c over the smallest distance allowed */
+#define NEAR              1.03 /* a distance found in single precision below this may be below c */
 #define SLACK             3.0 /* spacings, of the halo during the optimisation: particles move farther than in a step */
-#define SEARCH_AFTER      0.02 /* spacings that a particle may move before neighbours are searched again */
-#define TRIAL_LIMIT       10   /* spacings that a particle may move in a trial of the line search */
-#define TRAVEL_LIMIT      1.5  /* spacings that a particle may move before all migrate to their ranks */
+#define LIST_MARGIN       0.1 /* spacings by which lists reach beyond the support: they serve for half of it */
+#define TRIAL_LIMIT       10  /* spacings that a particle may move in a trial of the line search */
+#define TRAVEL_LIMIT      1.5 /* spacings that a particle may move before all migrate to their ranks */
 
 typedef struct {
   Cloud      cloud;
-  PairRow   *row;
+  PetscBool *crowded;             /* [n_fluid] some particle is within the repulsion */
   PetscReal  tolerance, distance; /* the goal: relative; m */
   PetscReal  deviation, closest;  /* at the last evaluation: relative; m, infinite if no two are within the repulsion */
   PetscReal  travelled;           /* largest displacement of a round, m */
@@ -46,7 +47,7 @@ static PetscErrorCode LargestDisplacement(Cloud cloud, const PetscReal before[],
 }
 
 /* Moves the fluid to start + d0 y, or sets *too_far if that is farther than TRIAL_LIMIT. The lists of neighbours stay
-   while no particle has moved by SEARCH_AFTER: they miss pairs at the rim of the support only, where W < 1e-5 W(0). */
+   while no particle has moved by half their margin. */
 static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
 {
   const Cloud      cloud = o->cloud;
@@ -66,7 +67,7 @@ static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
   *too_far = (PetscBool)(o->travelled > TRIAL_LIMIT * cloud->domain->spacing);
   if (*too_far) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(LargestDisplacement(cloud, o->searched, &moved));
-  search                  = (PetscBool)(moved > SEARCH_AFTER * cloud->domain->spacing);
+  search                  = (PetscBool)(2 * moved > cloud->margin);
   cloud->distance_outside = o->travelled;
   PetscCall(CloudMoved(cloud));
   if (search) PetscCall(CloudSearch(cloud, NULL, NULL));
@@ -74,28 +75,73 @@ static PetscErrorCode MoveFluid(Optimiser *o, Vec y, PetscBool *too_far)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* error: [n_owned] e_a; zero for walls, which do not move and whose density does not count. f: see above. */
+/* Computes s = r2/h2 of the row of particle a at the present positions, padded to a multiple of SIMD_WIDTH. */
+static void LoadDistances(Cloud cloud, PetscInt a, const PetscInt index[], PetscInt n, float s[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const Simd3      p = Simd3Set(x + DIM * a);
+  PetscReal        scale_w, scale_f, inverse_h2;
+
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
+    const SimdOffsets at = SimdLocate(index + k);
+    const Simd3       d  = Simd3Difference(Simd3Collect(x, &at), p);
+    const SimdSingle  t  = __builtin_convertvector(inverse_h2 * Simd3Dot(d, d), SimdSingle);
+
+    (void)memcpy(s + k, &t, sizeof(t));
+  }
+}
+
+/* Adds the repulsion of particle a to *sum, and to its gradient g (1/m) unless that is NULL; lowers *closest2, r^2 of
+   the closest pair of fluid particles (m2). */
+static void Repel(Optimiser *o, PetscInt a, PetscReal *sum, PetscReal *closest2, PetscReal g[DIM])
+{
+  const Cloud      cloud = o->cloud;
+  const PetscReal *x = cloud->field[FIELD_POSITION], reach = REPULSION_MARGIN * o->distance;
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt  b       = cloud->list[k];
+    const PetscBool fluid   = (PetscBool)(cloud->integer[INT_LAYER][b] == 0);
+    const PetscReal dx[DIM] = {x[DIM * a] - x[DIM * b], x[DIM * a + 1] - x[DIM * b + 1],
+                               x[DIM * a + 2] - x[DIM * b + 2]},
+                    r2 = Dot(dx, dx), r = PetscMax(PetscSqrtReal(r2), SMALLEST_DISTANCE * reach);
+
+    if (r2 >= reach * reach) continue;
+    if (fluid) *closest2 = PetscMin(*closest2, r2);
+    /* of a pair of fluid particles the other particle adds its half */
+    *sum += (fluid ? 0.5 : 1) * PetscSqr(1 - PetscSqrtReal(r2) / reach);
+    for (PetscInt d = 0; d < DIM && g; d++) g[d] -= (1 - r / reach) / (reach * r) * dx[d];
+  }
+}
+
+/* error: [n_owned] e_a; zero for walls, which do not move and whose density does not count. f: see above. The cloud's
+   factors become those of the present positions. */
 static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
 {
-  const Cloud     cloud   = o->cloud;
-  const PetscReal reach   = REPULSION_MARGIN * o->distance;
-  PetscReal       sums[2] = {0, 0}, closest2 = PETSC_MAX_REAL; /* sums of e^2 and of the repulsion */
-  PairRow        *row = o->row;
+  const Cloud cloud   = o->cloud;
+  PetscReal   sums[2] = {0, 0}, closest2 = PETSC_MAX_REAL; /* sums of e^2 and of the repulsion */
+  PetscReal   scale_w, scale_f, inverse_h2;
+  float       s[ROW_CAPACITY + KERNEL_LANES] = {0}, w[ROW_CAPACITY + KERNEL_LANES], slope[ROW_CAPACITY + KERNEL_LANES];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    error[a] = 0;
-    if (a >= cloud->n_fluid) continue;
-    error[a] = PackingFraction(cloud, a, row) - 1;
-    sums[0] += PetscSqr(error[a]);
-    for (PetscInt k = 0; k < row->n; k++) {
-      const PetscBool fluid = (PetscBool)(cloud->integer[INT_LAYER][row->index[k]] == 0);
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  PetscCall(PetscArrayzero(error, cloud->n_owned));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscInt n   = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
+    float          sum = 0, least = PETSC_MAX_INT;
 
-      if (row->r2[k] >= reach * reach) continue;
-      if (fluid) closest2 = PetscMin(closest2, row->r2[k]);
-      /* of a pair of fluid particles the other particle adds its half */
-      sums[1] += (fluid ? 0.5 : 1) * PetscSqr(1 - PetscSqrtReal(row->r2[k]) / reach);
+    LoadDistances(cloud, a, cloud->list + cloud->first[a], n, s);
+    KernelSingle(cloud->kernel, n, s, w, slope);
+    SIMD_LOOP(reduction(+ : sum) reduction(min : least))
+    for (PetscInt k = 0; k < n; k++) {
+      sum += w[k];
+      least = PetscMin(least, s[k]);
     }
+    PetscCall(PetscArraycpy(cloud->slope + cloud->first[a], slope, n));
+    error[a] = cloud->domain->volume * (KernelSelf(cloud->kernel) + scale_w * sum) - 1;
+    sums[0] += PetscSqr(error[a]);
+    o->crowded[a] = (PetscBool)(least < PetscSqr(NEAR * o->distance) * inverse_h2);
+    if (o->crowded[a]) Repel(o, a, &sums[1], &closest2, NULL);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest2, 1, MPIU_REAL, MPIU_MIN, cloud->comm));
@@ -109,32 +155,32 @@ static PetscErrorCode Errors(Optimiser *o, PetscReal error[], PetscReal *f)
    its image: they move alike. */
 static PetscErrorCode Gradient(Optimiser *o, const PetscReal error[], Vec gradient)
 {
-  const Cloud     cloud = o->cloud;
-  const PetscInt  dim   = cloud->domain->dim;
-  const PetscReal reach = REPULSION_MARGIN * o->distance, volume = cloud->domain->volume;
-  PairRow        *row = o->row;
-  PetscReal      *g;
+  const Cloud      cloud = o->cloud;
+  const PetscInt   dim   = cloud->domain->dim;
+  const PetscReal *x     = cloud->field[FIELD_POSITION];
+  const Simd       zero  = SimdSet(0);
+  PetscReal        scale_w, scale_f, inverse_h2, unused[2] = {0, 0}, *g;
+  PairRow          row;
 
   PetscFunctionBegin;
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(VecGetArrayWrite(gradient, &g));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal sum[DIM] = {0, 0, 0};
+    const Simd3 p   = Simd3Set(x + DIM * a);
+    const Simd  own = SimdSet(error[a]);
+    Simd3       sum = {zero, zero, zero};
+    PetscReal   all[DIM];
 
-    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
-    KernelEvaluate(cloud->kernel, row->n, row->r2, NULL, row->F);
-    for (PetscInt k = 0; k < row->n; k++) {
-      PetscReal slope = volume * (error[a] + error[row->index[k]]) * row->F[k];
+    PairRowLoadFactors(cloud, a, &row);
+    for (PetscInt k = 0; k < row.n; k += SIMD_WIDTH) {
+      const SimdOffsets at = SimdLocate(row.index + k);
 
-      if (row->r2[k] < reach * reach) {
-        const PetscReal r = PetscMax(PetscSqrtReal(row->r2[k]), SMALLEST_DISTANCE * reach);
-
-        slope -= (1 - r / reach) / (reach * r);
-      }
-      sum[0] += slope * row->dx[k];
-      sum[1] += slope * row->dy[k];
-      sum[2] += slope * row->dz[k];
+      Simd3Add(&sum, (own + SimdGather(error, row.index + k)) * SimdLoad(row.f + k),
+               Simd3Difference(p, Simd3Collect(x, &at)));
     }
-    for (PetscInt d = 0; d < dim; d++) g[dim * a + d] = cloud->domain->spacing * sum[d];
+    Vec4Store(cloud->domain->volume * scale_f * Simd3Sum(sum, zero), all);
+    if (o->crowded[a]) Repel(o, a, &unused[0], &unused[1], all);
+    for (PetscInt d = 0; d < dim; d++) g[dim * a + d] = cloud->domain->spacing * all[d];
   }
   PetscCall(VecRestoreArrayWrite(gradient, &g));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -193,7 +239,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
   Vec            y, gradient;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(size, &o->start, size, &o->searched));
+  PetscCall(PetscMalloc3(size, &o->start, size, &o->searched, cloud->n_fluid, &o->crowded));
   PetscCall(PetscArraycpy(o->start, cloud->field[FIELD_POSITION], size));
   PetscCall(PetscArraycpy(o->searched, o->start, size));
   PetscCall(VecCreateMPI(cloud->comm, cloud->domain->dim * cloud->n_fluid, PETSC_DETERMINE, &y));
@@ -223,7 +269,7 @@ static PetscErrorCode Round(Optimiser *o, PetscInt *remaining, PetscInt *done, T
   PetscCall(TaoDestroy(&tao));
   PetscCall(VecDestroy(&y));
   PetscCall(VecDestroy(&gradient));
-  PetscCall(PetscFree2(o->start, o->searched));
+  PetscCall(PetscFree3(o->start, o->searched, o->crowded));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -238,18 +284,18 @@ PetscErrorCode PackingOptimise(Cloud cloud, PackingTarget *target)
   PetscCallMPI(MPI_Allreduce(&cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, cloud->comm));
   o.particles = (PetscReal)particles;
   ProgressBegin("the optimisation of the packing", "no step was computed");
-  PetscCall(PetscNew(&o.row));
   o.distance         = target->distance * cloud->domain->spacing;
   target->iterations = 0;
   PetscCall(CloudCheckUnknowns(cloud->comm, cloud->n_fluid, cloud->domain->dim, "the packing (-packing_type)"));
-  cloud->slack = PetscMax(slack, SLACK * cloud->domain->spacing);
+  cloud->slack  = PetscMax(slack, SLACK * cloud->domain->spacing);
+  cloud->margin = LIST_MARGIN * cloud->domain->spacing;
   PetscCall(CloudResync(cloud));
   do { /* after a failed line search, try again without the memory of LMVM */
     PetscCall(Round(&o, &remaining, &done, &reason));
     target->iterations += done;
   } while (done > 0 && remaining > 0 && (reason == TAO_DIVERGED_USER || reason == TAO_DIVERGED_LS_FAILURE));
-  cloud->slack = slack; /* the caller's CloudResync builds a halo for it */
-  PetscCall(PetscFree(o.row));
+  cloud->slack      = slack; /* the caller's CloudResync builds a halo for it */
+  cloud->margin     = 0;
   target->deviation = o.deviation;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -158,9 +158,6 @@ PetscErrorCode EmissionsDestroy(Packing packing);
 /* PackingCheckMemory - refuses (UserError) a scene with more particles than the ranks' machines have memory for.
    Collective. */
 PetscErrorCode PackingCheckMemory(Packing packing);
-/* PackingFraction - loads the row of particle a at the cloud's positions, with kernel values W. Returns the volume
-   fraction V_0 (W(0) + sum_b W_ab), dimensionless: the density over rho_0. Not collective. */
-PetscReal PackingFraction(Cloud cloud, PetscInt a, PairRow *row);
 /* PackingMeasure - sums the densities of all particles of the cloud, Eq. (4) of Kuri et al. with the particle's own
    rest density, so that two liquids in contact are at rest; fills the report. Collective. */
 PetscErrorCode PackingMeasure(Packing packing, PackingReport *report);

@@ -22,12 +22,10 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
     }
 }
 
-/* x - c_b (m), and the kernel's F without its scale, of m <= CHUNK candidates from 'begin' on. */
-static inline void Separations(Tension tension, PetscInt begin, PetscInt m, const float x[DIM], float *restrict dx,
-                               float *restrict dy, float *restrict dz, float *restrict F)
+/* The kernel's F without its scale between x and m <= CHUNK candidates c[3] from a place on. */
+static inline void Slopes(Tension tension, const float *const c[DIM], PetscInt m, const float x[DIM], float F[])
 {
-  const float *restrict cx = tension->liquid->single + begin, *restrict cy = cx + tension->liquid->single_stride,
-                        *restrict cz = cy + tension->liquid->single_stride;
+  const float *restrict cx = c[0], *restrict cy = c[1], *restrict cz = c[2];
   const float x0 = x[0], y0 = x[1], z0 = x[2];
   PetscReal   scale_w, scale_f, inverse_h2;
   float       s[CHUNK];
@@ -35,101 +33,90 @@ static inline void Separations(Tension tension, PetscInt begin, PetscInt m, cons
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   SIMD_LOOP()
   for (PetscInt k = 0; k < m; k++) {
-    dx[k] = x0 - cx[k];
-    dy[k] = y0 - cy[k];
-    dz[k] = z0 - cz[k];
-    s[k]  = (dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k]) * (float)inverse_h2;
+    const float dx = x0 - cx[k], dy = y0 - cy[k], dz = z0 - cz[k];
+
+    s[k] = (dx * dx + dy * dy + dz * dz) * (float)inverse_h2;
   }
   KernelSingle(tension->kernel, m, s, NULL, F);
-}
-
-/* Adds the sum of w_b grad W^H, without the kernel's scale, over a chunk of m candidates. F has w F. */
-static inline void AddGradient(PetscReal scale, PetscInt m, const float dx[], const float dy[], const float dz[],
-                               const float F[], PetscReal gradient[DIM])
-{
-  float gx = 0, gy = 0, gz = 0;
-
-  SIMD_LOOP(reduction(+ : gx, gy, gz))
-  for (PetscInt k = 0; k < m; k++) {
-    gx += F[k] * dx[k];
-    gy += F[k] * dy[k];
-    gz += F[k] * dz[k];
-  }
-  gradient[0] += scale * gx;
-  gradient[1] += scale * gy;
-  gradient[2] += scale * gz;
 }
 
 /* The sum of grad W^H at x over m candidates; with -tension_density summed the sums of w grad W^H with w in
    VOLUME_COLUMN and in DENSITY_COLUMN. */
 static void SumGradients(Tension tension, PetscInt m, const float x[DIM], PetscReal gradient[2][DIM])
 {
-  const PetscInt stride     = tension->liquid->single_stride;
-  const float *restrict w   = tension->liquid->single + VOLUME_COLUMN * stride;
-  const float *restrict rho = tension->liquid->single + DENSITY_COLUMN * stride;
-  float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK], weighted[CHUNK];
-  PetscReal scale_w, scale_f, inverse_h2;
+  const PetscInt stride = tension->liquid->single_stride;
+  const float    x0 = x[0], y0 = x[1], z0 = x[2];
+  PetscReal      scale_w, scale_f, inverse_h2;
+  float          F[CHUNK];
 
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt d = 0; d < DIM; d++) gradient[0][d] = gradient[1][d] = 0;
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
-    const PetscInt count = PetscMin(CHUNK, m - begin);
+    const PetscInt count     = PetscMin(CHUNK, m - begin);
+    const float *restrict cx = tension->liquid->single + begin, *restrict cy = cx + stride, *restrict cz = cy + stride,
+                          *restrict w = cx + VOLUME_COLUMN * stride, *restrict rho = cx + DENSITY_COLUMN * stride;
+    float gx = 0, gy = 0, gz = 0, hx = 0, hy = 0, hz = 0;
 
-    Separations(tension, begin, count, x, dx, dy, dz, F);
-    if (!tension->summed) {
-      AddGradient(scale_f, count, dx, dy, dz, F, gradient[0]);
-      continue;
+    Slopes(tension, (const float *const[]){cx, cy, cz}, count, x, F);
+    if (tension->summed) {
+      SIMD_LOOP(reduction(+ : gx, gy, gz, hx, hy, hz))
+      for (PetscInt k = 0; k < count; k++) {
+        const float dx = x0 - cx[k], dy = y0 - cy[k], dz = z0 - cz[k], f = F[k] * w[k], h = F[k] * rho[k];
+
+        gx += f * dx;
+        gy += f * dy;
+        gz += f * dz;
+        hx += h * dx;
+        hy += h * dy;
+        hz += h * dz;
+      }
+    } else {
+      SIMD_LOOP(reduction(+ : gx, gy, gz))
+      for (PetscInt k = 0; k < count; k++) {
+        gx += F[k] * (x0 - cx[k]);
+        gy += F[k] * (y0 - cy[k]);
+        gz += F[k] * (z0 - cz[k]);
+      }
     }
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < count; k++) weighted[k] = F[k] * w[begin + k];
-    AddGradient(scale_f, count, dx, dy, dz, weighted, gradient[0]);
-    SIMD_LOOP()
-    for (PetscInt k = 0; k < count; k++) weighted[k] = F[k] * rho[begin + k];
-    AddGradient(scale_f, count, dx, dy, dz, weighted, gradient[1]);
+    gradient[0][0] += scale_f * gx;
+    gradient[0][1] += scale_f * gy;
+    gradient[0][2] += scale_f * gz;
+    gradient[1][0] += scale_f * hx;
+    gradient[1][1] += scale_f * hy;
+    gradient[1][2] += scale_f * hz;
   }
 }
 
-/* The sum of S_b grad W^H at x over m candidates, S_b in the columns 3 to 8. */
+/* The sum of S_b grad W^H = |g|^2 grad W^H - g (g . grad W^H) at x over m candidates, g of b in the columns 3 to 5. */
 static void SumForce(Tension tension, PetscInt m, const float x[DIM], PetscReal force[DIM])
 {
-  const PetscInt stride    = tension->liquid->single_stride;
-  const float *restrict xx = tension->liquid->single + DIM * stride, *restrict yy = xx + stride,
-                        *restrict zz = yy + stride, *restrict xy = zz + stride, *restrict xz = xy + stride,
-                        *restrict yz = xz + stride;
-  float     dx[CHUNK], dy[CHUNK], dz[CHUNK], F[CHUNK];
-  PetscReal scale_w, scale_f, inverse_h2;
+  const PetscInt stride = tension->liquid->single_stride;
+  const float    x0 = x[0], y0 = x[1], z0 = x[2];
+  float          F[CHUNK];
+  PetscReal      scale_w, scale_f, inverse_h2;
 
   KernelScales(tension->kernel, &scale_w, &scale_f, &inverse_h2);
   force[0] = force[1] = force[2] = 0;
   for (PetscInt begin = 0; begin < m; begin += CHUNK) {
-    const PetscInt count = PetscMin(CHUNK, m - begin);
-    float          fx = 0, fy = 0, fz = 0;
+    const PetscInt count     = PetscMin(CHUNK, m - begin);
+    const float *restrict cx = tension->liquid->single + begin, *restrict cy = cx + stride, *restrict cz = cy + stride,
+                          *restrict gx = cz + stride, *restrict gy = gx + stride, *restrict gz = gy + stride;
+    float fx = 0, fy = 0, fz = 0;
 
-    Separations(tension, begin, count, x, dx, dy, dz, F);
+    Slopes(tension, (const float *const[]){cx, cy, cz}, count, x, F);
     SIMD_LOOP(reduction(+ : fx, fy, fz))
     for (PetscInt k = 0; k < count; k++) {
-      const PetscInt b  = begin + k;
-      const float    gx = F[k] * dx[k], gy = F[k] * dy[k], gz = F[k] * dz[k];
+      const float wx = F[k] * (x0 - cx[k]), wy = F[k] * (y0 - cy[k]), wz = F[k] * (z0 - cz[k]),
+                  g2 = gx[k] * gx[k] + gy[k] * gy[k] + gz[k] * gz[k], along = gx[k] * wx + gy[k] * wy + gz[k] * wz;
 
-      fx += xx[b] * gx + xy[b] * gy + xz[b] * gz;
-      fy += xy[b] * gx + yy[b] * gy + yz[b] * gz;
-      fz += xz[b] * gx + yz[b] * gy + zz[b] * gz;
+      fx += g2 * wx - gx[k] * along;
+      fy += g2 * wy - gy[k] * along;
+      fz += g2 * wz - gz[k] * along;
     }
     force[0] += scale_f * fx;
     force[1] += scale_f * fy;
     force[2] += scale_f * fz;
   }
-}
-
-/* S = kappa (|g|^2 I - g (x) g), Eq. (7). */
-static void Stress(PetscReal kappa, const PetscReal g[DIM], PetscReal S[6])
-{
-  const PetscReal g2 = Dot(g, g);
-
-  for (PetscInt d = 0; d < DIM; d++) S[d] = kappa * (g2 - g[d] * g[d]);
-  S[3] = -kappa * g[0] * g[1];
-  S[4] = -kappa * g[0] * g[2];
-  S[5] = -kappa * g[1] * g[2];
 }
 
 /* Whether the model is evaluated for particle a at x. */
@@ -155,82 +142,101 @@ static PetscErrorCode LoadDensities(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the part of Eq. (1) with the particle's own stress, S_a/rho_a^2 sum m_b grad W^H, and turns S_a into S_a
-   rho_0/rho_a^2, the form in the other particles' sums. gradient: of the density over V_0, without walls. */
+/* Adds the part of Eq. (1) with the particle's own stress, S_a/rho_a^2 sum m_b grad W^H, and turns g into the form in
+   the other particles' sums, of S_a rho_0/rho_a^2. gradient: of the density over V_0, without walls. */
 static void AddOwnForce(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM], PetscReal gradient[DIM],
-                        PetscReal S[6])
+                        PetscReal g[DIM])
 {
   const PetscReal V = cloud->domain->volume, rest = cloud->rest_density[a], rho = cloud->field[FIELD_DENSITY][a];
-  PetscReal       walls[DIM] = {0}, force[DIM];
+  PetscReal       walls[DIM] = {0}, along;
 
   AddWalls(tension, cloud->domain, x, walls);
   for (PetscInt d = 0; d < DIM; d++) gradient[d] = V * gradient[d] + rest * walls[d];
-  TensorApply(S, gradient[0], gradient[1], gradient[2], force);
-  for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += force[d] / (rho * rho);
-  for (PetscInt k = 0; k < 6; k++) S[k] *= rest / (rho * rho);
+  along = Dot(g, gradient);
+  for (PetscInt d = 0; d < DIM; d++)
+    cloud->field[FIELD_ACCELERATION][DIM * a + d] += (Dot(g, g) * gradient[d] - along * g[d]) / (rho * rho);
+  for (PetscInt d = 0; d < DIM; d++) g[d] *= PetscSqrtReal(rest) / rho;
 }
 
-/* Finds grad phi, Eq. (6), and the stress ([n_owned][6]) of the particles near the surface; with -tension_density
-   summed the stress times rho_0/rho^2. */
-static PetscErrorCode FindStress(Tension tension, Cloud cloud, PetscReal stress[])
+/* Finds g of particle a at x, root(kappa) times grad phi of Eq. (6); with -tension_density summed times
+   root(rho_0)/rho. place: x, relative to the m candidates' origin. */
+static void FindGradient(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM], const float place[DIM],
+                         PetscInt m, PetscReal g[DIM])
 {
-  SortedCells    *liquid = tension->liquid;
-  const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
-  const PetscBool summed      = tension->summed;
-  PetscReal       origin[DIM] = {0};
-  PetscInt        cell = -1, m = 0;
+  const PetscReal sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
+                  kappa = tension->calibration * KernelSmoothingLength(tension->kernel) * sigma;
+  PetscReal gradient[2][DIM];
 
-  PetscFunctionBegin;
-  for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = liquid->index[p];
-    PetscReal      x[DIM], gradient[2][DIM];
-    float          place[DIM]; /* x, relative to the origin of the candidates */
+  SumGradients(tension, m, place, gradient);
+  for (PetscInt d = 0; d < DIM; d++) gradient[0][d] *= cloud->domain->volume;
+  AddWalls(tension, cloud->domain, x, gradient[0]);
+  for (PetscInt d = 0; d < DIM; d++) g[d] = PetscSqrtReal(kappa) * gradient[0][d];
+  if (tension->summed) AddOwnForce(tension, cloud, a, x, gradient[1], g);
+}
+
+/* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration of particle a. With one rest density this equals the
+   symmetric form of Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds the rest of that form, without
+   the part of AddOwnForce. */
+static void AddForce(Tension tension, Cloud cloud, PetscInt a, const float place[DIM], PetscInt m)
+{
+  const PetscReal factor = cloud->domain->volume / (tension->summed ? 1 : cloud->rest_density[a]);
+  PetscReal       force[DIM];
+
+  SumForce(tension, m, place, force);
+  for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += factor * force[d];
+}
+
+/* The places before 'end' from p on that are of one cell, and the box (m) of those that are evaluated. Returns the
+   place behind them. */
+static PetscInt NextGroup(Tension tension, Cloud cloud, PetscInt p, PetscReal lower[DIM], PetscReal upper[DIM],
+                          PetscInt *evaluated)
+{
+  const SortedCells *liquid = tension->liquid;
+  const PetscInt     cell   = SortedCell(liquid, p);
+
+  *evaluated = 0;
+  for (; p < liquid->count && SortedCell(liquid, p) == cell; p++) {
+    PetscReal x[DIM];
 
     SortedPosition(liquid, p, x);
-    if (!Evaluated(tension, cloud, a, x)) continue;
-    if (SortedCell(liquid, p) != cell) {
-      cell = SortedCell(liquid, p);
-      PetscCall(PetscArraycpy(origin, x, DIM));
-      PetscCall(SortedCellsCollectSingle(liquid, cell, COLUMNS(0, summed ? DIM + 2 : DIM), origin, &m));
+    if (!Evaluated(tension, cloud, liquid->index[p], x)) continue;
+    for (PetscInt d = 0; d < DIM; d++) {
+      lower[d] = *evaluated ? PetscMin(lower[d], x[d]) : x[d];
+      upper[d] = *evaluated ? PetscMax(upper[d], x[d]) : x[d];
     }
-    for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
-    SumGradients(tension, m, place, gradient);
-    for (PetscInt d = 0; d < DIM; d++) gradient[0][d] *= V;
-    AddWalls(tension, cloud->domain, x, gradient[0]);
-    Stress(tension->calibration * H * BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
-           gradient[0], stress + 6 * a);
-    if (summed) AddOwnForce(tension, cloud, a, x, gradient[1], stress + 6 * a);
+    (*evaluated)++;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return p;
 }
 
-/* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration. With one rest density this equals the symmetric form of
-   Eq. (1), because S_a . grad phi_a = 0. With summed densities it adds the rest of that form, without the part of
-   AddOwnForce. */
-static PetscErrorCode AddForce(Tension tension, Cloud cloud)
+/* One of both passes over the particles near the surface: the first, if there is g ([n_owned][3]), finds it, the second
+   adds the force. */
+static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscReal g[])
 {
-  SortedCells    *liquid      = tension->liquid;
-  const PetscReal V           = cloud->domain->volume;
-  PetscReal       origin[DIM] = {0};
-  PetscInt        cell = -1, m = 0;
+  SortedCells   *liquid  = tension->liquid;
+  const PetscInt columns = DIM + (!g ? DIM : tension->summed ? 2 : 0);
+  PetscReal      lower[DIM], upper[DIM];
 
   PetscFunctionBegin;
-  for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt  a      = liquid->index[p];
-    const PetscReal factor = tension->summed ? V : V / cloud->rest_density[a];
-    PetscReal       x[DIM], force[DIM];
-    float           place[DIM];
+  for (PetscInt p = 0, end; p < liquid->count; p = end) {
+    PetscInt evaluated, m = 0;
 
-    SortedPosition(liquid, p, x);
-    if (!Evaluated(tension, cloud, a, x)) continue;
-    if (SortedCell(liquid, p) != cell) {
-      cell = SortedCell(liquid, p);
-      PetscCall(PetscArraycpy(origin, x, DIM));
-      PetscCall(SortedCellsCollectSingle(liquid, cell, COLUMNS(0, DIM + 6), origin, &m));
+    end = NextGroup(tension, cloud, p, lower, upper, &evaluated);
+    if (!evaluated) continue;
+    PetscCall(SortedCellsCollectSingle(liquid, SortedCell(liquid, p), columns, lower, upper, &m));
+    for (PetscInt q = p; q < end; q++) {
+      const PetscInt a = liquid->index[q];
+      PetscReal      x[DIM];
+      float          place[DIM]; /* x, relative to the origin of the candidates */
+
+      SortedPosition(liquid, q, x);
+      if (!Evaluated(tension, cloud, a, x)) continue;
+      for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - lower[d]);
+      if (g)
+        FindGradient(tension, cloud, a, x, place, m, g + DIM * a);
+      else
+        AddForce(tension, cloud, a, place, m);
     }
-    for (PetscInt d = 0; d < DIM; d++) place[d] = (float)(x[d] - origin[d]);
-    SumForce(tension, m, place, force);
-    for (PetscInt d = 0; d < DIM; d++) cloud->field[FIELD_ACCELERATION][DIM * a + d] += factor * force[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -255,28 +261,28 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[])
+PetscErrorCode CahnHilliardGradient(Tension tension, Cloud cloud, PetscReal g[])
 {
   PetscFunctionBegin;
   PetscCall(LiquidSort(tension, cloud, 0, NULL));
   PetscCall(MarkNear(tension, cloud));
-  PetscCall(PetscArrayzero(stress, 6 * cloud->n_owned));
+  PetscCall(PetscArrayzero(g, DIM * cloud->n_owned));
   if (tension->summed) PetscCall(LoadDensities(tension, cloud));
-  PetscCall(FindStress(tension, cloud, stress));
+  PetscCall(Pass(tension, cloud, g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
 {
-  PetscReal *stress;
+  PetscReal *g;
 
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 6, &stress));
-  PetscCall(CahnHilliardStress(tension, cloud, stress));
-  PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, stress));
-  SortedCellsLoad(tension->liquid, DIM, 6, stress);
-  PetscCall(CloudRestoreWork(cloud, &stress));
-  PetscCall(AddForce(tension, cloud));
+  PetscCall(CloudGetWork(cloud, DIM, &g));
+  PetscCall(CahnHilliardGradient(tension, cloud, g));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, g));
+  SortedCellsLoad(tension->liquid, DIM, DIM, g);
+  PetscCall(CloudRestoreWork(cloud, &g));
+  PetscCall(Pass(tension, cloud, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,12 +3,11 @@
 #include "tension_impl.h"
 
 /* Length of a cell, spacings: small enough that the cells around a particle are not much more than its support, large
-   enough that many particles of a cell share the collected neighbourhood. A support is 2 to 4 cells, with graded
-   particles at least 3, because a large particle has more particles around it. */
+   enough that many particles of a cell share the collected neighbourhood. A support is 2 or 3 cells, with graded
+   particles 3, because a large particle has more particles around it. */
 #define CELL         1.6
 #define CELLS_LEAST  2
-#define CELLS_GRADED 3
-#define CELLS_MOST   4
+#define CELLS_MOST   3
 #define AROUND_CELLS 2 /* cells in the radius of LiquidAround */
 
 /* Whether a particle is of the liquid being evaluated and has its keep flag set. */
@@ -22,7 +21,7 @@ PetscErrorCode LiquidSort(Tension tension, Cloud cloud, PetscInt level, const un
 {
   const PetscReal support = KernelSupport(tension->kernel);
   const PetscInt  across  = (PetscInt)(support / (CELL * cloud->domain->spacing)),
-                 cells    = PetscMax(tension->size_most > 1 ? CELLS_GRADED : CELLS_LEAST, PetscMin(CELLS_MOST, across));
+                 cells    = tension->size_most > 1 ? CELLS_MOST : PetscMax(CELLS_LEAST, PetscMin(CELLS_MOST, across));
   SortedCells *liquid     = TensionLevel(tension, level);
   PetscInt    *of, count = 0;
 

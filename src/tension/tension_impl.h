@@ -270,8 +270,10 @@ void MarangoniAdd(Cloud cloud);
    and pressure_jump_slope. Collective. */
 PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
 
-/* CahnHilliardStress - S ([n_owned][6], N/m2) of Eq. (7), zero beyond the band. The liquid stays sorted. Collective. */
-PetscErrorCode CahnHilliardStress(Tension tension, Cloud cloud, PetscReal stress[]);
+/* CahnHilliardGradient - g = root(kappa) grad phi ([n_owned][3], root of N/m2), zero beyond the band; Eq. (7) is S =
+   |g|^2 I - g (x) g. With summed densities g has the factor root(rho_0)/rho besides, and FIELD_ACCELERATION gets the
+   part of a particle's own S. The liquid stays sorted. Collective. */
+PetscErrorCode CahnHilliardGradient(Tension tension, Cloud cloud, PetscReal g[]);
 /* The constructors of the models set tension's functions. */
 PetscErrorCode TensionCreate_CahnHilliard(Tension tension);
 PetscErrorCode TensionCreate_Curvature(Tension tension);

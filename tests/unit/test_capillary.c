@@ -11,22 +11,22 @@
 /* The stress along the surface of the layers at heights 0.5 to 5.5, N/m2. */
 static PetscErrorCode Stress(const char options[], PetscReal layer[LAYERS])
 {
-  PetscReal *stress;
+  PetscReal *g;
   Setup      s;
 
   PetscFunctionBegin;
   PetscCall(SetupPack(options, &s));
   PetscCall(SetupMoments(&s));
-  PetscCall(PetscMalloc1(6 * s.cloud->n_owned, &stress));
-  PetscCall(CahnHilliardStress(s.tension, s.cloud, stress));
+  PetscCall(PetscMalloc1(DIM * s.cloud->n_owned, &g));
+  PetscCall(CahnHilliardGradient(s.tension, s.cloud, g));
   for (PetscInt k = 0; k < LAYERS; k++) layer[k] = -PETSC_MAX_REAL;
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     const PetscInt k = (PetscInt)PetscFloorReal(s.cloud->field[FIELD_POSITION][DIM * a + 1]);
 
-    if (k >= 0 && k < LAYERS) layer[k] = PetscMax(layer[k], stress[6 * a]);
+    if (k >= 0 && k < LAYERS) layer[k] = PetscMax(layer[k], PetscSqr(g[DIM * a + 1]) + PetscSqr(g[DIM * a + 2]));
   }
   for (PetscInt k = 0; k < LAYERS; k++) layer[k] = SetupMax(layer[k]);
-  PetscCall(PetscFree(stress));
+  PetscCall(PetscFree(g));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

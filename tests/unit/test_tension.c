@@ -465,15 +465,15 @@ static PetscErrorCode TestBand(void)
     const PetscReal slack  = 2 * PetscSqrtReal(3) * radius[pool] / 4;
     PetscInt        missed = 0, beyond = 0, near = 0, count = 0;
     Setup           s;
-    PetscReal      *stress;
+    PetscReal      *g;
 
     PetscCall(SetupFill(pool ? POOL : OPEN, n, points, pool ? 4 : 0, &s));
     PetscCall(SetupMoments(&s));
 
     s.tension->band = (radius[pool] - s.tension->spacing) / TensionReach(s.tension);
-    PetscCall(PetscMalloc1(6 * s.cloud->n_owned, &stress));
-    PetscCall(CahnHilliardStress(s.tension, s.cloud, stress));
-    PetscCall(PetscFree(stress));
+    PetscCall(PetscMalloc1(DIM * s.cloud->n_owned, &g));
+    PetscCall(CahnHilliardGradient(s.tension, s.cloud, g));
+    PetscCall(PetscFree(g));
     PetscCall(GatherSurface(s.cloud, surface, &count));
     for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
       const PetscReal *x     = s.cloud->field[FIELD_POSITION] + DIM * a;
