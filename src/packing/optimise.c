@@ -85,8 +85,8 @@ static void LoadDistances(Cloud cloud, PetscInt a, const PetscInt index[], Petsc
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
     const SimdOffsets at = SimdLocate(index + k);
-    const Simd3       d  = Simd3Difference(Simd3Collect(x, &at), p);
-    const SimdSingle  t  = __builtin_convertvector(inverse_h2 * Simd3Dot(d, d), SimdSingle);
+    const Simd3       d  = Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), p);
+    const SimdSingle  t  = __builtin_convertvector(inverse_h2 * Simd3Dot(PETSC_FALSE, d, d), SimdSingle);
 
     (void)memcpy(s + k, &t, sizeof(t));
   }
@@ -175,8 +175,8 @@ static PetscErrorCode Gradient(Optimiser *o, const PetscReal error[], Vec gradie
     for (PetscInt k = 0; k < row.n; k += SIMD_WIDTH) {
       const SimdOffsets at = SimdLocate(row.index + k);
 
-      Simd3Add(&sum, (own + SimdGather(error, row.index + k)) * SimdLoad(row.f + k),
-               Simd3Difference(p, Simd3Collect(x, &at)));
+      Simd3Add(PETSC_FALSE, &sum, (own + SimdGather(error, row.index + k)) * SimdLoad(row.f + k),
+               Simd3Difference(PETSC_FALSE, p, Simd3Collect(PETSC_FALSE, x, &at)));
     }
     Vec4Store(cloud->domain->volume * scale_f * Simd3Sum(sum, zero), all);
     if (o->crowded[a]) Repel(o, a, &unused[0], &unused[1], all);
