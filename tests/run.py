@@ -219,17 +219,27 @@ def execute(job):
 
 
 def run(jobs, number):
-    """The results, as they come; a line for each."""
-    waiting, results, lock = list(jobs), [], threading.Lock()
+    """The results, as they come; a line for each. A unit test runs on one number of ranks at a time: its runs share a
+    folder."""
+    waiting, running, results, lock = list(jobs), set(), [], threading.Condition()
+
+    def program(job):
+        return job.name.partition("@")[0]
 
     def work():
         while True:
             with lock:
+                while waiting and all(program(job) in running for job in waiting):
+                    lock.wait()
                 if not waiting:
                     return
-                job = waiting.pop(0)
+                job = next(job for job in waiting if program(job) not in running)
+                waiting.remove(job)
+                running.add(program(job))
             result = execute(job)
             with lock:
+                running.remove(program(job))
+                lock.notify_all()
                 results.append(result)
                 failed = sum(line.startswith("FAIL ") for line in result.failures)
                 print(f"{len(results):3}/{len(jobs)}  {job.name:58} {result.passed:4} ok"
