@@ -43,6 +43,7 @@ static PetscErrorCode FindPoints(Packing packing, PetscInt b)
 
 /* The k-th emission of body b, at the time (s). */
 typedef struct {
+  MPI_Comm        comm;
   const Emission *emission;
   Body            body;
   PetscInt        b, k;
@@ -53,10 +54,12 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
 {
   const Portion *portion = (const Portion *)source;
   PetscReal      shift[DIM];
+  PetscInt       first, last;
 
   PetscFunctionBegin;
+  OwnShare(portion->comm, portion->emission->n, &first, &last);
   BodyEmissionShift(portion->body, portion->k, portion->time, shift);
-  for (PetscInt p = 0; p < portion->emission->n; p++) {
+  for (PetscInt p = first; p < last; p++) {
     Sample sample = {.density = BodyMaterial(portion->body)->density,
                      .body    = portion->b,
                      .area    = portion->emission->area};
@@ -105,8 +108,9 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
   }
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     Emission *emission = &packing->emission[b];
-    Portion   portion  = {.emission = emission, .body = SceneBody(scene, b), .b = b, .time = time};
-    PetscInt  wanted, count;
+    Portion   portion  = {
+         .comm = packing->cloud->comm, .emission = emission, .body = SceneBody(scene, b), .b = b, .time = time};
+    PetscInt wanted, count;
 
     if (!BodyEmits(portion.body)) continue;
     wanted = BodyEmissions(portion.body, time);
@@ -116,7 +120,7 @@ PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, P
                      "the emitter %s has brought as many particles as this build of PETSc can number",
                      BodyName(portion.body));
       portion.k = emission->done;
-      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, PETSC_FALSE, &portion,
+      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, &portion,
                               EMITTED_ID + (portion.k * emitters + number) * most, &count));
       *emitted += count;
     }

@@ -8,16 +8,6 @@ typedef struct {
   PetscInt side[DIM], outward;
 } Corner;
 
-static PetscErrorCode AddSample(PetscSegBuffer samples, const Sample *sample)
-{
-  Sample *kept;
-
-  PetscFunctionBegin;
-  PetscCall(PetscSegBufferGet(samples, 1, &kept));
-  *kept = *sample;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 #define FINE_MARGIN 3. /* fine spacings by which a fine region must extend beyond solids and emitters */
 
 /* Whether the spacing is fine within FINE_MARGIN of x (m) along the axes. */
@@ -147,7 +137,7 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
           jitter * s * (2 * RandomUnit(seed, (unsigned long long)sample.id * DIM + (unsigned long long)d) - 1);
     }
     DomainConfine(domain, sample.x);
-    PetscCall(AddSample(samples, &sample));
+    PetscCall(SampleKeep(samples, &sample));
   }
   PetscCall(PetscFree(region.point));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -177,7 +167,7 @@ static PetscErrorCode AddColumn(const Region *region, const Corner *corner, cons
       if (d >= domain->dim) sample.x[d] = 0;
     }
     DomainWallVelocity(domain, sample.x, sample.v);
-    PetscCall(AddSample(samples, &sample));
+    PetscCall(SampleKeep(samples, &sample));
   } while (CellNext(first, last, step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -237,19 +227,6 @@ static PetscErrorCode AddWalls(Packing packing, PetscSegBuffer samples)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves the samples of a buffer into the packing. kind: 0: liquid, 1: walls. */
-static PetscErrorCode KeepSamples(Packing packing, PetscInt kind, PetscSegBuffer samples)
-{
-  size_t n;
-
-  PetscFunctionBegin;
-  PetscCall(PetscSegBufferGetSize(samples, &n));
-  packing->graded_count[kind] = (PetscInt)n;
-  PetscCall(PetscSegBufferExtractAlloc(samples, &packing->graded[kind]));
-  PetscCall(PetscSegBufferDestroy(&samples));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode GradedSetUp(Packing packing)
 {
   const Scene    scene = packing->cloud->scene;
@@ -267,29 +244,32 @@ PetscErrorCode GradedSetUp(Packing packing)
     else
       PetscCall(AddBody(packing, b, level, length[b], samples, &id));
   }
-  PetscCall(KeepSamples(packing, 0, samples));
+  PetscCall(SamplesTake(&samples, &packing->graded_count[0], &packing->graded[0]));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
   if (!packing->cloud->domain->follow) PetscCall(AddWalls(packing, samples));
-  PetscCall(KeepSamples(packing, 1, samples));
+  PetscCall(SamplesTake(&samples, &packing->graded_count[1], &packing->graded[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Passes this rank's share of the samples. kind: 0: liquid, 1: walls. */
+static PetscErrorCode VisitShare(Packing packing, PetscInt kind, SampleVisitor visitor, void *context)
+{
+  PetscInt first, last;
+
+  PetscFunctionBegin;
+  OwnShare(packing->cloud->comm, packing->graded_count[kind], &first, &last);
+  for (PetscInt k = first; k < last; k++) PetscCall(visitor(context, &packing->graded[kind][k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context)
 {
-  const Packing packing = (Packing)source;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < packing->graded_count[0]; k++) PetscCall(visitor(context, &packing->graded[0][k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return VisitShare((Packing)source, 0, visitor, context);
 }
 
 PetscErrorCode GradedVisitWalls(void *source, SampleVisitor visitor, void *context)
 {
-  const Packing packing = (Packing)source;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < packing->graded_count[1]; k++) PetscCall(visitor(context, &packing->graded[1][k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return VisitShare((Packing)source, 1, visitor, context);
 }
 
 PetscErrorCode GradedDestroy(Packing packing)

@@ -168,17 +168,11 @@ typedef struct {
   PetscReal *distance;    /* [n] of these points from the surface, m, ascending */
 } Shells;
 
-/* This rank's share of 'count' points: first to last - 1. Of rings each rank walks through all. */
-static void OwnShare(Domain domain, PetscInt count, PetscInt *first, PetscInt *last)
+/* The ranks that share a lattice. Each rank walks through all rings, for they add up lengths, which must not depend on
+   the number of ranks. */
+static MPI_Comm LatticeComm(Domain domain)
 {
-  PetscMPIInt rank = 0, size = 1;
-
-  if (!domain->rings) {
-    (void)MPI_Comm_rank(domain->comm, &rank);
-    (void)MPI_Comm_size(domain->comm, &size);
-  }
-  *first = (PetscInt)((PetscInt64)count * rank / size);
-  *last  = (PetscInt)((PetscInt64)count * (rank + 1) / size);
+  return domain->rings ? PETSC_COMM_SELF : domain->comm;
 }
 
 /* Adds up the shells of the ranks' shares. The sums are of integers, so they do not depend on the number of ranks. */
@@ -221,7 +215,7 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   size_t          n;
 
   PetscFunctionBegin;
-  OwnShare(domain, LatticeCount(lattice), &first, &last);
+  OwnShare(LatticeComm(domain), LatticeCount(lattice), &first, &last);
   *shells = (Shells){.bound = PETSC_MAX_REAL};
   for (PetscInt d = 0; d < domain->dim; d++) shells->bound = PetscMin(shells->bound, LEVEL_MAX * lattice->pitch[d]);
   shells->bound *= 1 - POINT_TOLERANCE; /* below the depth of the outermost points of a fitting body */
@@ -255,7 +249,7 @@ static PetscErrorCode CollectShells(Packing packing, PetscInt b, const Lattice *
   PetscCall(PetscSegBufferExtractAlloc(near, &shells->distance));
   PetscCall(PetscSegBufferDestroy(&near));
   shells->n = (PetscInt)n;
-  if (!domain->rings) PetscCall(ShareShells(domain->comm, shells));
+  PetscCall(ShareShells(LatticeComm(domain), shells));
   shells->target = (PetscReal)shells->full + (PetscReal)shells->parts / CellPoints(domain);
   PetscCall(PetscSortReal(shells->n, shells->distance));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -314,17 +308,15 @@ PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Passes the points first to last - 1 of body b's lattice to the visitor, each with this ring area over V_0. *id: the
-   number of the next particle. */
-static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *lattice, PetscInt first, PetscInt last,
-                                  const PetscReal level[], PetscReal area, SampleVisitor visitor, void *context,
-                                  PetscInt *id)
+/* Makes samples of the points first to last - 1 of body b's lattice, before the jitter and without numbers. */
+static PetscErrorCode FindSamples(Packing packing, PetscInt b, const Lattice *lattice, PetscInt first, PetscInt last,
+                                  const PetscReal level[], PetscInt *n, Sample **samples)
 {
-  const Domain             domain = packing->cloud->domain;
-  const PetscReal          jitter = ((LatticeData *)packing->data)->jitter * domain->spacing; /* m */
-  const unsigned long long seed   = (unsigned long long)packing->seed;
+  const Domain   domain = packing->cloud->domain;
+  PetscSegBuffer found;
 
   PetscFunctionBegin;
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &found));
   for (PetscInt point = first; point < last; point++) {
     Sample    sample = {.body = b};
     PetscReal length;
@@ -332,67 +324,49 @@ static PetscErrorCode VisitPoints(Packing packing, PetscInt b, const Lattice *la
     LatticePoint(lattice, point, sample.x);
     length = DomainRingLength(domain, sample.x, 1);
     BodyDisplace(SceneBody(packing->cloud->scene, b), sample.x);
-    sample.area = area * (length / DomainRingLength(domain, sample.x, 1)); /* a displaced ring keeps its volume */
-    if (!LatticeBelongs(packing, level, b, point, sample.x)) continue;
-    sample.id = sample.parent = (*id)++;
-    for (PetscInt d = 0; d < domain->dim; d++)
-      sample.x[d] += jitter * (2 * RandomUnit(seed, (unsigned long long)sample.id * DIM + (unsigned long long)d) - 1);
-    DomainConfine(domain, sample.x);
-    PetscCall(visitor(context, &sample));
+    sample.area = length / DomainRingLength(domain, sample.x, 1); /* a displaced ring keeps its volume */
+    if (LatticeBelongs(packing, level, b, point, sample.x)) PetscCall(SampleKeep(found, &sample));
   }
+  PetscCall(SamplesTake(&found, n, samples));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-typedef struct {
-  Domain    domain;
-  PetscReal length; /* sum over the rings so far, m */
-} RingSum;
-
-static PetscErrorCode AddLength(void *context, const Sample *sample)
-{
-  RingSum *sum = (RingSum *)context;
-
-  sum->length += sample->area * DomainRingLength(sum->domain, sample->x, 1);
-  return PETSC_SUCCESS;
-}
-
-static PetscErrorCode Ignore(void *context, const Sample *sample)
-{
-  (void)context;
-  (void)sample;
-  return PETSC_SUCCESS;
-}
-
-/* Passes the points of body b to the visitor, or this rank's share of them. All rings have one area, with which they
-   have the body's volume. length: see LatticeFit. */
-static PetscErrorCode VisitBody(Packing packing, PetscInt b, PetscBool share, const PetscReal level[], PetscReal length,
+/* Passes this rank's share of the points of body b to the visitor; comm: the ranks that share them. All rings have one
+   area, with which they have the body's volume. length: see LatticeFit. *id: the number of the body's first particle,
+   then of the next body's. */
+static PetscErrorCode VisitBody(Packing packing, PetscInt b, MPI_Comm comm, const PetscReal level[], PetscReal length,
                                 SampleVisitor visitor, void *context, PetscInt *id)
 {
-  const Domain domain = packing->cloud->domain;
-  RingSum      sum    = {.domain = domain};
-  PetscReal    area   = 1;
-  PetscInt     next = *id, first = 0, last, before = 0, count;
-  PetscMPIInt  size;
-  Lattice      lattice;
+  const Domain             domain = packing->cloud->domain;
+  const PetscReal          jitter = ((LatticeData *)packing->data)->jitter * domain->spacing; /* m */
+  const unsigned long long seed   = (unsigned long long)packing->seed;
+  const MPI_Comm           walk   = domain->rings ? PETSC_COMM_SELF : comm;
+  PetscReal                area = 1, sum = 0;
+  PetscInt                 n, first, last, before, all;
+  Sample                  *sample;
+  Lattice                  lattice;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(domain->comm, &size));
-  share = (PetscBool)(share && size > 1 && !domain->rings);
   LatticeOfBody(domain, domain->spacing, SceneBody(packing->cloud->scene, b), &lattice);
-  last = LatticeCount(&lattice);
-  if (domain->rings) {
-    PetscCall(VisitPoints(packing, b, &lattice, first, last, level, 1, AddLength, &sum, &next));
-    area = lattice.pitch[0] * lattice.pitch[1] / domain->volume * (sum.length > 0 ? length / sum.length : 1);
+  OwnShare(walk, LatticeCount(&lattice), &first, &last);
+  PetscCall(FindSamples(packing, b, &lattice, first, last, level, &n, &sample));
+  PetscCall(OwnNumbers(walk, n, &before, &all));
+  for (PetscInt k = 0; k < n; k++) {
+    sample[k].id = sample[k].parent = *id + before + k;
+    for (PetscInt d = 0; d < domain->dim; d++)
+      sample[k].x[d] +=
+        jitter * (2 * RandomUnit(seed, (unsigned long long)sample[k].id * DIM + (unsigned long long)d) - 1);
+    DomainConfine(domain, sample[k].x);
+    sum += sample[k].area * DomainRingLength(domain, sample[k].x, 1);
   }
-  if (share) { /* the numbers of the points before this share */
-    OwnShare(domain, last, &first, &last);
-    PetscCall(VisitPoints(packing, b, &lattice, first, last, level, 1, Ignore, NULL, &next));
-    count = next - *id;
-    PetscCallMPI(MPI_Scan(&count, &before, 1, MPIU_INT, MPI_SUM, domain->comm));
-    *id += before - count;
+  if (domain->rings) area = lattice.pitch[0] * lattice.pitch[1] / domain->volume * (sum > 0 ? length / sum : 1);
+  OwnShare(domain->rings ? comm : PETSC_COMM_SELF, n, &first, &last);
+  for (PetscInt k = first; k < last; k++) {
+    sample[k].area *= area;
+    PetscCall(visitor(context, &sample[k]));
   }
-  PetscCall(VisitPoints(packing, b, &lattice, first, last, level, area, visitor, context, id));
-  if (share) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, id, 1, MPIU_INT, MPI_MAX, domain->comm));
+  *id += all;
+  PetscCall(PetscFree(sample));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -407,7 +381,7 @@ static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *c
   PetscCall(LatticeFit(packing, level, length));
   for (PetscInt b = 0; b < SceneCount(scene); b++)
     if (!BodyEmits(SceneBody(scene, b)))
-      PetscCall(VisitBody(packing, b, PETSC_TRUE, level, length[b], visitor, context, &id));
+      PetscCall(VisitBody(packing, b, packing->cloud->comm, level, length[b], visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -419,7 +393,7 @@ PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor vi
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) level[b] = -PETSC_MAX_REAL;
   PetscCall(FitLevel(packing, body, &level[body], &length));
-  PetscCall(VisitBody(packing, body, PETSC_FALSE, level, length, visitor, context, &id));
+  PetscCall(VisitBody(packing, body, PETSC_COMM_SELF, level, length, visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -455,7 +429,6 @@ PetscErrorCode PackingCreate_Lattice(Packing packing)
   packing->data               = lattice;
   packing->ops.setfromoptions = SetFromOptions_Lattice;
   packing->ops.visit          = Visit_Lattice;
-  packing->ops.shared         = PETSC_TRUE;
   packing->ops.destroy        = Destroy_Lattice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -122,41 +122,26 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Partitions the cells first, with the weights that CloudResync will use, so that particles are made where they belong,
-   but for those that the ranks share. */
+/* Each rank makes a part of the particles, wherever they are. */
 static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud        cloud   = packing->cloud;
   const Domain       domain  = cloud->domain;
-  const PetscInt     cells   = domain->cells[0] * domain->cells[1] * domain->cells[2];
   const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops.visit,
                                 domain->graded ? GradedVisitWalls : WallVisit, SolidVisit};
-  Dummies     dummies  = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
-  void       *source[] = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
-  PetscInt   *weight, count[PETSC_STATIC_ARRAY_LENGTH(visit)], first_id = 0;
-  PetscMPIInt rank, size;
-  PetscBool   shared;
+  Dummies  dummies  = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
+  void    *source[] = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
+  PetscInt count[PETSC_STATIC_ARRAY_LENGTH(visit)] = {0}, first_id = 0;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
-  shared = (PetscBool)(packing->ops.shared && !domain->graded && !domain->rings && size > 1);
-  PetscCall(PetscCalloc1(cells, &weight));
-  PetscCall(SamplesWeigh(domain, visit[0], packing, weight, &packing->count));
-  if (shared) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &packing->count, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(visit); k++) {
+    PetscCall(SamplesAppend(cloud->particles, domain, visit[k], source[k], first_id, &count[k]));
+    first_id += count[k];
+  }
+  packing->count = count[0];
   PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
-  if (rank && !shared) PetscCall(PetscArrayzero(weight, cells)); /* DomainPartition sums over the ranks */
-  for (size_t k = 1; k < PETSC_STATIC_ARRAY_LENGTH(visit) && !rank; k++)
-    PetscCall(SamplesWeigh(domain, visit[k], source[k], weight, &count[k]));
-  PetscCall(DomainPartition(domain, 1, weight));
-  PetscCall(PetscFree(weight));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(visit); k++) {
-    PetscCall(
-      SamplesAppend(cloud->particles, domain, visit[k], (PetscBool)(shared && k == 0), source[k], first_id, &count[k]));
-    first_id += count[k];
-  }
   if (domain->follow) PetscCall(ResampleWalls(cloud));
   PetscCall(PetscInfo(NULL,
                       "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT

@@ -18,19 +18,23 @@ static inline PetscReal SampleSize(const Sample *sample)
   return sample->size > 0 ? sample->size : 1;
 }
 
-/* A source passes its samples, one after the other, to a visitor: all of them, the same on every rank, or, if the ranks
-   share them, this rank's part. */
+/* A source passes its samples, one after the other, to a visitor: on each rank a part of them. Positions and ids do not
+   depend on the number of ranks. Collective. */
 typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
 typedef PetscErrorCode (*SampleSource)(void *source, SampleVisitor visitor, void *context);
 
-/* SamplesWeigh - adds the samples that this rank visits to the numbers of particles in the cells, weight [cells];
- *count: their number. Not collective, unless the source is. */
-PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count);
-/* SamplesAppend - appends the samples in this rank's cells to the swarm, with ids and parents counted from first_id on;
- *count: number of samples on all ranks. shared: the ranks share the samples of the source, which then move to the rank
- of their cells. Collective. */
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, PetscBool shared, void *source,
-                             PetscInt first_id, PetscInt *count);
+/* OwnShare - this rank's share of 'count' points: first to last - 1. Not collective. OwnNumbers - *first: the sum of n
+   over the ranks before this one, *last: over all. Collective. */
+void           OwnShare(MPI_Comm comm, PetscInt count, PetscInt *first, PetscInt *last);
+PetscErrorCode OwnNumbers(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last);
+/* SampleKeep - a visitor: adds the sample to a PetscSegBuffer of samples. SamplesTake - the n samples of the buffer,
+   which is destroyed; the caller frees them with PetscFree. Not collective. */
+PetscErrorCode SampleKeep(void *buffer, const Sample *sample);
+PetscErrorCode SamplesTake(PetscSegBuffer *buffer, PetscInt *n, Sample **sample);
+/* SamplesAppend - appends this rank's samples to the swarm, with ids and parents counted from first_id on; *count:
+   number of samples on all ranks. CloudResync then moves them to the ranks of their cells. Collective. */
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
+                             PetscInt *count);
 
 /* The points of an emitter, which it brings at each emission. */
 typedef struct {
@@ -44,8 +48,7 @@ typedef struct {
   /* Reads the options of the type, inside a block. */
   PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
   PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
-  SampleSource visit;  /* the fluid, in the order of the ids 0, 1, ...; the source is the packing */
-  PetscBool    shared; /* the ranks share the samples, but those of rings */
+  SampleSource visit; /* the fluid, with the ids 0, 1, ...; the source is the packing */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */
   PetscErrorCode (*destroy)(Packing packing);
 } PackingOps;
@@ -108,7 +111,7 @@ PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor vi
 /* Dummy particles, 'layers' deep: the source of WallVisit and SolidVisit. WallVisit - of all wall faces: the box's
    lattice, continued beyond the box, edges and corners included; the parent of a deeper particle is the nearest
    particle of the top layer, 1. SolidVisit - of the solids: points of the box's lattice inside them, each with a
-   pressure of its own. Not collective. */
+   pressure of its own. Each rank passes its share of the lattice. Collective. */
 typedef struct {
   Cloud    cloud;
   PetscInt layers;
@@ -143,7 +146,8 @@ static inline PetscReal RegionSpacing(const Region *region, const PetscReal x[DI
    where it is coarse, between them at that spacing. The caller frees 'point' with PetscFree. The same on every rank.
    Collective. */
 PetscErrorCode RegionFill(Region *region);
-/* RegionSpread - moves the points that are not fixed until they are spread evenly. Not collective. */
+/* RegionSpread - moves the points that are not fixed, which come last, until they are spread evenly. The same on every
+   rank. Collective. */
 PetscErrorCode RegionSpread(Region *region);
 
 /* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit,

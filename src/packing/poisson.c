@@ -59,9 +59,11 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
 static PetscErrorCode Visit_Poisson(void *source, SampleVisitor visitor, void *context)
 {
   const Poisson *p = (const Poisson *)((Packing)source)->data;
+  PetscInt       first, last;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->n; a++) {
+  OwnShare(((Packing)source)->cloud->comm, p->n, &first, &last);
+  for (PetscInt a = first; a < last; a++) {
     Sample sample = {.id = a, .parent = a, .body = p->body[a]};
 
     for (PetscInt d = 0; d < DIM; d++) sample.x[d] = p->x[DIM * a + d];

@@ -1,6 +1,6 @@
 /* Spreads particles of different sizes evenly, as the shifting does during a run: each moves against sum V_b (1 + 0.2
    (W/W(s))^4) grad W. Faces of the region mirror it, so that the first layer comes to rest half a spacing from them.
-   With the kernel used here particles do not pair. */
+   With the kernel used here particles do not pair. Each rank moves its share of the points; all know all positions. */
 #include "packing_impl.h"
 
 #define ROUNDS       150 /* of displacements */
@@ -38,26 +38,24 @@ typedef struct {
   Scene      scene;
   Domain     domain;
   PetscReal *x, *s; /* [n][3], [n] m */
-  PetscReal *force; /* [n][3] of the points that move, m */
+  PetscReal *force; /* [n][3] of this rank's points, m */
   CellGrid   grid;
-  PetscInt  *first, *list, capacity; /* neighbours of the points that move */
+  PetscInt   low, high;              /* this rank's points: low to high - 1 */
+  PetscInt  *first, *list, capacity; /* their neighbours */
 } Spread;
 
-/* Finds the neighbours of each point that moves. */
+/* Finds the neighbours of this rank's points. */
 static PetscErrorCode FindNear(Spread *p)
 {
-  const Region  *region = p->region;
-  const PetscInt n      = region->n;
-  PetscInt       used   = 0;
+  PetscInt used = 0;
 
   PetscFunctionBegin;
-  PetscCall(CellGridBuild(&p->grid, p->domain->dim, n, p->x, SUPPORT * p->domain->spacing, 1));
-  for (PetscInt a = 0; a < n; a++) {
+  PetscCall(CellGridBuild(&p->grid, p->domain->dim, p->region->n, p->x, SUPPORT * p->domain->spacing, 1));
+  for (PetscInt a = p->low; a < p->high; a++) {
     const PetscReal *x = p->x + DIM * a, reach = SUPPORT * LIST_MARGIN * p->s[a] + LIST_SLACK * p->s[a];
     PetscInt         low[DIM], high[DIM], cell[DIM];
 
     p->first[a] = used;
-    if (region->point[a].fixed) continue;
     for (PetscInt d = 0; d < DIM; d++) {
       low[d] = cell[d] = PetscMax(0, (PetscInt)((x[d] - reach - p->grid.lower[d]) / p->grid.size));
       high[d] =
@@ -79,7 +77,7 @@ static PetscErrorCode FindNear(Spread *p)
       }
     } while (CellNext(low, high, cell));
   }
-  p->first[n] = used;
+  p->first[p->high] = used;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,14 +217,10 @@ static PetscBool MayBe(const Spread *p, const PetscReal x[DIM], const PetscReal 
 /* One round: all forces, then all displacements. */
 static void Move(Spread *p)
 {
-  const Region *region = p->region;
-
-  for (PetscInt a = 0; a < region->n; a++)
-    if (!region->point[a].fixed) FindForce(p, a, p->force + DIM * a);
-  for (PetscInt a = 0; a < region->n; a++) {
+  for (PetscInt a = p->low; a < p->high; a++) FindForce(p, a, p->force + DIM * a);
+  for (PetscInt a = p->low; a < p->high; a++) {
     PetscReal *force = p->force + DIM * a, y[DIM], length;
 
-    if (region->point[a].fixed) continue;
     length = Norm(force);
     for (PetscInt d = 0; d < DIM; d++)
       y[d] = p->x[DIM * a + d] + force[d] * PetscMin(1, FARTHEST * p->s[a] / PetscMax(length, PETSC_SMALL * p->s[a]));
@@ -241,8 +235,23 @@ PetscErrorCode RegionSpread(Region *region)
   const Cloud    cloud = region->packing->cloud;
   const PetscInt n     = region->n;
   Spread         p     = {.region = region, .scene = cloud->scene, .domain = cloud->domain};
+  PetscInt       fixed = 0; /* points, before those that move */
+  PetscMPIInt    size, low, own, *count, *start;
+  MPI_Datatype   position;
 
   PetscFunctionBegin;
+  while (fixed < n && region->point[fixed].fixed) fixed++;
+  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
+  PetscCall(PetscMalloc2(size, &count, size, &start));
+  OwnShare(cloud->comm, n - fixed, &p.low, &p.high);
+  p.low += fixed;
+  p.high += fixed;
+  PetscCall(PetscMPIIntCast(p.low, &low));
+  PetscCall(PetscMPIIntCast(p.high - p.low, &own));
+  PetscCallMPI(MPI_Allgather(&low, 1, MPI_INT, start, 1, MPI_INT, cloud->comm));
+  PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, cloud->comm));
+  PetscCallMPI(MPI_Type_contiguous(DIM, MPIU_REAL, &position));
+  PetscCallMPI(MPI_Type_commit(&position));
   PetscCall(PetscMalloc4(DIM * n, &p.x, n, &p.s, DIM * n, &p.force, n + 1, &p.first));
   for (PetscInt a = 0; a < n; a++) {
     const RegionPoint *point = &region->point[a];
@@ -257,8 +266,12 @@ PetscErrorCode RegionSpread(Region *region)
   for (PetscInt round = 0; round < ROUNDS; round++) {
     if (round % LIST_ROUNDS == 0) PetscCall(FindNear(&p));
     Move(&p);
+    PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, p.x, count, start, position, cloud->comm));
+    PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, p.s, count, start, MPIU_REAL, cloud->comm));
   }
   for (PetscInt a = 0; a < n; a++) PetscCall(PetscArraycpy(region->point[a].x, p.x + DIM * a, DIM));
+  PetscCallMPI(MPI_Type_free(&position));
+  PetscCall(PetscFree2(count, start));
   PetscCall(PetscFree4(p.x, p.s, p.force, p.first));
   PetscCall(PetscFree(p.list));
   PetscCall(CellGridReset(&p.grid));

@@ -1,70 +1,65 @@
-/* Makes particles from samples: every rank visits all samples of a source and keeps those of its cells, or visits its
-   share of them, which then move to the ranks of their cells. */
+/* Makes particles from samples: every rank visits its part of a source. */
 #include "packing_impl.h"
 
-typedef struct {
-  Domain         domain;
-  PetscMPIInt    rank;
-  PetscBool      shared;
-  PetscInt      *weight; /* [cells] */
-  PetscInt       count;  /* samples seen */
-  PetscSegBuffer own;    /* of this rank */
-} Selection;
-
-static PetscErrorCode WeighSample(void *context, const Sample *sample)
+void OwnShare(MPI_Comm comm, PetscInt count, PetscInt *first, PetscInt *last)
 {
-  Selection *selection = (Selection *)context;
+  PetscMPIInt rank, size;
 
-  selection->count++;
-  selection->weight[DomainCell(selection->domain, sample->x)]++;
-  return PETSC_SUCCESS;
+  (void)MPI_Comm_rank(comm, &rank);
+  (void)MPI_Comm_size(comm, &size);
+  *first = (PetscInt)((PetscInt64)count * rank / size);
+  *last  = (PetscInt)((PetscInt64)count * (rank + 1) / size);
 }
 
-PetscErrorCode SamplesWeigh(Domain domain, SampleSource visit, void *source, PetscInt weight[], PetscInt *count)
+PetscErrorCode OwnNumbers(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
 {
-  Selection selection = {.domain = domain, .weight = weight};
-
   PetscFunctionBegin;
-  PetscCall(visit(source, WeighSample, &selection));
-  *count = selection.count;
+  *last = n;
+  PetscCallMPI(MPI_Scan(&n, first, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, last, 1, MPIU_INT, MPI_SUM, comm));
+  *first -= n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode KeepSample(void *context, const Sample *sample)
+PetscErrorCode SampleKeep(void *buffer, const Sample *sample)
 {
-  Selection *selection = (Selection *)context;
-  Sample    *kept;
+  Sample *kept;
 
   PetscFunctionBegin;
-  selection->count++;
-  if (selection->shared || selection->domain->cell_rank[DomainCell(selection->domain, sample->x)] == selection->rank) {
-    PetscCall(PetscSegBufferGet(selection->own, 1, &kept));
-    *kept = *sample;
-  }
+  PetscCall(PetscSegBufferGet((PetscSegBuffer)buffer, 1, &kept));
+  *kept = *sample;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, PetscBool shared, void *source,
-                             PetscInt first_id, PetscInt *count)
+PetscErrorCode SamplesTake(PetscSegBuffer *buffer, PetscInt *n, Sample **sample)
 {
-  Selection      selection = {.domain = domain, .shared = shared};
+  size_t size;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSegBufferGetSize(*buffer, &size));
+  PetscCall(PetscSegBufferExtractAlloc(*buffer, sample));
+  PetscCall(PetscSegBufferDestroy(buffer));
+  *n = (PetscInt)size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
+                             PetscInt *count)
+{
   ParticleArrays arrays;
-  PetscInt       next;
-  size_t         n;
+  PetscSegBuffer own;
+  PetscInt       next, n;
   Sample        *sample;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(domain->comm, &selection.rank));
-  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &selection.own));
-  PetscCall(visit(source, KeepSample, &selection));
-  *count = selection.count;
-  if (shared) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 1, MPIU_INT, MPI_SUM, domain->comm));
-  PetscCall(PetscSegBufferGetSize(selection.own, &n));
-  PetscCall(PetscSegBufferExtractInPlace(selection.own, &sample));
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &own));
+  PetscCall(visit(source, SampleKeep, own));
+  PetscCall(SamplesTake(&own, &n, &sample));
+  PetscCallMPI(MPI_Allreduce(&n, count, 1, MPIU_INT, MPI_SUM, domain->comm));
   PetscCall(ParticlesLocalSize(particles, &next));
-  PetscCall(ParticlesAppend(particles, (PetscInt)n));
+  PetscCall(ParticlesAppend(particles, n));
   PetscCall(ParticlesOpen(particles, &arrays));
-  for (size_t k = 0; k < n; k++, next++) {
+  for (PetscInt k = 0; k < n; k++, next++) {
     PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION] + DIM * next, sample[k].x, DIM));
     PetscCall(PetscArraycpy(arrays.real[FIELD_VELOCITY] + DIM * next, sample[k].v, DIM));
     arrays.real[FIELD_DENSITY][next] = sample[k].density;
@@ -79,7 +74,6 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
     arrays.integer[INT_LAYER][next]  = sample[k].layer;
   }
   PetscCall(ParticlesClose(particles, &arrays));
-  PetscCall(PetscSegBufferDestroy(&selection.own));
-  if (shared) PetscCall(ParticlesMigrate(particles));
+  PetscCall(PetscFree(sample));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

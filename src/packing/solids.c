@@ -9,22 +9,32 @@ PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context)
   const PetscReal fine   = domain->graded ? 0.5 * (1 + DomainSizeMax(domain)) : 1; /* fine beside coarsest */
   const PetscReal depth  = ((const Dummies *)source)->layers * domain->spacing * fine;
   Lattice         box;
-  PetscInt        number = 0, solid = 0;
+  PetscInt        first, last, number, n, solid = 0;
+  PetscSegBuffer  found;
+  Sample         *samples;
 
   PetscFunctionBegin;
   if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   LatticeOfBox(domain, domain->spacing, &box);
-  for (PetscInt point = 0; point < LatticeCount(&box); point++) {
+  OwnShare(cloud->comm, LatticeCount(&box), &first, &last);
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &found));
+  for (PetscInt point = first; point < last; point++) {
     Sample    sample = {.layer = 1, .area = domain->graded ? 1 : box.pitch[0] * box.pitch[1] / domain->volume};
     PetscReal s;
 
     LatticePoint(&box, point, sample.x);
     s = SceneSolidDistance(cloud->scene, sample.x, &solid);
     if (s > 0 || s <= -depth) continue;
-    sample.id = sample.parent = number++;
-    sample.body               = BODY_SOLID - solid;
+    sample.body = BODY_SOLID - solid;
     BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), sample.x, sample.v);
-    PetscCall(visitor(context, &sample));
+    PetscCall(SampleKeep(found, &sample));
   }
+  PetscCall(SamplesTake(&found, &n, &samples));
+  PetscCall(OwnNumbers(cloud->comm, n, &number, &last));
+  for (PetscInt k = 0; k < n; k++) {
+    samples[k].id = samples[k].parent = number + k;
+    PetscCall(visitor(context, &samples[k]));
+  }
+  PetscCall(PetscFree(samples));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

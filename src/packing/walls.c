@@ -52,11 +52,12 @@ PetscErrorCode WallVisit(void *source, SampleVisitor visitor, void *context)
   const Cloud    cloud = ((const Dummies *)source)->cloud;
   Walls          walls;
   const Lattice *lattice = &walls.lattice;
-  PetscInt       number  = 0;
+  PetscInt       first, last;
 
   PetscFunctionBegin;
   WallsSetUp(cloud->domain, ((const Dummies *)source)->layers, &walls);
-  for (PetscInt point = 0; point < LatticeCount(lattice); point++) {
+  OwnShare(cloud->comm, LatticeCount(lattice), &first, &last);
+  for (PetscInt point = first; point < last; point++) {
     Sample   sample = {.body = -1, .area = lattice->pitch[0] * lattice->pitch[1] / cloud->domain->volume};
     PetscInt at[DIM], parent[DIM];
 
@@ -68,7 +69,7 @@ PetscErrorCode WallVisit(void *source, SampleVisitor visitor, void *context)
       parent[d]   = PetscMax(walls.low[d] - 1, PetscMin(walls.high[d], at[d]));
     }
     DomainWallVelocity(cloud->domain, sample.x, sample.v);
-    sample.id     = number++;
+    sample.id     = WallOrdinal(&walls, at);
     sample.parent = WallOrdinal(&walls, parent);
     PetscCall(visitor(context, &sample));
   }

@@ -75,8 +75,8 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
   PetscCall(ParticlesClose(s->particles, &arrays));
   if (layers) {
     dummies.cloud = s->cloud;
-    PetscCall(SamplesAppend(s->particles, s->domain, WallVisit, PETSC_FALSE, &dummies, n, &walls));
-    PetscCall(SamplesAppend(s->particles, s->domain, SolidVisit, PETSC_FALSE, &dummies, n + walls, &solids));
+    PetscCall(SamplesAppend(s->particles, s->domain, WallVisit, &dummies, n, &walls));
+    PetscCall(SamplesAppend(s->particles, s->domain, SolidVisit, &dummies, n + walls, &solids));
   }
   PetscCall(CloudResync(s->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -446,6 +446,12 @@ int main(int argc, char **argv)
                                     "symmetry -bodies film,drop -film_shape box "
                                     "-film_lower -1,-1,-1 -film_upper 1,1,-0.5 -drop_shape sphere -drop_radius 0.5 "
                                     "-drop_center 0,0,0.2"));
+  PetscCall(TestRanks("solids", FILM "-solids a,b -a_upper 0.4,0.5,0.7 -b_lower 0.5,0.1,0.2 -b_upper 0.9,0.7,1.8"));
+  PetscCall(TestRanks("rings", "-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 2,1 -box_ymin wall "
+                               "-bodies a,b -a_upper 2,-0.5 -b_shape sphere -b_radius 0.4"));
+  PetscCall(TestRanks("graded", "-dimension 2 -spacing 0.05 -spacing_coarse 0.1 -fine core -core_shape sphere "
+                                "-core_radius 0.4 -box_lower -1,-1 -box_upper 1,1 -box_x wall -box_ymin wall "
+                                "-bodies a -a_upper 1,0.5"));
   PetscCall(TestPoisson());
   PetscCall(TestKeysOfPoisson());
   PetscCall(TestKeys());
