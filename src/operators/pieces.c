@@ -1,6 +1,8 @@
 /* Connected pieces of liquid: chains of neighbours closer than a distance. */
 #include "operators.h"
 
+#define GROUP 8 /* pairs */
+
 /* The root of a's tree in a union-find forest; halves the paths on the way. */
 static PetscInt Find(PetscInt parent[], PetscInt a)
 {
@@ -11,27 +13,51 @@ static PetscInt Find(PetscInt parent[], PetscInt a)
   return a;
 }
 
-/* Each pair of owned particles is looked at once. The root of a piece is its first particle, and in the end the parent
-   of all of them. */
+typedef struct {
+  Cloud     cloud;
+  PetscReal distance; /* m */
+  PetscInt *parent;
+} Pieces;
+
+/* Whether the pair may join two pieces: its particles have different parents, and no other row has the pair. Without
+   branches, for the order of the particles is as good as random. */
+static inline PetscBool MayJoin(const Pieces *p, PetscInt a, PetscInt b)
+{
+  return (PetscBool)((p->parent[a] != p->parent[b]) & ((b < a) | (b >= p->cloud->n_fluid)));
+}
+
+/* Joins the pieces of fluid particle a and of b if b is fluid and near. The root of a piece is its first particle. */
+static void Join(const Pieces *p, PetscInt a, PetscInt b)
+{
+  const Cloud      cloud = p->cloud;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *y = cloud->field[FIELD_POSITION] + DIM * b,
+                  r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+  PetscInt of_a, of_b;
+
+  if (cloud->integer[INT_LAYER][b] || Dot(r, r) >= PetscSqr(CloudPairSize(cloud, a, b) * p->distance)) return;
+  of_a                            = Find(p->parent, a);
+  of_b                            = Find(p->parent, b);
+  p->parent[PetscMax(of_a, of_b)] = PetscMin(of_a, of_b);
+}
+
+/* The particle before a is often near it; then most of the other pairs have one parent, and whole groups are passed. In
+   the end all particles of a piece have its root as their parent. */
 void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
 {
-  const PetscReal *x     = cloud->field[FIELD_POSITION];
-  const PetscInt  *layer = cloud->integer[INT_LAYER];
+  const Pieces pieces = {.cloud = cloud, .distance = distance, .parent = parent};
 
   for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = a;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-      const PetscInt b = cloud->list[k];
-      PetscReal      r[DIM];
+    const PetscInt64 end = cloud->first[a + 1];
 
-      /* most pairs share a parent already; the order is as good as random, so it must not be a branch of its own */
-      if ((parent[a] == parent[b]) | ((b > a) & (b < cloud->n_fluid)) | (layer[b] != 0)) continue;
-      for (PetscInt d = 0; d < DIM; d++) r[d] = x[DIM * a + d] - x[DIM * b + d];
-      if (Dot(r, r) < PetscSqr(CloudPairSize(cloud, a, b) * distance)) {
-        const PetscInt p = Find(parent, a), q = Find(parent, b);
+    if (a > 0) Join(&pieces, a, a - 1);
+    for (PetscInt64 group = cloud->first[a]; group < end; group += GROUP) {
+      const PetscInt *b = cloud->list + group, n = (PetscInt)PetscMin(GROUP, end - group);
+      PetscBool       any = PETSC_FALSE;
 
-        if (p != q) parent[PetscMax(p, q)] = PetscMin(p, q);
-      }
+      for (PetscInt k = 0; k < n; k++) any |= MayJoin(&pieces, a, b[k]);
+      for (PetscInt k = 0; k < n && any; k++)
+        if (MayJoin(&pieces, a, b[k])) Join(&pieces, a, b[k]);
     }
   }
   for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = Find(parent, a);

@@ -6,7 +6,6 @@
 #include "tension_impl.h"
 
 #define CONNECTION 1.5 /* spacings: a wider gap separates pieces */
-#define KEPT       10  /* calls for which pieces are kept: a gap opens by less than 0.1 spacings in each */
 
 /* Quantities of a piece whose smallest value is sought. */
 enum { LEAST_R, LEAST_MINUS_R, LEAST_Z, LEAST_MINUS_Z, LEAST_FREE, LEAST_COUNT = 6 }; /* ghosts know 1, 3 or 6 */
@@ -30,10 +29,6 @@ PetscErrorCode LooseFind(Tension tension, Cloud cloud)
   PetscInt  *parent;
 
   PetscFunctionBegin;
-  if (tension->loose && tension->loose_layout == cloud->layout && ++tension->loose_age < KEPT)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  tension->loose_age    = 0;
-  tension->loose_layout = cloud->layout;
   PetscCall(PetscMalloc2(LEAST_COUNT * cloud->n_total, &least, cloud->n_total, &parent));
   PetscCall(PetscRealloc((size_t)cloud->n_owned * sizeof(*tension->loose), &tension->loose));
   PetscCall(PetscArrayzero(least, LEAST_COUNT * cloud->n_total));

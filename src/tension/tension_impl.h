@@ -110,14 +110,13 @@ struct _p_Tension {
   CellMask  near;              /* cahn_hilliard: where the model is evaluated */
   PetscBool summed;            /* cahn_hilliard: summed density, not rest density */
 
-  PetscBool    sheets;                  /* curvature: sheet.c is used */
-  PetscReal    slender;                 /* for rings: see loose.c */
-  PetscBool   *loose;                   /* [n_owned] rings in flight that count as rows of drops; NULL without rings */
-  PetscInt     loose_layout, loose_age; /* of 'loose': the cloud's layout, calls since it was found */
-  PetscReal    sharpening;              /* of the curvature */
-  FaceType     face[DIM][2];            /* of the box */
-  ContactAngle contact[DIM][2];         /* of its walls */
-  PetscBool    interface;               /* the scene has two immiscible liquids */
+  PetscBool    sheets;          /* curvature: sheet.c is used */
+  PetscReal    slender;         /* for rings: see loose.c */
+  PetscBool   *loose;           /* [n_owned] rings in flight that count as rows of drops; NULL without rings */
+  PetscReal    sharpening;      /* of the curvature */
+  FaceType     face[DIM][2];    /* of the box */
+  ContactAngle contact[DIM][2]; /* of its walls */
+  PetscBool    interface;       /* the scene has two immiscible liquids */
   /* curvature with two liquids, see interface.c: bits of the liquids whose surface is evaluated, 0 if liquids mix;
      their part of the tension, N/m; [n_total] bits of the particles */
   PetscInt       phase;
@@ -251,8 +250,7 @@ void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscR
    ([n_owned]): SheetShare. Both become zero in threads. Collective. */
 PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[]);
 
-/* LooseFind - sets tension->loose from the rings' positions and neighbours, in every tenth call and in each new layout
-   of the cloud. Collective. LooseHas - whether ring a is
+/* LooseFind - sets tension->loose from the rings' positions and neighbours. Collective. LooseHas - whether ring a is
    loose; false for other particles. Not collective. */
 PetscErrorCode          LooseFind(Tension tension, Cloud cloud);
 static inline PetscBool LooseHas(Tension tension, PetscInt a)
