@@ -5,7 +5,6 @@
 #include "base.h"
 #include <malloc.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -33,32 +32,35 @@ static void Advise(char *from, const char *to)
   if (to > from + skip) (void)madvise(from + skip, (size_t)(to - from) - skip, MADV_HUGEPAGE);
 }
 
-/* PETSc's allocators. Each asks for large pages for what malloc has got from the kernel: more heap, or a map of its own
-   for the array. */
-static PetscErrorCode Reallocate(size_t bytes, int line, const char function[], const char file[], void **array)
+/* Asks for large pages for what malloc has got from the kernel: more heap, or a map of its own for the array. */
+static PetscErrorCode Check(void *array, size_t bytes, int line, const char function[], const char file[])
 {
-  void *larger = bytes ? realloc(*array, bytes) : NULL;
-  char *end    = (char *)sbrk(0);
+  char *end = (char *)sbrk(0);
 
-  if (bytes && !larger)
+  if (bytes && !array)
     return PetscError(PETSC_COMM_SELF, line, function, file, PETSC_ERR_MEM, PETSC_ERROR_INITIAL,
                       "there is no memory for an array of %.0f bytes", (double)bytes);
-  if (!bytes) free(*array);
   if (end > HeapEnd) Advise(HeapEnd, end);
   HeapEnd = end;
-  if (bytes >= LARGE_ARRAY) Advise((char *)larger, (char *)larger + bytes);
-  *array = larger;
+  if (bytes >= LARGE_ARRAY) Advise((char *)array, (char *)array + bytes);
   return PETSC_SUCCESS;
 }
 
+/* PETSc's allocators. A new map is zero, so calloc does not touch it. */
 static PetscErrorCode Allocate(size_t bytes, PetscBool clear, int line, const char function[], const char file[],
                                void **array)
 {
-  PetscErrorCode code;
+  *array = !bytes ? NULL : clear ? calloc(1, bytes) : malloc(bytes);
+  return Check(*array, bytes, line, function, file);
+}
 
-  *array = NULL;
-  code   = Reallocate(bytes, line, function, file, array);
-  if (!code && clear && bytes) (void)memset(*array, 0, bytes);
+static PetscErrorCode Reallocate(size_t bytes, int line, const char function[], const char file[], void **array)
+{
+  void          *larger = bytes ? realloc(*array, bytes) : NULL;
+  PetscErrorCode code   = Check(larger, bytes, line, function, file);
+
+  if (!bytes) free(*array);
+  if (!code) *array = larger;
   return code;
 }
 
