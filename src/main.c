@@ -10,7 +10,6 @@ static PetscErrorCode Run(void)
   PetscBool stop;
 
   PetscFunctionBegin;
-  PetscCall(MemoryUseLargePages());
   PetscCall(LogRegister());
   PetscCall(SimCreate(PETSC_COMM_WORLD, &sim));
   PetscCall(SimSetFromOptions(sim, &stop));

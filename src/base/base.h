@@ -165,13 +165,8 @@ PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first,
    InterruptBlock - blocks these signals until InterruptWatch records them again: PetscInitialize sets handlers of its
    own in between. Not collective. */
 void ProgramStart(void);
-/* MemoryStart - lets freed arrays of many megabytes leave the process; ProgramStart calls it. MemoryUseLargePages -
-   asks the kernel for pages of 2 MB from now on, unless PETSc watches the memory (-malloc_debug and such); after
-   PetscInitialize. Not collective. */
-void           MemoryStart(void);
-PetscErrorCode MemoryUseLargePages(void);
-void           InterruptBlock(void);
-void           InterruptWatch(void);
+void InterruptBlock(void);
+void InterruptWatch(void);
 /* ProgramSeconds - wall-clock time since ProgramStart (s). Not collective. */
 double ProgramSeconds(void);
 /* InterruptLimit - sets the wall-clock limit of the run (s); 0: none. InterruptCheck - *reason: why the run should end

@@ -4,6 +4,7 @@
 #include "base.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,6 +23,7 @@ static const struct {
 #define SLOW             500000 /* us after a signal: without a check, it is confirmed; mpiexec kills after 1 s */
 #define LEAST_HALF       1e-3   /* s: bounds of half the time of silence */
 #define MOST_HALF        1e9
+#define LARGE_ARRAY      (1 << 23) /* bytes; the step's work arrays of small scenes stay on the heap, which is faster */
 #define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */
 
 static volatile sig_atomic_t Signalled = 0; /* 1 + index in Watched of the first signal; 0: none */
@@ -130,10 +132,20 @@ static void ShareProcessors(void)
   if (ranks && atol(ranks) > sysconf(_SC_NPROCESSORS_ONLN)) (void)setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
 }
 
+/* SuperLU_DIST, which PETSc loads, has told malloc to keep all on one heap that never shrinks, where an array that
+   grows leaves a hole of its former size. */
+static void GiveBackMemory(void)
+{
+#if defined(M_MMAP_MAX)
+  (void)mallopt(M_MMAP_MAX, 1 << 16);
+  (void)mallopt(M_MMAP_THRESHOLD, LARGE_ARRAY);
+#endif
+}
+
 void ProgramStart(void)
 {
   (void)clock_gettime(CLOCK_MONOTONIC, &Start);
-  MemoryStart();
+  GiveBackMemory();
   ShareProcessors();
   KilledSoon = (PetscBool)(getenv("OMPI_COMM_WORLD_SIZE") && !getenv(MPIEXEC_PATIENCE));
   /* A file of the run must not get the descriptor of a closed standard stream. */

@@ -1,7 +1,7 @@
 /* Parts of the search: units of positions, lines of cells, room for the list; the kernel of a row. */
 #include "search.h"
 
-#define ROW_GUESS 88 /* neighbours of a particle, more than most have: an array that grows moves, off its large pages */
+#define ROW_GUESS 72 /* neighbours of a particle: first guess of the size of the list */
 #define BOX_BITS  30
 #define OUTSIDE   1.5 /* the integers cover so many box lengths from the middle of the box, plus */
 #define REACHES   4   /* so many times the largest support */

@@ -151,8 +151,8 @@ static void TestSizes(void)
   PetscInt         few[] = {0, 700000000, 700000000, 600000000};
   PetscBool        room;
 
-  CHECK(CloudListRoom(0, 30000000, 1000) == 88 * (PetscInt64)30000000 + 1000, "list_at_first");
-  CHECK(CloudListRoom(used, 1000000, 1000) == used + used / 8 + 88000000 + 1000, "list_later");
+  CHECK(CloudListRoom(0, 30000000, 1000) == 72 * (PetscInt64)30000000 + 1000, "list_at_first");
+  CHECK(CloudListRoom(used, 1000000, 1000) == used + used / 8 + 72000000 + 1000, "list_later");
   CHECK(CloudListRoom(used, 1, 400000000) == used + 800000000, "list_of_clumps");
   MatrixStarts(3, few, &room);
   CHECK(room && few[1] == 700000000 && few[2] == 1400000000 && few[3] == 2000000000, "matrix_that_fits");

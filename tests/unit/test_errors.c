@@ -84,33 +84,6 @@ static PetscErrorCode TestInterrupts(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Arrays from both places, the heap and maps of their own, keep their values as they grow, and cleared ones are zero
-   where there was something before. */
-static PetscErrorCode TestMemory(void)
-{
-  const PetscInt sizes[]  = {1000, 4000000};
-  PetscInt      *array[2] = {NULL, NULL}, *zero, wrong = 0;
-
-  PetscFunctionBegin;
-  PetscCall(MemoryUseLargePages());
-  for (PetscInt k = 0; k < 4; k++) {
-    const PetscInt n = sizes[k % 2] * (1 + k / 2), half = sizes[k % 2];
-
-    PetscCall(PetscRealloc((size_t)n * sizeof(*zero), &array[k % 2]));
-    for (PetscInt a = 0; a < half && k > 1; a++) wrong += array[k % 2][a] != a;
-    for (PetscInt a = 0; a < n; a++) array[k % 2][a] = a;
-  }
-  CHECK(wrong == 0, "arrays that grow keep their values");
-  for (PetscInt k = 0; k < 2; k++) {
-    PetscCall(PetscFree(array[k]));
-    PetscCall(PetscCalloc1(sizes[k], &zero));
-    for (PetscInt a = 0; a < sizes[k]; a++) wrong += zero[a] != 0;
-    PetscCall(PetscFree(zero));
-  }
-  CHECK(wrong == 0, "cleared arrays are zero");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 int main(int argc, char **argv)
 {
   PetscErrorCode  code  = PETSC_SUCCESS;
@@ -126,7 +99,6 @@ int main(int argc, char **argv)
     (void)ErrorFinish(code);
   } else {
     PetscCall(TestDuration());
-    PetscCall(TestMemory());
     PetscCall(TestInterrupts());
     PetscCall(TestPrinter());
     RefuseBegin();
