@@ -46,6 +46,8 @@ typedef enum {
 #define BODY_WALL  (-1)
 #define BODY_SOLID (-2) /* the first of -solids; -3: the second, and so on */
 
+/* A step writes POSITION_NEW and VELOCITY_NEW when it no longer reads ACCELERATION and CAPILLARY_SLOPE: they have one
+   memory each (cloud.c). */
 #define WORK_REALS(X)                                                                                                  \
   X(POSITION_NEW, "position_new", 3, PARITY_POINT, "m", "position at the end of the step")                             \
   X(VELOCITY_STAR, "velocity_star", 3, PARITY_VECTOR, "m/s", "velocity after all forces except pressure")              \

@@ -10,8 +10,7 @@
 #define PAIRING_LOADED 0.5 /* if a body force makes the pressure */
 
 /* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of SIMD_WIDTH, as the row's factors are. */
-static inline void SumAlong(PetscBool flat, Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[],
-                            PetscReal out[DIM])
+static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
 {
   const PetscReal *x    = cloud->field[FIELD_POSITION];
   const Simd3      p    = Simd3Set(x + DIM * a);
@@ -21,7 +20,7 @@ static inline void SumAlong(PetscBool flat, Cloud cloud, PetscInt a, const PairR
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const SimdOffsets at = SimdLocate(row->index + k);
 
-    Simd3Add(flat, &sum, SimdLoad(c + k), Simd3Difference(flat, Simd3Collect(flat, x, &at), p));
+    Simd3Add(PETSC_FALSE, &sum, SimdLoad(c + k), Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), p));
   }
   Vec4Store(Simd3Sum(sum, zero), out);
 }
@@ -64,7 +63,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
 
     c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
   }
-  SumAlong(PETSC_FALSE, cloud, a, row, c, out);
+  SumAlong(cloud, a, row, c, out);
   if (cloud->liquid && cloud->at_interface[a]) AddLiquid(pressure, a, row, scale, out);
   if (Dot(slope, slope) > 0) {
     PetscReal M[6], part[DIM];
@@ -100,8 +99,7 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
 }
 
 /* -B_a sum V (p_b - p_a) grad W of one row. */
-static inline void CorrectedRow(PetscBool flat, Cloud cloud, PetscInt a, const PairRow *restrict row, PetscReal scale,
-                                PetscReal out[DIM])
+static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, PetscReal scale, PetscReal out[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
   const Simd3      place = Simd3Set(x + DIM * a);
@@ -111,9 +109,9 @@ static inline void CorrectedRow(PetscBool flat, Cloud cloud, PetscInt a, const P
 
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const SimdOffsets at = SimdLocate(row->index + k);
-    const Simd3       d  = Simd3Difference(flat, Simd3Collect(flat, x, &at), place);
+    const Simd3       d  = Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), place);
 
-    Simd3Add(flat, &sum, (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k), d);
+    Simd3Add(PETSC_FALSE, &sum, (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k), d);
   }
   g = scale * Simd3Sum(sum, zero);
   if (cloud->liquid && cloud->at_interface[a]) {
@@ -158,10 +156,7 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
       const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
       PetscReal        g[DIM], background, against;
 
-      if (cloud->domain->dim == 2)
-        CorrectedRow(PETSC_TRUE, cloud, a, &row, scale, out);
-      else
-        CorrectedRow(PETSC_FALSE, cloud, a, &row, scale, out);
+      CorrectedRow(cloud, a, &row, scale, out);
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
       background = cloud->size[a] * factor * Norm(out);
       against    = PetscMax(PAIRING_MOVING * background,

@@ -89,7 +89,8 @@ static PetscErrorCode SetWeights(Pressure pressure)
     PetscCall(PetscMalloc1(pressure->sum_capacity, &pressure->weight_sum));
   }
   PetscCall(CloudGetWork(cloud, 1, &radius));
-  for (PetscInt a = 0; a < cloud->n_total; a++) radius[a] = cloud->field[FIELD_POSITION][DIM * a];
+  for (PetscInt a = 0; a < cloud->n_total && cloud->domain->rings; a++)
+    radius[a] = cloud->field[FIELD_POSITION][DIM * a];
   for (PetscInt a = 0; a < cloud->n_owned; a++)
     pressure->weight_sum[a] = RowWeights(pressure, one, cloud->domain->rings ? radius : NULL, a);
   PetscCall(CloudRestoreWork(cloud, &radius));

@@ -223,7 +223,7 @@ typedef struct {
 
 static PetscInt ChunksBefore(const Chunks *chunks, PetscInt row)
 {
-  return (row + chunks->rows - 1) / chunks->rows;
+  return row / chunks->rows + (row % chunks->rows > 0); /* no sum beyond the last integer */
 }
 
 static PetscErrorCode ChunksCreate(H5File *h5, const Rows *rows, PetscInt count, size_t size, MPI_Datatype row,
@@ -242,10 +242,11 @@ static PetscErrorCode ChunksCreate(H5File *h5, const Rows *rows, PetscInt count,
   PetscCallMPI(MPI_Allgather(&rows->start, 1, MPIU_INT, start, 1, MPIU_INT, h5->comm));
   chunks->first = ChunksBefore(chunks, start[me]);
   chunks->last  = ChunksBefore(chunks, start[me + 1]);
-  lead          = PetscMin(rows->n, chunks->first * count - start[me]);
+  lead          = (PetscInt)PetscMin(rows->n, (PetscInt64)chunks->first * count - start[me]);
   while (lead && start[owner] > (chunks->first - 1) * count) owner--;
   if (lead) PetscCallMPI(MPI_Isend(values, (PetscMPIInt)lead, row, owner, ROWS_TAG, h5->comm, &request));
-  end       = chunks->last > chunks->first ? PetscMin(chunks->last * count, rows->total) : start[me + 1];
+  end =
+    chunks->last > chunks->first ? (PetscInt)PetscMin((PetscInt64)chunks->last * count, rows->total) : start[me + 1];
   chunks->n = end - start[me + 1];
   PetscCall(PetscMalloc1(size * (size_t)chunks->n, &chunks->behind));
   for (PetscMPIInt r = me + 1; r < h5->size && start[r] < end; r++)
