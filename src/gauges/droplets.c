@@ -7,6 +7,7 @@
 #define DROPLET_COLUMNS 4    /* of the series */
 #define SAME_VOLUME     0.25 /* change of a droplet's volume between two times */
 #define SAME_PLACE      3.0  /* spacings: change of its way */
+#define ALIKE           1e-9 /* relative difference of equal volumes: sums over another number of ranks round otherwise */
 #define ROW_COLUMNS     9    /* of droplets.csv: particles, volume, centre, velocity, number */
 
 /* A connected piece of liquid. All members are reals, so that MPI sends it as reals. */
@@ -29,13 +30,13 @@ static int CompareLabels(const void *a, const void *b)
 
 static int CompareSizes(const void *a, const void *b)
 {
-  const PetscReal x = ((const Piece *)a)->particles, y = ((const Piece *)b)->particles;
+  const PetscReal x = ((const Piece *)a)->volume, y = ((const Piece *)b)->volume;
 
-  return x != y ? (x < y) - (x > y) : CompareLabels(a, b);
+  return PetscAbsReal(x - y) > ALIKE * (x + y) ? (x < y) - (x > y) : CompareLabels(a, b);
 }
 
 /* Sorts the pieces by label and adds up those of one label; returns the number of labels. Centres and velocities are
-   sums here. */
+   sums weighted by volume here. */
 static PetscInt Merge(PetscInt n, Piece piece[])
 {
   PetscInt count = 0;
@@ -61,21 +62,22 @@ static PetscInt Merge(PetscInt n, Piece piece[])
 
 static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal touch)
 {
-  const Domain domain = cloud->domain;
-  Piece        piece  = {.label = label, .particles = 1, .volume = cloud->volume[a]};
+  const Domain    domain = cloud->domain;
+  const PetscReal volume = cloud->volume[a];
+  Piece           piece  = {.label = label, .particles = 1, .volume = volume};
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal x = cloud->field[FIELD_POSITION][DIM * a + d];
 
-    piece.center[d]   = x;
-    piece.velocity[d] = cloud->field[FIELD_VELOCITY][DIM * a + d];
+    piece.center[d]   = volume * x;
+    piece.velocity[d] = volume * cloud->field[FIELD_VELOCITY][DIM * a + d];
     if (domain->face[d][0] == FACE_SYMMETRY && x - domain->lower[d] < touch) piece.mirror[d] = -1;
     if (domain->face[d][1] == FACE_SYMMETRY && domain->upper[d] - x < touch) piece.mirror[d] = 1;
   }
   return piece;
 }
 
-/* Divides the sums by the number of particles. A piece that touches a mirror is connected with its image: the whole
+/* Divides the sums by the volume. A piece that touches a mirror is connected with its image: the whole
    piece has twice the particles, its centre is on the mirror, and half as many copies are in the whole scene. Without
    -gauge_multiplicity the image does not count. */
 static void FinishPiece(Gauges gauges, Piece *piece)
@@ -83,8 +85,8 @@ static void FinishPiece(Gauges gauges, Piece *piece)
   const Domain domain = gauges->cloud->domain;
 
   for (PetscInt d = 0; d < DIM; d++) {
-    piece->center[d] /= piece->particles;
-    piece->velocity[d] /= piece->particles;
+    piece->center[d] /= piece->volume;
+    piece->velocity[d] /= piece->volume;
   }
   piece->number = gauges->multiplicity;
   for (PetscInt d = 0; d < domain->dim; d++) {

@@ -5,8 +5,8 @@
 
    with X its position at the time 0, where the solid has the position of its shape, c the centre of rotation, and R(t)
    the rotation by the angle |rate| t about the direction of the rate, or by that of the table about its axis. The table
-   is a file of lines t, x, y (and z), and perhaps an angle. A cubic curve connects its points, with velocity zero at
-   the first and the last point; before and after them the displacement is constant. */
+   is a file of lines t, x, y (and z), and perhaps an angle. A cubic curve connects its points, monotone between two
+   of them, with velocity zero at the first and the last point; before and after them the displacement is constant. */
 #include "scene_impl.h"
 #include <ctype.h>
 #include <stddef.h>
@@ -21,6 +21,7 @@
 #define MOVES         (DIM + 1)            /* of a table's row, after its time: displacement and angle */
 #define TABLE_ROW     (1 + MOVES)
 #define TABLE_SAMPLES 16 /* between two rows of a table, for its largest speed */
+#define STEEPEST      3  /* slope at a row over those beside it, at most: then a cubic curve does not overshoot */
 
 struct _p_Motion {
   PetscReal     velocity[DIM];            /* m/s */
@@ -36,15 +37,24 @@ struct _p_Motion {
   PetscReal    *table;                      /* [rows][TABLE_ROW]: time (s), displacement (m), angle (rad) */
 };
 
-/* Displacement (m) and angle (rad) at a row of the table, and their rates (m/s, rad/s). The velocity is the difference
-   of the rows after and before over that of their times, and 0 at the first and the last row. */
+/* Displacement (m) and angle (rad) at a row of the table, and their rates (m/s, rad/s). The rate is the difference of
+   the rows after and before over that of their times, and 0 at the first and the last row. So that the solid stays
+   between two rows, it is 0 where the table stops or turns, else bounded as Fritsch and Carlson say (Monotone piecewise
+   cubic interpolation, SIAM J. Numer. Anal. 17, 238, 1980). */
 static void Row(const struct _p_Motion *m, PetscInt k, PetscReal move[MOVES], PetscReal rate[MOVES])
 {
   const PetscReal *row = m->table + TABLE_ROW * k, *before = row - TABLE_ROW, *after = row + TABLE_ROW;
 
   for (PetscInt d = 0; d < MOVES; d++) {
     move[d] = row[1 + d];
-    rate[d] = k == 0 || k == m->rows - 1 ? 0 : (after[1 + d] - before[1 + d]) / (after[0] - before[0]);
+    rate[d] = 0;
+    if (k > 0 && k < m->rows - 1) {
+      const PetscReal in  = (row[1 + d] - before[1 + d]) / (row[0] - before[0]),
+                      out = (after[1 + d] - row[1 + d]) / (after[0] - row[0]), sign = in > 0 ? 1 : -1,
+                      mean = (after[1 + d] - before[1 + d]) / (after[0] - before[0]);
+
+      if (in * out > 0) rate[d] = sign * PetscMin(sign * mean, STEEPEST * PetscMin(sign * in, sign * out));
+    }
   }
 }
 

@@ -63,6 +63,29 @@ static PetscErrorCode TestTable(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where a table stands still the solid does, and it is nowhere beyond the rows beside it. */
+static PetscErrorCode TestStop(void)
+{
+  PetscReal beyond = 0, moved = 0;
+  Domain    domain;
+  Scene     scene;
+
+  PetscFunctionBegin;
+  PetscCall(WriteTable("0,0,0\n0.2,0.4,0\n0.4,0.4,0\n0.6,0.4,0\n0.65,0.5,0\n1,0.1,0\n"));
+  PetscCall(Read(MOVING, &domain, &scene));
+  for (PetscInt k = 0; k <= 100; k++) {
+    PetscReal x[DIM] = {0.1, 0, 0};
+
+    BodyMove(SceneSolid(scene, 0), 0, 0.01 * k, x);
+    beyond = PetscMax(beyond, x[0] - (k <= 60 ? 0.5 : 0.6));
+    if (k >= 20 && k <= 60) moved = PetscMax(moved, PetscAbsReal(x[0] - 0.5));
+  }
+  CHECK_CLOSE(moved, 0, 1e-12, "a_table_that_stands_still");
+  CHECK_CLOSE(PetscMax(beyond, 0), 0, 1e-12, "a_table_that_turns");
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A solid whose table has angles turns as one with a rate, where the rows are on a line: places, velocities. */
 static PetscErrorCode TestAngles(void)
 {
@@ -189,6 +212,7 @@ static PetscErrorCode TestMotion(void)
   CHECK_CLOSE(error, 0, 1e-7, "motion_back");
   PetscCall(Free(&domain, &scene));
   PetscCall(TestTable());
+  PetscCall(TestStop());
   PetscCall(TestTableText());
   PetscCall(TestAngles());
   PetscCall(Refused(CUBE BALL "-solids s -s_upper -0.9,1,1 -s_velocity 0,0,1e300", "m/s are allowed", "refuse_speed"));
