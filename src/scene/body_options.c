@@ -215,6 +215,7 @@ PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
   PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
   PetscOptionsEnd();
   PetscCall(ReadHoles(body, choices, holes, count)); /* the mass of a free body needs them */
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Motion and contact of solid %s", body->name)); /* PETSc helps once */
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscCall(MotionSetUp(body));

@@ -1,0 +1,76 @@
+#!/usr/bin/python3
+"""The run of a scene and the run of what -dump_options writes of it are the same to the bit, for every file of options
+in cases/ and options/, with a coarse spacing and one step."""
+import glob
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+FACTORS = 4, 2, 1  # on the spacing; the first that the scene bears
+SHORT = ["-steps_max", "1", "-series_interval", "0", "-progress_interval", "0"]
+
+
+def scene(path):
+    """The arguments that give a file's scene: alone, or behind a case that has what it lacks."""
+    folder = os.path.dirname(path)
+    cases = None, f"{folder}/case.opts", f"{folder}/axisymmetric.opts", "cases/drop_impact/case.opts"
+    for case in cases:
+        arguments = [word for file in (case, path) if file for word in ("-options_file", file)]
+        dump = runs.scratch(path.replace("/", "-") + ".dump")
+        if not runs.start([*arguments, "-dump_options", dump]).returncode:
+            return arguments, dump
+    return None, None
+
+
+def spacing(dump):
+    with open(dump, encoding="utf-8") as file:
+        return next(float(line.split()[1]) for line in file if line.startswith("-spacing "))
+
+
+def coarsened(path):
+    """The arguments of the scene with the coarsest spacing that it bears, and the folder of its run."""
+    arguments, dump = scene(path)
+    for factor in FACTORS if arguments else ():
+        folder = runs.scratch(f"{path.replace('/', '-')}-{factor}")
+        more = [*SHORT, "-spacing", f"{factor * spacing(dump):.17g}"]
+        if not runs.start([*arguments, *more, "-output_dir", folder]).returncode:
+            return [*arguments, *more], folder
+    return None, None
+
+
+def differences(one, other):
+    """What differs between the folders of two runs."""
+    a, b = runs.series(one), runs.series(other)
+    found = ["columns of the series"] if a.dtype != b.dtype else []
+    found += [name for name in a.dtype.names if not found and name != "wall_time"
+              and a[name].tobytes() != b[name].tobytes()]
+    pairs = [(runs.numbered(one, kind)[-1], runs.numbered(other, kind)[-1]) for kind in ("checkpoint", "snapshot")]
+    for a, b in pairs:
+        found += [f"{os.path.basename(a)}:{name}" for name, value in runs.fields(a).items()
+                  if not np.array_equal(value, runs.fields(b).get(name), equal_nan=value.dtype.kind == "f")]
+    return found
+
+
+def judge(path):
+    arguments, folder = coarsened(path)
+    if not arguments:
+        return path, "the scene does not run"
+    dump, again = folder + ".opts", folder + "-dump"
+    done = runs.start([*arguments, "-dump_options", dump])
+    if not done.returncode:
+        done = runs.start(["-options_file", dump, "-output_dir", again])
+    return path, ", ".join(differences(folder, again)) if not done.returncode else done.stderr.strip()
+
+
+os.chdir(runs.ROOT)
+files = sorted(glob.glob("cases/*/*.opts") + glob.glob("options/*.opts"))
+runs.check(len(files) > 80, "files", f"only {len(files)}")
+with ThreadPoolExecutor(2) as pool:
+    for name, fault in pool.map(judge, files):
+        runs.check(not fault, name, fault)
+runs.done()
