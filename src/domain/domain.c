@@ -431,3 +431,12 @@ PetscBool DomainOutside(Domain domain, const PetscReal x[DIM])
   }
   return PETSC_FALSE;
 }
+
+const char *DomainUnit(Domain domain, const char unit[])
+{
+  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}, {"m2", "m"}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2 && !domain->rings; k++)
+    if (!strcmp(unit, flat[k][0])) return flat[k][1];
+  return unit;
+}

@@ -90,6 +90,10 @@ typedef enum { VECTOR_POINT, VECTOR_DIRECTION } VectorKind;
 PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
                                    const char help[], const char manual[], PetscReal value[DIM], PetscBool *set);
 
+/* DomainUnit - the unit, in the dimensions of the scene, of an extensive quantity whose unit in space is J, N, m3 or
+   m2: J/m, N/m, m2 or m in two dimensions, per metre across the plane; rings are whole. Not collective. */
+const char *DomainUnit(Domain domain, const char unit[]);
+
 /* DomainReadOptions - reads the options of a table into a struct inside an options block; function: the one that -help
    names. Refuses (UserError) what OptionReadRow and DomainOptionsVector do, and directions that are none. Collective.
  */

@@ -5,7 +5,7 @@
    three in three. */
 typedef enum { COLUMN_CENTER, COLUMN_VELOCITY, COLUMN_TURN, COLUMN_RATE, COLUMN_KINDS } Kind;
 
-static const char *const KindNames[] = {"", "velocity_", "turn_", "rate_"};
+static const char *const KindNames[] = {"", "_velocity", "_turn", "_rate"};
 static const char *const KindUnits[] = {"m", "m/s", "rad", "rad/s"};
 
 /* Returns the number of components of a kind of column; 'first' is the first component. */
@@ -29,36 +29,27 @@ static PetscInt FreeBody(Scene scene, PetscInt k)
   return -1;
 }
 
-static PetscInt ColumnsEach(Domain domain)
+static PetscErrorCode Columns_Bodies(Gauges gauges, const void *data, ColumnList *list)
 {
-  PetscInt count = 0, first;
-
-  for (PetscInt kind = 0; kind < COLUMN_KINDS; kind++) count += Directions(domain, (Kind)kind, &first);
-  return count;
-}
-
-static PetscInt Columns_Bodies(Gauges gauges)
-{
-  PetscInt bodies = 0;
-
-  while (FreeBody(gauges->cloud->scene, bodies) >= 0) bodies++;
-  return bodies * ColumnsEach(gauges->cloud->domain);
-}
-
-static PetscErrorCode Name_Bodies(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  const Domain   domain = gauges->cloud->domain;
-  const PetscInt each = ColumnsEach(domain), body = FreeBody(gauges->cloud->scene, column / each);
-  PetscInt       index = column % each, kind = 0, first;
+  const Scene scene = gauges->cloud->scene;
 
   PetscFunctionBegin;
-  while (index >= Directions(domain, (Kind)kind, &first)) index -= Directions(domain, (Kind)kind++, &first);
-  PetscCall(PetscSNPrintf(name, length, "%s_%s%c_%s", BodyName(SceneSolid(gauges->cloud->scene, body)), KindNames[kind],
-                          AxisName(first + index), KindUnits[kind]));
+  for (PetscInt k = 0, b; (b = FreeBody(scene, k)) >= 0; k++)
+    for (PetscInt kind = 0; kind < COLUMN_KINDS; kind++) {
+      const Column row = {.unit   = KindUnits[kind],
+                          .counts = COUNTS_VALUE,
+                          .of     = OF_RECEIVER,
+                          .index  = GaugeWallFace(gauges->cloud->domain, -1, NULL, NULL) + b};
+      char         name[COLUMN_NAME_LENGTH];
+      PetscInt     first = 0, count = Directions(gauges->cloud->domain, (Kind)kind, &first);
+
+      PetscCall(PetscSNPrintf(name, sizeof(name), "%s%s", BodyName(SceneSolid(scene, b)), KindNames[kind]));
+      PetscCall(ColumnAddVector(list, row, first, first + count - 1, name));
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Measure_Bodies(Gauges gauges, PetscReal values[])
+static PetscErrorCode Measure_Bodies(Gauges gauges, const void *data, PetscReal values[])
 {
   const Domain domain = gauges->cloud->domain;
 
@@ -81,4 +72,4 @@ static PetscErrorCode Measure_Bodies(Gauges gauges, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeBodies = {.columns = Columns_Bodies, .name = Name_Bodies, .measure = Measure_Bodies};
+const GaugeKind GaugeBodies = {.columns = Columns_Bodies, .measure = Measure_Bodies};

@@ -22,14 +22,23 @@
 #define RINGS_MOST ((PetscInt)1 << 21) /* bounds the memory */
 #define SKIRT      2.0                 /* jet radii: the level is measured farther from the axis than this */
 
+/* The columns. Heights count from the level, along the last direction of the scene; NAN: nothing to measure. */
+typedef enum {
+  CROWN,    /* highest liquid connected with the pool, outside the jet radius */
+  DEPTH,    /* lowest free surface below the open sky, inside the crater radius; positive downwards */
+  DIAMETER, /* twice the mean radius at which the crater's wall crosses the level; 0: no crater */
+  JET,      /* highest liquid connected with the pool, inside the jet radius; negative in a crater */
+  QUANTITIES
+} Quantity;
+
 /* Horizontal vector r (m) from the axis to the nearest periodic image of the point x. */
-static inline void FromAxis(Gauges gauges, const PetscReal x[], PetscReal r[2])
+static inline void FromAxis(Gauges gauges, const Crater *crater, const PetscReal x[], PetscReal r[2])
 {
   const Domain domain = gauges->cloud->domain;
 
   r[0] = r[1] = 0;
   for (PetscInt d = 0; d < domain->dim - 1; d++) {
-    r[d] = x[d] - gauges->crater.axis[d];
+    r[d] = x[d] - crater->axis[d];
     if (domain->face[d][0] == FACE_PERIODIC) {
       const PetscReal length = domain->upper[d] - domain->lower[d];
 
@@ -48,8 +57,8 @@ typedef struct {
 } PoolParticle;
 
 /* The pool's n particles on this rank; free the array. */
-static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, const CraterGrid *grid, PetscInt *n,
-                               PoolParticle **pool)
+static PetscErrorCode ListPool(Gauges gauges, const Crater *crater, const ParticleArrays *arrays,
+                               const CraterGrid *grid, PetscInt *n, PoolParticle **pool)
 {
   const Domain   domain = gauges->cloud->domain;
   const PetscInt up     = domain->dim - 1;
@@ -65,7 +74,7 @@ static PetscErrorCode ListPool(Gauges gauges, const ParticleArrays *arrays, cons
     if (arrays->integer[INT_LAYER][a]) continue;
     c = CraterGridCell(grid, x, index);
     if (c < 0 || !(grid->cell[c] & CELL_POOL)) continue;
-    FromAxis(gauges, x, r);
+    FromAxis(gauges, crater, x, r);
     (void)CraterGridReach(grid, x, size, domain->spacing, first, last);
     (*pool)[(*n)++] = (PoolParticle){.radius = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]),
                                      .height = x[up] + 0.5 * (size - 1) * domain->spacing,
@@ -93,7 +102,8 @@ typedef struct {
   PetscBool *inside; /* the crater radius */
 } SkyMap;
 
-static PetscErrorCode SkyMapCreate(Gauges gauges, CraterGrid *grid, PetscInt n, const PoolParticle pool[], SkyMap *map)
+static PetscErrorCode SkyMapCreate(Gauges gauges, const Crater *crater, CraterGrid *grid, PetscInt n,
+                                   const PoolParticle pool[], SkyMap *map)
 {
   const PetscInt dim = gauges->cloud->domain->dim;
   PetscInt      *lowest;
@@ -106,11 +116,11 @@ static PetscErrorCode SkyMapCreate(Gauges gauges, CraterGrid *grid, PetscInt n, 
     PetscReal      x[DIM] = {0, 0, 0}, r[2];
 
     ColumnCentre(grid, c, x);
-    FromAxis(gauges, x, r);
+    FromAxis(gauges, crater, x, r);
     map->radius[c] = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]);
     map->top[c]    = -PETSC_MAX_REAL;
-    map->inside[c] = (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 &&
-                                 map->radius[c] <= gauges->crater.radius);
+    map->inside[c] =
+      (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 && map->radius[c] <= crater->radius);
   }
   CraterGridSky(grid, dim, map->inside, lowest);
   for (PetscInt a = 0; a < n; a++) {
@@ -135,25 +145,25 @@ static PetscErrorCode SkyMapDestroy(SkyMap *map)
 
 /* Height (m) of the undisturbed free surface: the mean outside the impact. Without liquid there, the top of the pool's
    body. */
-static PetscReal MeasureLevel(Gauges gauges, const CraterGrid *grid, const SkyMap *map)
+static PetscReal MeasureLevel(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map)
 {
   const PetscReal half = 0.5 * gauges->cloud->domain->spacing;
   PetscReal       sum  = 0, lower[DIM], upper[DIM];
   PetscInt        n    = 0;
 
   for (PetscInt c = 0; c < grid->columns; c++) {
-    if (!map->inside[c] || map->radius[c] < SKIRT * gauges->crater.jet_radius || map->top[c] == -PETSC_MAX_REAL)
-      continue;
+    if (!map->inside[c] || map->radius[c] < SKIRT * crater->jet_radius || map->top[c] == -PETSC_MAX_REAL) continue;
     sum += map->top[c] + half;
     n++;
   }
   if (n) return sum / n;
-  GaugeBodyBounds(gauges, gauges->crater.pool, lower, upper);
+  GaugeBodyBounds(gauges, crater->pool, lower, upper);
   return upper[gauges->cloud->domain->dim - 1];
 }
 
 /* The height z (m) of a column's surface. A dry column has the bottom of the pool's body. False: outside the pool. */
-static PetscBool ColumnSurface(Gauges gauges, const CraterGrid *grid, const SkyMap *map, PetscInt column, PetscReal *z)
+static PetscBool ColumnSurface(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map,
+                               PetscInt column, PetscReal *z)
 {
   const PetscReal half   = 0.5 * gauges->cloud->domain->spacing;
   const PetscInt  up     = gauges->cloud->domain->dim - 1;
@@ -164,15 +174,15 @@ static PetscBool ColumnSurface(Gauges gauges, const CraterGrid *grid, const SkyM
   if (map->top[column] > -PETSC_MAX_REAL) return PETSC_TRUE;
   ColumnCentre(grid, column, x);
   x[up] = gauges->level - half;
-  GaugeBodyBounds(gauges, gauges->crater.pool, lower, upper);
+  GaugeBodyBounds(gauges, crater->pool, lower, upper);
   *z = lower[up];
-  return BodyContains(SceneBody(gauges->cloud->scene, gauges->crater.pool), x);
+  return BodyContains(SceneBody(gauges->cloud->scene, crater->pool), x);
 }
 
 /* Mean height (m) of the patch of two columns a side that begins with this column. False: not all columns lie in the
    pool. */
-static PetscBool PatchSurface(Gauges gauges, const CraterGrid *grid, const SkyMap *map, PetscInt column,
-                              PetscReal *mean)
+static PetscBool PatchSurface(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map,
+                              PetscInt column, PetscReal *mean)
 {
   const PetscInt columns = gauges->cloud->domain->dim == 2 ? 2 : 4;
 
@@ -181,23 +191,24 @@ static PetscBool PatchSurface(Gauges gauges, const CraterGrid *grid, const SkyMa
     const PetscInt c = column + k % 2 + (k / 2) * grid->n[0];
     PetscReal      z;
 
-    if (c >= grid->columns || !ColumnSurface(gauges, grid, map, c, &z)) return PETSC_FALSE;
+    if (c >= grid->columns || !ColumnSurface(gauges, crater, grid, map, c, &z)) return PETSC_FALSE;
     *mean += z / columns;
   }
   return PETSC_TRUE;
 }
 
-static PetscReal CraterDepth(Gauges gauges, const CraterGrid *grid, const SkyMap *map)
+static PetscReal CraterDepth(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map)
 {
-  const PetscInt most = PetscMax((gauges->cloud->domain->dim == 2 ? LOWEST_2D : LOWEST_3D) >> CraterMirrors(gauges), 1);
-  PetscReal      lowest[LOWEST_3D + 1], sum = 0; /* ascending, one more than wanted */
-  PetscInt       n = 0;
+  const PetscInt most =
+    PetscMax((gauges->cloud->domain->dim == 2 ? LOWEST_2D : LOWEST_3D) >> CraterMirrors(gauges, crater), 1);
+  PetscReal lowest[LOWEST_3D + 1], sum = 0; /* ascending, one more than wanted */
+  PetscInt  n = 0;
 
   for (PetscInt c = 0; c < grid->columns; c++) {
     PetscReal mean;
     PetscInt  k;
 
-    if (!PatchSurface(gauges, grid, map, c, &mean) || (n == most && mean >= lowest[n - 1])) continue;
+    if (!PatchSurface(gauges, crater, grid, map, c, &mean) || (n == most && mean >= lowest[n - 1])) continue;
     for (k = n; k > 0 && lowest[k - 1] > mean; k--) lowest[k] = lowest[k - 1];
     lowest[k] = mean;
     n         = PetscMin(n + 1, most);
@@ -207,14 +218,14 @@ static PetscReal CraterDepth(Gauges gauges, const CraterGrid *grid, const SkyMap
 }
 
 /* Whether a sector lies in the box. Mirrors through the axis cut sectors off. */
-static PetscBool SectorExists(Gauges gauges, PetscInt sector)
+static PetscBool SectorExists(Gauges gauges, const Crater *crater, PetscInt sector)
 {
   const Domain    domain = gauges->cloud->domain;
   const PetscReal angle  = (sector + 0.5) * 2 * PETSC_PI / SECTORS;
   const PetscReal way[2] = {PetscCosReal(angle), PetscSinReal(angle)};
 
   for (PetscInt d = 0; d < domain->dim - 1; d++) {
-    const PetscReal x = gauges->crater.axis[d] + domain->spacing * way[d];
+    const PetscReal x = crater->axis[d] + domain->spacing * way[d];
 
     if (domain->face[d][0] != FACE_PERIODIC && (x < domain->lower[d] || x > domain->upper[d])) return PETSC_FALSE;
   }
@@ -222,11 +233,11 @@ static PetscBool SectorExists(Gauges gauges, PetscInt sector)
 }
 
 /* Share of a ring around the axis that lies in the box. */
-static PetscReal RingFraction(Gauges gauges)
+static PetscReal RingFraction(Gauges gauges, const Crater *crater)
 {
   PetscInt sectors = 0, all = gauges->cloud->domain->dim == 2 ? 2 : SECTORS;
 
-  for (PetscInt s = 0; s < SECTORS; s++) sectors += SectorExists(gauges, s);
+  for (PetscInt s = 0; s < SECTORS; s++) sectors += SectorExists(gauges, crater, s);
   return (PetscReal)sectors / all;
 }
 
@@ -256,12 +267,13 @@ static PetscReal WallRadius(PetscInt dim, PetscInt rings, PetscReal w, const Pet
 }
 
 /* Twice the radius of the crater's wall in the layer of one spacing below the level. */
-static PetscErrorCode CraterDiameter(Gauges gauges, PetscInt n, const PoolParticle pool[], PetscReal *diameter)
+static PetscErrorCode CraterDiameter(Gauges gauges, const Crater *crater, PetscInt n, const PoolParticle pool[],
+                                     PetscReal *diameter)
 {
   const Domain    domain = gauges->cloud->domain;
-  const PetscReal d0 = domain->spacing, w = RING * d0, reach = PetscMin(2 * gauges->crater.radius, RINGS_MOST * w);
+  const PetscReal d0 = domain->spacing, w = RING * d0, reach = PetscMin(2 * crater->radius, RINGS_MOST * w);
   const PetscInt  rings = (PetscInt)PetscCeilReal(reach / w) + 1;
-  const PetscReal full  = RingFraction(gauges) * d0 / domain->volume; /* particles per area of a full ring */
+  const PetscReal full  = RingFraction(gauges, crater) * d0 / domain->volume; /* particles per area of a full ring */
   PetscReal      *fraction, radius;
 
   PetscFunctionBegin;
@@ -281,7 +293,7 @@ static PetscErrorCode CraterDiameter(Gauges gauges, PetscInt n, const PoolPartic
 }
 
 /* Heights of crown and jet: the highest particles connected with the pool. */
-static PetscErrorCode CrownAndJet(Gauges gauges, CraterValues *values)
+static PetscErrorCode CrownAndJet(Gauges gauges, const Crater *crater, PetscReal values[])
 {
   const Cloud      cloud  = gauges->cloud;
   const PetscReal *x      = cloud->field[FIELD_POSITION];
@@ -290,26 +302,37 @@ static PetscErrorCode CrownAndJet(Gauges gauges, CraterValues *values)
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_fluid, &connected));
-  PetscCall(ConnectedWithBody(gauges, gauges->crater.pool, connected));
+  PetscCall(ConnectedWithBody(gauges, crater->pool, connected));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal r[2];
     PetscInt  jet;
 
     if (!connected[a]) continue;
-    FromAxis(gauges, x + DIM * a, r);
-    jet = r[0] * r[0] + r[1] * r[1] <= PetscSqr(gauges->crater.jet_radius);
+    FromAxis(gauges, crater, x + DIM * a, r);
+    jet = r[0] * r[0] + r[1] * r[1] <= PetscSqr(crater->jet_radius);
     top[jet] =
       PetscMax(top[jet], x[DIM * a + cloud->domain->dim - 1] + 0.5 * (cloud->size[a] - 1) * cloud->domain->spacing);
   }
   PetscCall(PetscFree(connected));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, 2, MPIU_REAL, MPIU_MAX, gauges->comm));
-  values->crown_height = HeightOverLevel(gauges, top[0]);
-  values->jet_height   = HeightOverLevel(gauges, top[1]);
+  values[CROWN] = HeightOverLevel(gauges, top[0]);
+  values[JET]   = HeightOverLevel(gauges, top[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GaugesCrater(Gauges gauges, CraterValues *values)
+static PetscErrorCode Columns_Crater(Gauges gauges, const void *data, ColumnList *list)
 {
+  static const char *const names[QUANTITIES] = {"crown_height", "crater_depth", "crater_diameter", "jet_height"};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < QUANTITIES && ((const Crater *)data)->wanted; k++)
+    PetscCall(ColumnAdd(list, (Column){.unit = "m", .counts = COUNTS_VALUE}, "%s", names[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Measure_Crater(Gauges gauges, const void *data, PetscReal values[])
+{
+  const Crater  *crater = data;
   ParticleArrays arrays;
   CraterGrid     grid;
   PoolParticle  *pool;
@@ -317,19 +340,24 @@ PetscErrorCode GaugesCrater(Gauges gauges, CraterValues *values)
   SkyMap         map;
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
-  PetscCall(CraterGridCreate(gauges, &arrays, &grid));
-  PetscCall(ListPool(gauges, &arrays, &grid, &n, &pool));
+  PetscCall(CraterGridCreate(gauges, crater->pool, &arrays, &grid));
+  PetscCall(ListPool(gauges, crater, &arrays, &grid, &n, &pool));
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
-  PetscCall(SkyMapCreate(gauges, &grid, n, pool, &map));
-  if (PetscIsInfOrNanReal(gauges->level)) gauges->level = MeasureLevel(gauges, &grid, &map);
-  values->crater_depth = CraterDepth(gauges, &grid, &map);
-  PetscCall(CraterDiameter(gauges, n, pool, &values->crater_diameter));
+  PetscCall(SkyMapCreate(gauges, crater, &grid, n, pool, &map));
+  if (PetscIsInfOrNanReal(gauges->level)) gauges->level = MeasureLevel(gauges, crater, &grid, &map);
+  values[DEPTH] = CraterDepth(gauges, crater, &grid, &map);
+  PetscCall(CraterDiameter(gauges, crater, n, pool, &values[DIAMETER]));
   PetscCall(SkyMapDestroy(&map));
   PetscCall(PetscFree(pool));
   PetscCall(CraterGridDestroy(&grid));
-  PetscCall(CrownAndJet(gauges, values));
-  PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(CrownAndJet(gauges, crater, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const GaugeKind GaugeCrater = {.bytes          = sizeof(Crater),
+                               .setfromoptions = CraterSetFromOptions,
+                               .check          = CraterCheck,
+                               .view           = CraterView,
+                               .columns        = Columns_Crater,
+                               .measure        = Measure_Crater};

@@ -107,7 +107,7 @@ static void MarkPool(CraterGrid *grid)
   for (PetscInt k = best_start; k < best_end; k++) grid->cell[grid->queue[k]] |= CELL_POOL;
 }
 
-PetscErrorCode CraterGridCreate(Gauges gauges, const ParticleArrays *arrays, CraterGrid *grid)
+PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArrays *arrays, CraterGrid *grid)
 {
   const Domain domain = gauges->cloud->domain;
 
@@ -125,7 +125,7 @@ PetscErrorCode CraterGridCreate(Gauges gauges, const ParticleArrays *arrays, Cra
     for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
     do
       grid->cell[CellIndex(grid->n, at[0], at[1], at[2])] |=
-        arrays->integer[INT_BODY][a] == gauges->crater.pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+        arrays->integer[INT_BODY][a] == pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
     while (CellNext(first, last, at));
   }
   PetscCallMPI(

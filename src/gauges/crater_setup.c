@@ -24,10 +24,10 @@ static PetscBool OnMirror(Domain domain, PetscInt d, PetscInt side, PetscReal lo
   return (PetscBool)(side ? upper > domain->upper[d] - near : lower < domain->lower[d] + near);
 }
 
-PetscInt CraterMirrors(Gauges gauges)
+PetscInt CraterMirrors(Gauges gauges, const Crater *crater)
 {
   const Domain     domain  = gauges->cloud->domain;
-  const PetscReal *axis    = gauges->crater.axis;
+  const PetscReal *axis    = crater->axis;
   PetscInt         mirrors = 0;
 
   for (PetscInt d = 0; d < domain->dim - 1; d++)
@@ -36,11 +36,10 @@ PetscInt CraterMirrors(Gauges gauges)
 }
 
 /* The pool is the first body. Axis and jet radius are those of the last body together with its mirror images. */
-static PetscErrorCode Defaults(Gauges gauges)
+static PetscErrorCode Defaults(Gauges gauges, Crater *crater)
 {
   const Domain domain = gauges->cloud->domain;
   const Scene  scene  = gauges->cloud->scene;
-  CraterSetup *crater = &gauges->crater;
   PetscReal    lower[DIM], upper[DIM], half = 0;
 
   PetscFunctionBegin;
@@ -60,10 +59,10 @@ static PetscErrorCode Defaults(Gauges gauges)
 }
 
 /* Half the distance (m) from the axis to the nearest face of the box, other than mirrors through the axis. */
-static PetscReal CraterRadius(Gauges gauges)
+static PetscReal CraterRadius(Gauges gauges, const Crater *crater)
 {
   const Domain     domain = gauges->cloud->domain;
-  const PetscReal *axis   = gauges->crater.axis;
+  const PetscReal *axis   = crater->axis;
   PetscReal        radius = PETSC_MAX_REAL;
 
   for (PetscInt d = 0; d < domain->dim - 1; d++) {
@@ -76,41 +75,44 @@ static PetscReal CraterRadius(Gauges gauges)
   return radius;
 }
 
-static PetscErrorCode SetFromOptions_Crater(Gauges gauges, OptionItems PetscOptionsObject)
+PetscErrorCode CraterSetFromOptions(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
-  CraterSetup *crater = &gauges->crater;
-  PetscInt     n      = gauges->cloud->domain->dim; /* room for one number too many, to refuse it */
-  PetscBool    set[3];
+  Crater   *crater = data;
+  PetscInt  n      = gauges->cloud->domain->dim; /* room for one number too many, to refuse it */
+  PetscBool set[3];
 
   PetscFunctionBegin;
-  PetscCall(Defaults(gauges));
-  PetscCall(PetscOptionsString("-gauge_pool", "Body that is the pool; default: the first", "GaugesCrater",
+  PetscCall(Defaults(gauges, crater));
+  PetscCall(PetscOptionsString("-gauge_pool", "Body that is the pool; default: the first", "GaugesMeasure",
                                crater->pool_name, crater->pool_name, sizeof(crater->pool_name), &set[0]));
   PetscCall(PetscOptionsRealArray("-gauge_axis",
                                   "Axis of the impact, x,y (in two dimensions x), m; default: that of the last body",
-                                  "GaugesCrater", crater->axis, &n, &set[1]));
+                                  "GaugesMeasure", crater->axis, &n, &set[1]));
   crater->axis_numbers = set[1] ? n : gauges->cloud->domain->dim - 1;
   PetscCall(PetscOptionsReal("-gauge_jet_radius",
                              "Radius around the axis that separates jet from crown, m; default: 1.1 half widths of the "
                              "last body",
-                             "GaugesCrater", crater->jet_radius, &crater->jet_radius, &set[2]));
-  crater->radius = CraterRadius(gauges);
+                             "GaugesMeasure", crater->jet_radius, &crater->jet_radius, &set[2]));
+  crater->radius = CraterRadius(gauges, crater);
   crater->wanted = (PetscBool)(set[0] || set[1] || set[2]);
   PetscCall(PetscOptionsBool("-gauge_crater",
                              "Write heights of crown and jet, depth and diameter of the crater to the series; default: "
                              "true if one of -gauge_pool, _axis, _jet_radius is given",
-                             "GaugesCrater", crater->wanted, &crater->wanted, NULL));
+                             "GaugesMeasure", crater->wanted, &crater->wanted, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Check_Crater(Gauges gauges)
+PetscErrorCode CraterCheck(Gauges gauges, void *data)
 {
   const PetscInt numbers = gauges->cloud->domain->dim - 1;
   const Scene    scene   = gauges->cloud->scene;
-  CraterSetup   *crater  = &gauges->crater;
+  Crater        *crater  = data;
 
   PetscFunctionBegin;
-  if (!crater->wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!crater->wanted) {
+    if (!gauges->level_given) gauges->level = 0; /* no crater measures it */
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCheckUser(crater->axis_numbers == numbers, gauges->comm, "-gauge_axis has %d numbers; it needs %d.",
                  (int)crater->axis_numbers, (int)numbers);
   for (crater->pool = 0; crater->pool < SceneCount(scene); crater->pool++)
@@ -123,4 +125,14 @@ static PetscErrorCode Check_Crater(Gauges gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeCrater = {.setfromoptions = SetFromOptions_Crater, .check = Check_Crater};
+PetscErrorCode CraterView(Gauges gauges, const void *data, PetscViewer viewer)
+{
+  const Crater *crater = data;
+
+  PetscFunctionBegin;
+  if (!crater->wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
+                                   (double)crater->axis[0], (double)crater->axis[1], (double)crater->jet_radius,
+                                   (double)crater->radius, crater->pool_name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -3,21 +3,33 @@
 #include "gauges_impl.h"
 #include <stdlib.h>
 
-#define DROPLET_LEAST   2    /* default of -gauge_droplet_least: single particles are spray */
-#define DROPLET_COLUMNS 4    /* of the series */
-#define SAME_VOLUME     0.25 /* change of a droplet's volume between two times */
-#define SAME_PLACE      3.0  /* spacings: change of its way */
-#define ALIKE           1e-9 /* relative difference of equal volumes: sums over another number of ranks round otherwise */
-#define ROW_COLUMNS     9    /* of droplets.csv: particles, volume, centre, velocity, number */
+#define NONE          (-1) /* count of pieces that are not known */
+#define DROPLET_LEAST 2    /* default of -gauge_droplet_least: single particles are spray */
+#define SAME_VOLUME   0.25 /* change of a droplet's volume between two times */
+#define SAME_PLACE    3.0  /* spacings: change of its way */
+#define ALIKE         1e-9 /* relative difference of equal volumes: sums over another number of ranks round otherwise */
+
+/* Columns of the series, and of a row of droplets.csv. */
+enum { DROPLETS, DROPLET_VOLUME, LARGEST, SPRAY, QUANTITIES };
+enum { ROW_PARTICLES, ROW_VOLUME, ROW_CENTER, ROW_VELOCITY = ROW_CENTER + DIM, ROW_NUMBER = ROW_VELOCITY + DIM, ROW };
 
 /* A connected piece of liquid. All members are reals, so that MPI sends it as reals. */
 typedef struct {
   PetscReal label;                      /* smallest id of its particles */
   PetscReal particles, volume;          /* volume: m3, in two dimensions m2 */
   PetscReal number;                     /* copies of this piece in the whole scene (-gauge_multiplicity) */
-  PetscReal center[DIM], velocity[DIM]; /* means, m and m/s */
+  PetscReal center[DIM], velocity[DIM]; /* means over the volume, m and m/s */
   PetscReal mirror[DIM];                /* -1, 1: the piece touches the mirror at the lower, upper face; 0: neither */
 } Piece;
+
+/* The options, and what -gauge_pinch_off keeps. */
+typedef struct {
+  PetscBool wanted, main, pinch_off;
+  PetscInt  least;  /* particles of the smallest droplet; smaller pieces are spray */
+  Piece    *before; /* [count] pieces at the last time of the series */
+  PetscInt  count;
+  PetscReal time; /* s, of these pieces */
+} Droplets;
 
 #define PIECE_REALS ((PetscMPIInt)(sizeof(Piece) / sizeof(PetscReal)))
 
@@ -157,122 +169,133 @@ PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
+  Droplets *droplets = data;
+
   PetscFunctionBegin;
-  gauges->droplet_least = DROPLET_LEAST;
+  droplets->least = DROPLET_LEAST;
+  droplets->count = NONE;
   PetscCall(PetscOptionsBool("-gauge_droplets",
                              "Write number and volume of the droplets to the series, and a row for each to "
                              "droplets.csv at each snapshot: droplets are all connected pieces but the largest",
-                             "GaugesMeasure", gauges->droplets, &gauges->droplets, NULL));
+                             "GaugesMeasure", droplets->wanted, &droplets->wanted, NULL));
   PetscCall(OptionInt("-gauge_droplet_least", "Particles of the smallest droplet (1); smaller ones are spray",
-                      "[1, inf)", &gauges->droplet_least));
+                      "[1, inf)", &droplets->least));
   PetscCall(PetscOptionsBool("-gauge_droplet_main",
                              "Write the largest piece to droplets.csv too, as the first row of a "
                              "block",
-                             "GaugesTableRows", gauges->droplet_main, &gauges->droplet_main, NULL));
+                             "GaugesTableRows", droplets->main, &droplets->main, NULL));
   PetscCall(PetscOptionsBool("-gauge_pinch_off",
                              "Write a row to pinch_off.csv for each droplet that was not there at the previous line of "
                              "the series",
-                             "GaugesTableRows", gauges->pinch_off, &gauges->pinch_off, NULL));
+                             "GaugesTableRows", droplets->pinch_off, &droplets->pinch_off, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscInt Columns_Droplets(Gauges gauges)
+static PetscErrorCode Columns_Droplets(Gauges gauges, const void *data, ColumnList *list)
 {
-  return gauges->droplets ? DROPLET_COLUMNS : 0;
-}
-
-static PetscErrorCode Name_Droplets(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  static const char *const names[DROPLET_COLUMNS] = {"droplets", "droplet_volume_%s", "largest_droplet_%s", "spray"};
+  static const Column rows[QUANTITIES] = {[DROPLETS]       = {.name = "droplets", .counts = COUNTS_SUM},
+                                          [DROPLET_VOLUME] = {.name = "droplet_volume", "m3", COUNTS_SUM},
+                                          [LARGEST]        = {.name = "largest_droplet", "m3", COUNTS_SUM, OF_PIECE},
+                                          [SPRAY]          = {.name = "spray", .counts = COUNTS_SUM}};
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name, length, names[column], GaugeUnit(gauges->cloud->domain, "m3")));
+  for (PetscInt k = 0; k < QUANTITIES && ((const Droplets *)data)->wanted; k++)
+    PetscCall(ColumnAdd(list, rows[k], "%s", rows[k].name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* On rank 0: number of droplets, their volume and that of the largest droplet (m3, in two dimensions m2), number of
-   spray particles. */
-static PetscErrorCode Measure_Droplets(Gauges gauges, PetscReal value[])
+/* On rank 0, of the simulated part: number of droplets, those that a mirror cuts in part; their volume, and that of the
+   largest whole droplet (m3, in two dimensions m2); number of spray particles. */
+static PetscErrorCode Measure_Droplets(Gauges gauges, const void *data, PetscReal value[])
 {
   PetscInt count;
   Piece   *piece;
 
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &count, &piece));
-  for (PetscInt c = 0; c < DROPLET_COLUMNS; c++) value[c] = 0;
+  for (PetscInt c = 0; c < QUANTITIES; c++) value[c] = 0;
   for (PetscInt k = 1; k < count; k++) {
-    if (piece[k].particles < gauges->droplet_least) {
-      value[3] += piece[k].number * piece[k].particles;
+    const PetscReal number = piece[k].number / gauges->multiplicity;
+
+    if (piece[k].particles < ((const Droplets *)data)->least) {
+      value[SPRAY] += number * piece[k].particles;
       continue;
     }
-    value[0] += piece[k].number;
-    value[1] += piece[k].number * piece[k].volume;
-    value[2] = PetscMax(value[2], piece[k].volume);
+    value[DROPLETS] += number;
+    value[DROPLET_VOLUME] += number * piece[k].volume;
+    value[LARGEST] = PetscMax(value[LARGEST], piece[k].volume);
   }
   PetscCall(PetscFree(piece));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Wanted_Droplets(Gauges gauges)
-{
-  return gauges->droplets;
-}
+/* --- tables --- */
 
-static PetscErrorCode Head_Droplets(Gauges gauges, char head[], size_t length)
+static PetscErrorCode ColumnsPieces(ColumnList *list)
 {
+  const Column place = {.unit = "m", .counts = COUNTS_VALUE, .of = OF_PIECE},
+               speed = {.unit = "m/s", .counts = COUNTS_VALUE, .of = OF_PIECE};
+
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(head, length,
-                          "particles,volume_%s,x_m,y_m,z_m,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s,number",
-                          GaugeUnit(gauges->cloud->domain, "m3")));
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_RUN, .of = OF_PIECE}, "particles"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .of = OF_PIECE}, "volume"));
+  PetscCall(ColumnAddVector(list, place, 0, DIM - 1, ""));
+  PetscCall(ColumnAddVector(list, speed, 0, DIM - 1, "velocity"));
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_VALUE, .of = OF_PIECE}, "number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows of droplets.csv or pinch_off.csv for wanted pieces of at least -gauge_droplet_least particles. */
-static PetscErrorCode PieceRows(Gauges gauges, PetscInt pieces, const Piece piece[], const PetscBool wanted[],
-                                PetscInt *count, PetscInt *width, PetscReal **values)
+static PetscErrorCode ColumnsTable_Droplets(Gauges gauges, const void *data, ColumnList *list)
+{
+  return ((const Droplets *)data)->wanted ? ColumnsPieces(list) : PETSC_SUCCESS;
+}
+
+static PetscErrorCode ColumnsTable_PinchOff(Gauges gauges, const void *data, ColumnList *list)
+{
+  return ((const Droplets *)data)->pinch_off ? ColumnsPieces(list) : PETSC_SUCCESS;
+}
+
+/* Rows of droplets.csv or pinch_off.csv for wanted pieces of at least 'least' particles. */
+static PetscErrorCode PieceRows(PetscInt least, PetscInt pieces, const Piece piece[], const PetscBool wanted[],
+                                PetscInt *count, PetscReal **values)
 {
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(pieces * ROW_COLUMNS, values));
+  PetscCall(PetscMalloc1(pieces * ROW, values));
   *count = 0;
-  *width = ROW_COLUMNS;
   for (PetscInt k = 0; k < pieces; k++) {
-    PetscReal *row = *values + ROW_COLUMNS * *count;
+    PetscReal *row = *values + ROW * *count;
 
-    if (!wanted[k] || piece[k].particles < gauges->droplet_least) continue;
-    row[0] = piece[k].particles;
-    row[1] = piece[k].volume;
-    PetscCall(PetscArraycpy(row + 2, piece[k].center, DIM));
-    PetscCall(PetscArraycpy(row + 2 + DIM, piece[k].velocity, DIM));
-    row[2 + 2 * DIM] = piece[k].number;
+    if (!wanted[k] || piece[k].particles < least) continue;
+    row[ROW_PARTICLES] = piece[k].particles;
+    row[ROW_VOLUME]    = piece[k].volume;
+    PetscCall(PetscArraycpy(row + ROW_CENTER, piece[k].center, DIM));
+    PetscCall(PetscArraycpy(row + ROW_VELOCITY, piece[k].velocity, DIM));
+    row[ROW_NUMBER] = piece[k].number;
     (*count)++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Rows_Droplets(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
+static PetscErrorCode Rows_Droplets(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
 {
-  PetscInt   pieces;
-  Piece     *piece;
-  PetscBool *wanted;
+  const Droplets *droplets = data;
+  PetscInt        pieces;
+  Piece          *piece;
+  PetscBool      *wanted;
 
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &pieces, &piece));
   PetscCall(PetscMalloc1(pieces, &wanted));
-  for (PetscInt k = 0; k < pieces; k++) wanted[k] = (PetscBool)(k > 0 || gauges->droplet_main);
-  PetscCall(PieceRows(gauges, pieces, piece, wanted, count, width, values));
+  for (PetscInt k = 0; k < pieces; k++) wanted[k] = (PetscBool)(k > 0 || droplets->main);
+  PetscCall(PieceRows(droplets->least, pieces, piece, wanted, count, values));
   PetscCall(PetscFree(wanted));
   PetscCall(PetscFree(piece));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* --- pieces that come off --- */
-
-static PetscBool Wanted_PinchOff(Gauges gauges)
-{
-  return gauges->pinch_off;
-}
 
 static PetscBool HasLabel(PetscInt n, const Piece piece[], PetscReal label)
 {
@@ -281,19 +304,19 @@ static PetscBool HasLabel(PetscInt n, const Piece piece[], PetscReal label)
   return PETSC_FALSE;
 }
 
-/* Whether droplet 'now' was among the n pieces of the previous time: its label was, or a droplet of nearly its volume
+/* Whether droplet 'now' was among the pieces of the previous time: its label was, or a droplet of nearly its volume
    has moved here, whose particles have new ids since they joined or split. A droplet that takes its label from the
    largest piece is new: 'taken' tells that the label of the largest piece is new. */
-static PetscBool WasThere(Gauges gauges, PetscInt n, const Piece before[], const Piece *now, PetscBool taken)
+static PetscBool WasThere(Gauges gauges, const Droplets *droplets, PetscReal time, const Piece *now, PetscBool taken)
 {
-  const PetscReal time = gauges->time - gauges->before_time;
+  for (PetscInt k = 0; k < droplets->count; k++) {
+    const Piece *before = &droplets->before[k];
+    PetscReal    r[DIM];
 
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal r[DIM];
-
-    if (before[k].label == now->label) return (PetscBool)(k > 0 || !taken);
-    for (PetscInt d = 0; d < DIM; d++) r[d] = before[k].center[d] + time * before[k].velocity[d] - now->center[d];
-    if (k > 0 && PetscAbsReal(now->volume - before[k].volume) < SAME_VOLUME * before[k].volume &&
+    if (before->label == now->label) return (PetscBool)(k > 0 || !taken);
+    for (PetscInt d = 0; d < DIM; d++)
+      r[d] = before->center[d] + (time - droplets->time) * before->velocity[d] - now->center[d];
+    if (k > 0 && PetscAbsReal(now->volume - before->volume) < SAME_VOLUME * before->volume &&
         Dot(r, r) < PetscSqr(SAME_PLACE * gauges->cloud->domain->spacing))
       return PETSC_TRUE;
   }
@@ -301,38 +324,43 @@ static PetscBool WasThere(Gauges gauges, PetscInt n, const Piece before[], const
 }
 
 /* The first call, at the start or after a restart, has no rows: it only keeps the pieces. */
-static PetscErrorCode Rows_PinchOff(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
+static PetscErrorCode Rows_PinchOff(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
 {
-  Piece     *before = gauges->piece_before, *piece;
+  Droplets  *droplets = data;
+  Piece     *piece;
   PetscInt   pieces;
   PetscBool *wanted, taken;
 
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &pieces, &piece));
   PetscCall(PetscCalloc1(pieces, &wanted));
-  taken = (PetscBool)(pieces > 0 && !HasLabel(gauges->before, before, piece[0].label));
-  for (PetscInt k = 1; k < pieces && gauges->before >= 0; k++)
-    wanted[k] = (PetscBool)!WasThere(gauges, gauges->before, before, &piece[k], taken);
-  PetscCall(PieceRows(gauges, pieces, piece, wanted, count, width, values));
+  taken = (PetscBool)(pieces > 0 && !HasLabel(droplets->count, droplets->before, piece[0].label));
+  for (PetscInt k = 1; k < pieces && droplets->count != NONE; k++)
+    wanted[k] = (PetscBool)!WasThere(gauges, droplets, time, &piece[k], taken);
+  PetscCall(PieceRows(droplets->least, pieces, piece, wanted, count, values));
   PetscCall(PetscFree(wanted));
-  PetscCall(PetscFree(before));
-  gauges->piece_before = piece;
-  gauges->before       = pieces;
-  gauges->before_time  = gauges->time;
+  PetscCall(PetscFree(droplets->before));
+  droplets->before = piece;
+  droplets->count  = pieces;
+  droplets->time   = time;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugePinchOff = {.file   = "pinch_off.csv",
-                                 .wanted = Wanted_PinchOff,
-                                 .head   = Head_Droplets,
-                                 .rows   = Rows_PinchOff,
-                                 .events = PETSC_TRUE};
+static PetscErrorCode Destroy_Droplets(void *data)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(((Droplets *)data)->before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-const GaugeKind GaugeDroplets = {.setfromoptions = SetFromOptions_Droplets,
+static const GaugeTable tables[] = {
+  {.file = "droplets.csv", .columns = ColumnsTable_Droplets, .rows = Rows_Droplets},
+  {.file = "pinch_off.csv", .columns = ColumnsTable_PinchOff, .rows = Rows_PinchOff, .events = PETSC_TRUE},
+  {.file = NULL}};
+
+const GaugeKind GaugeDroplets = {.bytes          = sizeof(Droplets),
+                                 .setfromoptions = SetFromOptions_Droplets,
                                  .columns        = Columns_Droplets,
-                                 .name           = Name_Droplets,
                                  .measure        = Measure_Droplets,
-                                 .file           = "droplets.csv",
-                                 .wanted         = Wanted_Droplets,
-                                 .head           = Head_Droplets,
-                                 .rows           = Rows_Droplets};
+                                 .tables         = tables,
+                                 .destroy        = Destroy_Droplets};

@@ -3,83 +3,45 @@
 
 #define TIE 1e-6 /* spacings: depths that differ by less are equal */
 
-static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
-
-PetscInt GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side)
+static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
-  PetscInt count = 0;
+  PetscBool *forces = data;
 
-  for (PetscInt d = 0; d < domain->dim; d++)
-    for (PetscInt s = 0; s < 2; s++) {
-      if (domain->face[d][s] != FACE_WALL) continue;
-      if (count == index) {
-        *direction = d;
-        *side      = s;
-      }
-      count++;
-    }
-  return count;
-}
-
-static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOptionsObject)
-{
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-gauge_forces",
                              "Write to the series the force of the liquid on each wall of the box and each solid (N), "
                              "and the sum of the capillary forces at all contact lines; the force on a free solid "
                              "differs slightly from the force that moves it",
-                             "GaugesMeasure", gauges->forces, &gauges->forces, NULL));
+                             "GaugesMeasure", *forces, forces, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt GaugeReceivers(Gauges gauges)
-{
-  return GaugeWallFace(gauges->cloud->domain, -1, NULL, NULL) + SceneSolidCount(gauges->cloud->scene);
-}
-
-const char *GaugeReceiverName(Gauges gauges, PetscInt receiver)
-{
-  PetscInt       d = 0, side = 0;
-  const PetscInt faces = GaugeWallFace(gauges->cloud->domain, receiver, &d, &side);
-
-  return receiver < faces ? FaceNames[d][side] : BodyName(SceneSolid(gauges->cloud->scene, receiver - faces));
-}
-
-/* Returns the number of columns of the capillary force at contact lines; direction: that of column 'index'. A direction
-   with a mirror has no column, since the liquid behind the mirror does not count. Rings have the axial direction. */
-static PetscInt ContactDirection(Gauges gauges, PetscInt index, PetscInt *direction)
+/* Whether the series has the component d of the capillary force at contact lines. A direction with a mirror has no
+   column, since the liquid behind the mirror does not count. Rings have the axial direction. */
+static PetscBool HasContact(Gauges gauges, PetscInt d)
 {
   const Domain domain = gauges->cloud->domain;
-  PetscInt     count  = 0;
 
-  if (!gauges->tension || GaugeReceivers(gauges) == 0) return 0;
-  for (PetscInt d = domain->rings ? 1 : 0; d < domain->dim; d++) {
-    if (domain->face[d][0] == FACE_SYMMETRY || domain->face[d][1] == FACE_SYMMETRY) continue;
-    if (count == index) *direction = d;
-    count++;
-  }
-  return count;
+  return (PetscBool)(gauges->tension && GaugeReceivers(gauges) > 0 && (d > 0 || !domain->rings) &&
+                     domain->face[d][0] != FACE_SYMMETRY && domain->face[d][1] != FACE_SYMMETRY);
 }
 
-static PetscInt Columns_Forces(Gauges gauges)
+static PetscErrorCode Columns_Forces(Gauges gauges, const void *data, ColumnList *list)
 {
-  if (!gauges->forces) return 0;
-  return GaugeReceivers(gauges) * gauges->cloud->domain->dim + ContactDirection(gauges, -1, NULL);
-}
-
-static PetscErrorCode Name_Forces(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  const PetscInt dim = gauges->cloud->domain->dim, index = column / dim;
-  PetscInt       d = 0;
+  const PetscInt dim     = gauges->cloud->domain->dim;
+  const Column   contact = {.unit = "N", .counts = COUNTS_SUM, .needs = NEEDS_TENSION};
 
   PetscFunctionBegin;
-  if (index >= GaugeReceivers(gauges)) {
-    (void)ContactDirection(gauges, column - GaugeReceivers(gauges) * dim, &d);
-    PetscCall(PetscSNPrintf(name, length, "force_tension_%c_%s", AxisName(d), GaugeUnit(gauges->cloud->domain, "N")));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!*(const PetscBool *)data) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt r = 0; r < GaugeReceivers(gauges); r++) {
+    const Column row = {.unit = "N", .counts = COUNTS_SUM, .of = OF_RECEIVER, .index = r, .needs = NEEDS_PRESSURE};
+    char         name[COLUMN_NAME_LENGTH];
+
+    PetscCall(PetscSNPrintf(name, sizeof(name), "force_%s", GaugeReceiverName(gauges, r)));
+    PetscCall(ColumnAddVector(list, row, 0, dim - 1, name));
   }
-  PetscCall(PetscSNPrintf(name, length, "force_%s_%c_%s", GaugeReceiverName(gauges, index), AxisName(column % dim),
-                          GaugeUnit(gauges->cloud->domain, "N")));
+  for (PetscInt d = 0; d < dim; d++)
+    if (HasContact(gauges, d)) PetscCall(ColumnAddVector(list, contact, d, d, "force_tension"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,29 +104,30 @@ static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal on
   }
 }
 
-/* Adds the capillary force at contact lines. Tension exerts the force -int sigma kappa n dA on the free surface. The
-   integral over a closed surface vanishes, so its value is the force of the solids at the contact lines; the solids
-   receive the opposite force. */
-static void AddContactForce(Gauges gauges, PetscReal force[])
+/* Adds the capillary force at contact lines; returns its number of components. Tension exerts the force
+   -int sigma kappa n dA on the free surface. The integral over a closed surface vanishes, so its value is the force of
+   the solids at the contact lines; the solids receive the opposite force. */
+static PetscInt AddContactForce(Gauges gauges, PetscReal force[])
 {
-  Cloud            cloud   = gauges->cloud;
-  const PetscInt   columns = ContactDirection(gauges, -1, NULL);
+  Cloud            cloud  = gauges->cloud;
   const PetscReal *normal = cloud->field[FIELD_NORMAL], *capillary = cloud->field[FIELD_CAPILLARY];
+  PetscInt         k = 0;
 
-  for (PetscInt k = 0; k < columns; k++) {
-    PetscInt d = 0;
-
-    (void)ContactDirection(gauges, k, &d);
+  for (PetscInt d = 0; d < cloud->domain->dim; d++) {
+    if (!HasContact(gauges, d)) continue;
+    force[k] = 0;
     for (PetscInt a = 0; a < cloud->n_fluid; a++) force[k] -= 2 * cloud->volume[a] * capillary[a] * normal[DIM * a + d];
+    k++;
   }
+  return k;
 }
 
 /* Force [receivers][dim] of pressure and viscosity, then the capillary force; N, in two dimensions N/m. */
-static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
+static PetscErrorCode Measure_Forces(Gauges gauges, const void *data, PetscReal force[])
 {
-  Cloud          cloud   = gauges->cloud;
-  const PetscInt columns = Columns_Forces(gauges);
-  PetscReal     *on_dummy;
+  Cloud      cloud   = gauges->cloud;
+  PetscInt   columns = GaugeReceivers(gauges) * cloud->domain->dim;
+  PetscReal *on_dummy;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_POSITION));
@@ -179,13 +142,13 @@ static PetscErrorCode Measure_Forces(Gauges gauges, PetscReal force[])
     AddToReceivers(gauges, PETSC_FALSE, on_dummy, force);
   }
   PetscCall(CloudRestoreWork(cloud, &on_dummy));
-  AddContactForce(gauges, force + GaugeReceivers(gauges) * cloud->domain->dim);
+  columns += AddContactForce(gauges, force + columns);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, (PetscMPIInt)columns, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeForces = {.setfromoptions = SetFromOptions_Forces,
+const GaugeKind GaugeForces = {.bytes          = sizeof(PetscBool),
+                               .setfromoptions = SetFromOptions_Forces,
                                .columns        = Columns_Forces,
-                               .name           = Name_Forces,
                                .measure        = Measure_Forces,
                                .needs_sums     = PETSC_TRUE};

@@ -1,12 +1,10 @@
-/* The class: the list of the kinds of gauges, and their common options. */
+/* The class: the list of the kinds of gauges, their common options, and their columns and tables. */
 #include "gauges_impl.h"
 
-/* In the order of their columns in the series. The output writes the columns of GaugeCrater. */
-static const GaugeKind *const kinds[] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
-                                         &GaugeBodies, &GaugeDroplets, &GaugeLines,   &GaugeSpread,
-                                         &GaugeFilm,   &GaugeNeck,     &GaugePinchOff};
-
-#define KINDS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(kinds))
+/* In the order of their columns in the series. */
+static const GaugeKind *const kinds[GAUGE_KINDS] = {&GaugeCrater, &GaugePoints, &GaugeHeights,
+                                                    &GaugeForces, &GaugeBodies, &GaugeDroplets,
+                                                    &GaugeLines,  &GaugeSpread, &GaugeNeck};
 
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
 {
@@ -18,8 +16,7 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
   g->cloud        = cloud;
   g->level        = NAN;
   g->multiplicity = 1;
-  g->neck         = DIM;
-  g->before       = -1;
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++) PetscCall(PetscCalloc1(kinds[k]->bytes, (char **)&g->data[k]));
   PetscCallMPI(MPI_Comm_rank(g->comm, &g->rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &g->size));
   *gauges = g;
@@ -29,7 +26,12 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
 PetscErrorCode GaugesDestroy(Gauges *gauges)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree((*gauges)->piece_before));
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++) {
+    if (kinds[k]->destroy) PetscCall(kinds[k]->destroy((*gauges)->data[k]));
+    PetscCall(PetscFree((*gauges)->data[k]));
+  }
+  for (PetscInt t = 0; t < GAUGE_TABLES_MOST; t++) PetscCall(PetscFree((*gauges)->table[t].columns.row));
+  PetscCall(PetscFree((*gauges)->series.row));
   PetscCall(PetscFree(*gauges));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -45,6 +47,7 @@ void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool correc
   gauges->viscosity = viscosity;
   gauges->corrected = corrected;
   gauges->tension   = tension;
+  gauges->listed    = PETSC_FALSE;
 }
 
 PetscErrorCode GaugesSetFromOptions(Gauges gauges)
@@ -56,60 +59,70 @@ PetscErrorCode GaugesSetFromOptions(Gauges gauges)
                              "first state with -gauge_crater, else 0",
                              "GaugesLevel", gauges->level, &gauges->level, NULL));
   PetscCall(PetscOptionsReal("-gauge_multiplicity",
-                             "Copies of the simulated part that make the whole scene, 4 for a quarter: factor of "
-                             "energies, volume and droplets (1)",
-                             "GaugesTotals", gauges->multiplicity, &gauges->multiplicity, NULL));
-  for (PetscInt k = 0; k < KINDS; k++)
-    if (kinds[k]->setfromoptions) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject));
+                             "Copies of the simulated part that make the whole scene, 4 for a quarter: columns that "
+                             "are sums, as energies, volumes, forces and wetted areas, are those of the whole (1)",
+                             "GaugesFactor", gauges->multiplicity, &gauges->multiplicity, NULL));
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
+    if (kinds[k]->setfromoptions) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject, gauges->data[k]));
   PetscOptionsEnd();
   gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
+  gauges->listed      = PETSC_FALSE;
   PetscCheckUser(gauges->multiplicity > 0, gauges->comm, "-gauge_multiplicity is %g; it must be positive.",
                  (double)gauges->multiplicity);
-  for (PetscInt k = 0; k < KINDS; k++)
-    if (kinds[k]->check) PetscCall(kinds[k]->check(gauges));
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
+    if (kinds[k]->check) PetscCall(kinds[k]->check(gauges, gauges->data[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer)
 {
-  const CraterSetup *crater = &gauges->crater;
-
   PetscFunctionBegin;
-  if (!crater->wanted) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
-                                   (double)crater->axis[0], (double)crater->axis[1], (double)crater->jet_radius,
-                                   (double)crater->radius, crater->pool_name));
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
+    if (kinds[k]->view) PetscCall(kinds[k]->view(gauges, gauges->data[k], viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool GaugesHasCrater(Gauges gauges)
+/* Lists the rows of the series and of the tables that are written. */
+static PetscErrorCode List(Gauges gauges)
 {
-  return gauges->crater.wanted;
+  PetscFunctionBegin;
+  if (gauges->listed) PetscFunctionReturn(PETSC_SUCCESS);
+  gauges->series.count = gauges->tables = 0;
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++) {
+    gauges->first[k] = gauges->series.count;
+    if (kinds[k]->columns) PetscCall(kinds[k]->columns(gauges, gauges->data[k], &gauges->series));
+    for (const GaugeTable *kind = kinds[k]->tables; kind && kind->file; kind++) {
+      FilledTable *table = &gauges->table[gauges->tables];
+
+      PetscCheck(gauges->tables < GAUGE_TABLES_MOST, gauges->comm, PETSC_ERR_PLIB, "Gauges have more tables");
+      table->columns.count = 0;
+      PetscCall(kind->columns(gauges, gauges->data[k], &table->columns));
+      if (!table->columns.count) continue;
+      table->kind = kind;
+      table->data = gauges->data[k];
+      gauges->tables++;
+    }
+  }
+  gauges->first[GAUGE_KINDS] = gauges->series.count;
+  gauges->listed             = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* --- columns of the series --- */
 
-static PetscInt Columns(Gauges gauges, PetscInt k)
+PetscErrorCode GaugesColumns(Gauges gauges, PetscInt *count, const Column *columns[])
 {
-  return kinds[k]->columns ? kinds[k]->columns(gauges) : 0;
-}
-
-PetscInt GaugesColumns(Gauges gauges)
-{
-  PetscInt columns = 0;
-
-  for (PetscInt k = 0; k < KINDS; k++) columns += Columns(gauges, k);
-  return columns;
-}
-
-PetscErrorCode GaugesColumnName(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  PetscInt k = 0;
-
   PetscFunctionBegin;
-  while (column >= Columns(gauges, k)) column -= Columns(gauges, k++);
-  PetscCall(kinds[k]->name(gauges, column, name, length));
+  PetscCall(List(gauges));
+  *count   = gauges->series.count;
+  *columns = gauges->series.row;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the run has columns of a kind. */
+static PetscBool Has(Gauges gauges, PetscInt k)
+{
+  return (PetscBool)(gauges->first[k + 1] > gauges->first[k]);
 }
 
 /* Computes the sums over neighbours anew if a gauge reads them and the particles have changed their order. */
@@ -121,7 +134,7 @@ static PetscErrorCode Refresh(Gauges gauges)
   PetscBool needed = PETSC_FALSE;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < KINDS; k++) needed = (PetscBool)(needed || (kinds[k]->needs_sums && Columns(gauges, k)));
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++) needed = (PetscBool)(needed || (kinds[k]->needs_sums && Has(gauges, k)));
   if (needed && old && gauges->refresh) PetscCall(gauges->refresh(gauges->context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -130,13 +143,11 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
+  PetscCall(List(gauges));
   PetscCall(Refresh(gauges));
-  for (PetscInt k = 0; k < KINDS; k++) {
-    const PetscInt columns = Columns(gauges, k);
-
-    if (columns) PetscCall(kinds[k]->measure(gauges, values));
-    values += columns;
-  }
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
+    if (Has(gauges, k)) PetscCall(kinds[k]->measure(gauges, gauges->data[k], values + gauges->first[k]));
+  for (PetscInt c = 0; c < gauges->series.count; c++) values[c] *= GaugesFactor(gauges, &gauges->series.row[c]);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -145,42 +156,36 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
 
 PetscInt GaugesTables(Gauges gauges)
 {
-  PetscInt tables = 0;
-
-  for (PetscInt k = 0; k < KINDS; k++) tables += kinds[k]->file && kinds[k]->wanted(gauges);
-  return tables;
-}
-
-static const GaugeKind *TableKind(Gauges gauges, PetscInt table)
-{
-  PetscInt k = 0;
-
-  while (!(kinds[k]->file && kinds[k]->wanted(gauges) && table-- == 0)) k++;
-  return kinds[k];
+  return List(gauges) ? 0 : gauges->tables;
 }
 
 PetscBool GaugesTableEvents(Gauges gauges, PetscInt table)
 {
-  return TableKind(gauges, table)->events;
+  return gauges->table[table].kind->events;
 }
 
-PetscErrorCode GaugesTableHead(Gauges gauges, PetscInt table, const char **file, char head[], size_t length)
+PetscErrorCode GaugesTableColumns(Gauges gauges, PetscInt table, const char **file, PetscInt *count,
+                                  const Column *columns[])
 {
-  const GaugeKind *kind = TableKind(gauges, table);
-
   PetscFunctionBegin;
-  *file = kind->file;
-  PetscCall(kind->head(gauges, head, length));
+  PetscCall(List(gauges));
+  *file    = gauges->table[table].kind->file;
+  *count   = gauges->table[table].columns.count;
+  *columns = gauges->table[table].columns.row;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode GaugesTableRows(Gauges gauges, PetscInt table, PetscReal time, PetscInt *count, PetscInt *width,
                                PetscReal **values)
 {
+  const FilledTable *filled;
+
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
-  gauges->time = time;
-  PetscCall(TableKind(gauges, table)->rows(gauges, count, width, values));
+  PetscCall(List(gauges));
+  filled = &gauges->table[table];
+  *width = filled->columns.count;
+  PetscCall(filled->kind->rows(gauges, filled->data, time, count, values));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

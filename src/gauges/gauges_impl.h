@@ -4,39 +4,64 @@
 
 #include "gauges.h"
 
-#define GAUGE_NAME_LENGTH 64  /* bytes of a column's name */
-#define GAUGE_HEAD_LENGTH 160 /* bytes of a table's head */
-
-/* A kind of gauge: one file and one line in gauges.c. Entries may be NULL. */
+/* A growing list of rows. */
 typedef struct {
-  PetscErrorCode (*setfromoptions)(Gauges gauges, OptionItems PetscOptionsObject); /* inside an options block */
-  PetscErrorCode (*check)(Gauges gauges); /* refuses bad values, after the block */
-  /* Columns of the series: their number, names and values. */
-  PetscInt (*columns)(Gauges gauges);
-  PetscErrorCode (*name)(Gauges gauges, PetscInt column, char name[], size_t length);
-  PetscErrorCode (*measure)(Gauges gauges, PetscReal values[]);
-  PetscBool needs_sums; /* 'measure' reads fields that OperatorsMoments and TensionApply write */
-  /* A table of its own: its file, whether the user wants it, its head, its rows (GaugesTableRows). */
+  PetscInt count, capacity;
+  Column  *row;
+} ColumnList;
+
+/* A table of its own that a gauge fills. */
+typedef struct {
   const char *file;
-  PetscBool (*wanted)(Gauges gauges);
-  PetscErrorCode (*head)(Gauges gauges, char head[], size_t length);
-  PetscErrorCode (*rows)(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values);
-  PetscBool events; /* the table has rows at the times of the series, not of the snapshots */
+  PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list); /* adds none: no table is written */
+  PetscErrorCode (*rows)(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values);
+  PetscBool events; /* it has rows at the times of the series, not of the snapshots */
+} GaugeTable;
+
+/* A kind of gauge: one file and one line in gauges.c. Entries may be NULL. data: 'bytes' bytes of its own, zero at
+   first. */
+typedef struct {
+  size_t bytes;
+  PetscErrorCode (*setfromoptions)(Gauges gauges, OptionItems PetscOptionsObject, void *data); /* in an options block */
+  PetscErrorCode (*check)(Gauges gauges, void *data); /* refuses bad values, after the block */
+  PetscErrorCode (*view)(Gauges gauges, const void *data, PetscViewer viewer);
+  PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list);   /* adds its rows of the series */
+  PetscErrorCode (*measure)(Gauges gauges, const void *data, PetscReal values[]); /* of the simulated part */
+  PetscBool         needs_sums;          /* 'measure' reads fields that OperatorsMoments and TensionApply write */
+  const GaugeTable *tables;              /* the last has no file */
+  PetscErrorCode (*destroy)(void *data); /* what the data point to */
 } GaugeKind;
 
 extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
-  GaugeSpread, GaugeFilm, GaugeNeck, GaugePinchOff;
+  GaugeSpread, GaugeNeck;
+#define GAUGE_KINDS 9
 
-/* Where and how crown, crater and jet are measured. */
+/* A table that is written, and the data of its gauge. */
 typedef struct {
-  PetscBool wanted;
-  char      pool_name[256];
-  PetscInt  pool;         /* index of the pool's body */
-  PetscInt  axis_numbers; /* count of the numbers that the user gave for the axis */
-  PetscReal axis[DIM];    /* m, horizontal */
-  PetscReal jet_radius;   /* m */
-  PetscReal radius;       /* m, the crater lies inside */
-} CraterSetup;
+  const GaugeTable *kind;
+  void             *data;
+  ColumnList        columns;
+} FilledTable;
+
+struct _p_Gauges {
+  MPI_Comm         comm;
+  PetscMPIInt      rank, size;
+  Cloud            cloud;                   /* borrowed */
+  const Viscosity *viscosity;               /* borrowed; NULL: not known */
+  PetscBool        corrected;               /* the pressure gradient is corrected */
+  PetscBool        tension;                 /* FIELD_CAPILLARY holds the pressure of surface tension */
+  PetscReal        level;                   /* m; NAN: not given and not yet measured */
+  PetscBool        level_given;             /* by -gauge_level */
+  PetscReal        multiplicity;            /* copies of the simulated part that make the whole */
+  PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
+  void       *context;
+  void       *data[GAUGE_KINDS];
+  PetscBool   listed; /* the lists are filled */
+  ColumnList  series;
+  PetscInt    first[GAUGE_KINDS + 1]; /* the first column of each kind in it */
+  FilledTable table[GAUGE_TABLES_MOST];
+  PetscInt    tables;
+};
 
 #define GAUGE_PLACES_MOST 64 /* points or heights; lines are fewer */
 #define GAUGE_LINES_MOST  16
@@ -47,41 +72,24 @@ typedef struct {
   PetscReal at[(GAUGE_PLACES_MOST + 1) * DIM]; /* [count][coordinates a place] m; room for one place too many */
 } Places;
 
-struct _p_Gauges {
-  MPI_Comm         comm;
-  PetscMPIInt      rank, size;
-  Cloud            cloud;        /* borrowed */
-  const Viscosity *viscosity;    /* borrowed; NULL: not known */
-  PetscBool        corrected;    /* the pressure gradient is corrected */
-  PetscBool        tension;      /* FIELD_CAPILLARY holds the pressure of surface tension */
-  PetscReal        level;        /* m; NAN: not given and not measured */
-  PetscBool        level_given;  /* by -gauge_level */
-  PetscReal        multiplicity; /* copies of the simulated part that make the whole */
-  CraterSetup      crater;
-  Places           points, heights, lines, film;
-  PetscInt         line_points;
-  PetscBool        forces, droplets, droplet_main, spread, pinch_off;
-  PetscInt         neck;                    /* direction of -gauge_neck; DIM: none */
-  PetscInt         before;                  /* pieces at the last time of the series; -1: none known */
-  PetscReal        time, before_time;       /* s, of the table that is asked for, and of those pieces */
-  void            *piece_before;            /* [before], see droplets.c */
-  PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
-  void    *context;
-  PetscInt droplet_least; /* particles of the smallest droplet; smaller pieces are spray */
-};
-
 static inline char AxisName(PetscInt direction)
 {
   return "xyz"[direction];
 }
 
-/* --- forces.c: the walls of the box, then the solids, receive forces and are wetted --- */
+/* --- receivers.c: the walls of the box, then the solids, receive forces and are wetted --- */
 /* GaugeWallFace - the number of wall faces of the box; direction and side are those of wall face 'index', if it exists.
    GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
  */
 PetscInt    GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
 PetscInt    GaugeReceivers(Gauges gauges);
 const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
+
+/* --- columns.c --- */
+/* ColumnAdd - adds a row; the name is printed by the format. ColumnAddVector - adds a row for each of the components
+   first .. last of a vector, named "<name>_x" or "x" if the name is empty. Not collective. */
+PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...);
+PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, PetscInt last, const char name[]);
 
 /* --- totals.c --- */
 /* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies
@@ -118,10 +126,13 @@ PetscBool InsideSolid(Gauges gauges, PetscReal distance);
    front. In air the pressure is 0 and the velocity NAN. Inside a solid both are NAN. Collective. */
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
-/* --- lines.c --- */
-/* LinePoints - 'points' points of each line, ends included, at [lines][points][width] (m). width: coordinates of an
-   end. Not collective. */
-void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal at[]);
+/* --- heights.c --- */
+/* HeightsSample - height (m) of the liquid column at each of 'count' places at ([count][dim - 1], m), or thickness: its
+   height over the wall or solid below, 0 if its lowest point is more than a spacing above. The column ends where the
+   volume fraction of liquid, sum V W over the fluid divided by 1 - sum V W over walls and solids, stays below a half
+   for a spacing. Without liquid, the bottom of the box. Collective. */
+PetscErrorCode HeightsSample(Gauges gauges, PetscInt count, const PetscReal places[], PetscBool thickness,
+                             PetscReal height[]);
 
 /* --- connect.c: connected liquid --- */
 /* Largest distance between connected particles, spacings. Neighbours in a sheet or thread are closer; a drop that has
@@ -138,10 +149,24 @@ PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
 PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[]);
 
 /* --- crater_setup.c --- */
-/* GaugeBodyBounds - bounding box of a body inside the box, m. CraterMirrors - number of symmetry faces that hold the
-   axis. Not collective. */
-void     GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
-PetscInt CraterMirrors(Gauges gauges);
+/* Where and how crown, crater and jet are measured. */
+typedef struct {
+  PetscBool wanted;
+  char      pool_name[256];
+  PetscInt  pool;         /* index of the pool's body */
+  PetscInt  axis_numbers; /* count of the numbers that the user gave for the axis */
+  PetscReal axis[DIM];    /* m, horizontal */
+  PetscReal jet_radius;   /* m */
+  PetscReal radius;       /* m, the crater lies inside */
+} Crater;
+
+/* CraterSetFromOptions, CraterCheck, CraterView - of the GaugeKind. GaugeBodyBounds - bounding box of a body inside the
+   box, m. CraterMirrors - number of symmetry faces that hold the axis. The last two are not collective. */
+PetscErrorCode CraterSetFromOptions(Gauges gauges, OptionItems PetscOptionsObject, void *data);
+PetscErrorCode CraterCheck(Gauges gauges, void *data);
+PetscErrorCode CraterView(Gauges gauges, const void *data, PetscViewer viewer);
+void           GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
+PetscInt       CraterMirrors(Gauges gauges, const Crater *crater);
 
 /* --- crater_grid.c: cells over the fluid find the liquid connected with the pool, and the surface below the sky --- */
 #define CELL_LIQUID  1  /* holds fluid */
@@ -161,8 +186,8 @@ typedef struct {
 } CraterGrid;
 
 /* CraterGridCreate - marks the cells that hold fluid of any rank. CELL_POOL marks the connected component (26
-   neighbours) with the most cells of the pool's body. Collective. */
-PetscErrorCode CraterGridCreate(Gauges gauges, const ParticleArrays *arrays, CraterGrid *grid);
+   neighbours) with the most cells of the body 'pool'. Collective. */
+PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArrays *arrays, CraterGrid *grid);
 /* CraterGridSky - lowest[c]: layer of the lowest cell of column c that is open to the sky. A column whose inside[c] is
    false blocks the sky, and its layer is that above the top. Not collective. */
 void           CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);

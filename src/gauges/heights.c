@@ -1,14 +1,13 @@
-/* Heights of the free surface at horizontal places: columns of the series, by SPH interpolation along verticals; and
-   the thickness of the liquid along horizontal lines: a block of rows of film.csv at each snapshot. */
+/* Heights of the free surface at horizontal places: columns of the series, by SPH interpolation along verticals. */
 #include "gauges_impl.h"
 
 #define BINS 4   /* sampling points per spacing, along a vertical */
 #define GAP  4   /* points, one spacing: a longer gap ends the liquid column */
 #define HALF 0.5 /* volume fraction of liquid at the free surface */
 
-static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
-  Places *heights = &gauges->heights;
+  Places *heights = data;
 
   PetscFunctionBegin;
   heights->numbers = (GAUGE_PLACES_MOST + 1) * (DIM - 1); /* room for one place too many, to refuse it */
@@ -20,46 +19,19 @@ static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOpt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Film(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode Check_Heights(Gauges gauges, void *data)
 {
-  Places *film = &gauges->film;
-
   PetscFunctionBegin;
-  film->numbers = (GAUGE_LINES_MOST + 1) * 2 * (DIM - 1); /* room for one line too many, to refuse it */
-  PetscCall(PetscOptionsRealArray(
-    "-gauge_film",
-    "Lines from x,y to x,y (four numbers a line, in two dimensions two), m: the thickness of the "
-    "liquid on walls and solids below -gauge_line_points points of them is written to film.csv at "
-    "each snapshot, 0 where they are dry; default: none",
-    "GaugesTableRows", film->at, &film->numbers, NULL));
+  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", 1, gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST, data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Check_Film(Gauges gauges)
+static PetscErrorCode Columns_Heights(Gauges gauges, const void *data, ColumnList *list)
 {
   PetscFunctionBegin;
-  PetscCall(
-    PlacesCheck(gauges, "-gauge_film", "line", 2, gauges->cloud->domain->dim - 1, GAUGE_LINES_MOST, &gauges->film));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Check_Heights(Gauges gauges)
-{
-  PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_heights", "place", 1, gauges->cloud->domain->dim - 1, GAUGE_PLACES_MOST,
-                        &gauges->heights));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscInt Columns_Heights(Gauges gauges)
-{
-  return gauges->heights.count;
-}
-
-static PetscErrorCode Name_Heights(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name, length, "height_%d_m", (int)column + 1));
+  for (PetscInt p = 0; p < ((const Places *)data)->count; p++)
+    PetscCall(ColumnAdd(list, (Column){.unit = "m", .counts = COUNTS_VALUE, .of = OF_PLACE, .index = p}, "height_%d",
+                        (int)p + 1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -139,11 +111,7 @@ static PetscReal Bottom(Gauges gauges, const PetscReal at[], PetscReal z)
   return domain->lower[up];
 }
 
-/* Height (m) of the liquid column at each of 'count' places at ([count][dim - 1], m), or thickness: its height over the
-   wall or solid below, 0 if its lowest point is more than a spacing above. The column ends where the volume fraction of
-   liquid, sum V W over the fluid divided by 1 - sum V W over walls and solids, stays below a half for a spacing.
-   Without liquid, the bottom of the box. */
-static PetscErrorCode Sample(Gauges gauges, PetscInt count, const PetscReal places[], PetscBool thickness,
+PetscErrorCode HeightsSample(Gauges gauges, PetscInt count, const PetscReal places[], PetscBool thickness,
                              PetscReal height[])
 {
   const Domain    domain = gauges->cloud->domain;
@@ -184,58 +152,17 @@ static PetscErrorCode Sample(Gauges gauges, PetscInt count, const PetscReal plac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Measure_Heights(Gauges gauges, PetscReal height[])
+static PetscErrorCode Measure_Heights(Gauges gauges, const void *data, PetscReal height[])
 {
+  const Places *heights = data;
+
   PetscFunctionBegin;
-  PetscCall(Sample(gauges, gauges->heights.count, gauges->heights.at, PETSC_FALSE, height));
+  PetscCall(HeightsSample(gauges, heights->count, heights->at, PETSC_FALSE, height));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Wanted_Film(Gauges gauges)
-{
-  return (PetscBool)(gauges->film.count > 0);
-}
-
-static PetscErrorCode Head_Film(Gauges gauges, char head[], size_t length)
-{
-  PetscFunctionBegin;
-  PetscCall(
-    PetscStrncpy(head, gauges->cloud->domain->dim == 2 ? "line,x_m,thickness_m" : "line,x_m,y_m,thickness_m", length));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Rows_Film(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
-{
-  const PetscInt flat = gauges->cloud->domain->dim - 1, n = gauges->film.count * gauges->line_points;
-  PetscReal     *at, *thickness; /* [n][flat], [n] */
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n * flat, &at, n, &thickness));
-  LinePoints(&gauges->film, flat, gauges->line_points, at);
-  PetscCall(Sample(gauges, n, at, PETSC_TRUE, thickness));
-  *width = 2 + flat;
-  *count = gauges->rank ? 0 : n;
-  PetscCall(PetscMalloc1(*count * *width, values));
-  for (PetscInt p = 0; p < *count; p++) {
-    PetscReal *row = *values + *width * p;
-
-    row[0] = (PetscReal)(p / gauges->line_points) + 1;
-    PetscCall(PetscArraycpy(row + 1, at + flat * p, flat));
-    row[1 + flat] = thickness[p];
-  }
-  PetscCall(PetscFree2(at, thickness));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-const GaugeKind GaugeHeights = {.setfromoptions = SetFromOptions_Heights,
+const GaugeKind GaugeHeights = {.bytes          = sizeof(Places),
+                                .setfromoptions = SetFromOptions_Heights,
                                 .check          = Check_Heights,
                                 .columns        = Columns_Heights,
-                                .name           = Name_Heights,
                                 .measure        = Measure_Heights};
-
-const GaugeKind GaugeFilm = {.setfromoptions = SetFromOptions_Film,
-                             .check          = Check_Film,
-                             .file           = "film.csv",
-                             .wanted         = Wanted_Film,
-                             .head           = Head_Film,
-                             .rows           = Rows_Film};

@@ -1,10 +1,16 @@
-/* Pressure and velocity along lines: a block of rows of lines.csv at each snapshot. */
+/* Along lines, a block of rows at each snapshot: pressure and velocity (lines.csv), the thickness of the liquid on
+   walls and solids below (film.csv). */
 #include "gauges_impl.h"
 
-#define LINE_POINTS  50 /* default of -gauge_line_points */
-#define LINE_COLUMNS 8  /* line, position, pressure, velocity */
+#define LINE_POINTS 50 /* default of -gauge_line_points */
 
-void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal at[])
+typedef struct {
+  Places   lines, film;
+  PetscInt points; /* of a line */
+} Lines;
+
+/* 'points' points of each line, ends included, at [lines][points][width] (m). width: coordinates of an end. */
+static void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal at[])
 {
   for (PetscInt p = 0; p < lines->count * points; p++) {
     const PetscReal *end = lines->at + 2 * width * (p / points), t = (PetscReal)(p % points) / (points - 1);
@@ -13,57 +19,80 @@ void LinePoints(const Places *lines, PetscInt width, PetscInt points, PetscReal 
   }
 }
 
-static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
-  Places *lines = &gauges->lines;
+  Lines *lines = data;
 
   PetscFunctionBegin;
-  lines->numbers      = (GAUGE_LINES_MOST + 1) * 2 * DIM; /* room for one line too many, to refuse it */
-  gauges->line_points = LINE_POINTS;
+  lines->lines.numbers = (GAUGE_LINES_MOST + 1) * 2 * DIM; /* room for one line too many, to refuse it */
+  lines->points        = LINE_POINTS;
   PetscCall(
     PetscOptionsRealArray("-gauge_lines",
                           "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four), m: pressure and "
                           "velocity along them are written to lines.csv at each snapshot, nan inside solids; default: "
                           "none",
-                          "PointsSample", lines->at, &lines->numbers, NULL));
-  PetscCall(OptionInt("-gauge_line_points", "Points of a line, ends included", "[2, 10000]", &gauges->line_points));
+                          "PointsSample", lines->lines.at, &lines->lines.numbers, NULL));
+  PetscCall(OptionInt("-gauge_line_points", "Points of a line, ends included", "[2, 10000]", &lines->points));
+  lines->film.numbers = (GAUGE_LINES_MOST + 1) * 2 * (DIM - 1); /* room for one line too many, to refuse it */
+  PetscCall(PetscOptionsRealArray(
+    "-gauge_film",
+    "Lines from x,y to x,y (four numbers a line, in two dimensions two), m: the thickness of the "
+    "liquid on walls and solids below -gauge_line_points points of them is written to film.csv at "
+    "each snapshot, 0 where they are dry; default: none",
+    "GaugesTableRows", lines->film.at, &lines->film.numbers, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Check_Lines(Gauges gauges)
+static PetscErrorCode Check_Lines(Gauges gauges, void *data)
 {
+  const PetscInt dim   = gauges->cloud->domain->dim;
+  Lines         *lines = data;
+
   PetscFunctionBegin;
-  PetscCall(
-    PlacesCheck(gauges, "-gauge_lines", "line", 2, gauges->cloud->domain->dim, GAUGE_LINES_MOST, &gauges->lines));
+  PetscCall(PlacesCheck(gauges, "-gauge_lines", "line", 2, dim, GAUGE_LINES_MOST, &lines->lines));
+  PetscCall(PlacesCheck(gauges, "-gauge_film", "line", 2, dim - 1, GAUGE_LINES_MOST, &lines->film));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Wanted_Lines(Gauges gauges)
+/* The rows of a line's number and of the first 'coordinates' coordinates of a point. */
+static PetscErrorCode ColumnsPlace(PetscInt coordinates, ColumnList *list)
 {
-  return (PetscBool)(gauges->lines.count > 0);
-}
+  const Column place = {.unit = "m", .counts = COUNTS_VALUE, .of = OF_PLACE};
 
-static PetscErrorCode Head_Lines(Gauges gauges, char head[], size_t length)
-{
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(head, "line,x_m,y_m,z_m,pressure_Pa,velocity_x_m/s,velocity_y_m/s,velocity_z_m/s", length));
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_VALUE, .of = OF_PLACE}, "line"));
+  PetscCall(ColumnAddVector(list, place, 0, coordinates - 1, ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Rows_Lines(Gauges gauges, PetscInt *count, PetscInt *width, PetscReal **values)
+static PetscErrorCode Columns_Lines(Gauges gauges, const void *data, ColumnList *list)
 {
-  const PetscInt dim = gauges->cloud->domain->dim, points = gauges->line_points, n = gauges->lines.count * points;
-  PetscReal     *at, *sampled; /* [n][dim], [n][1 + dim] */
+  const Column pressure = {.unit = "Pa", .counts = COUNTS_VALUE, .of = OF_PLACE, .needs = NEEDS_PRESSURE},
+               velocity = {.unit = "m/s", .counts = COUNTS_VALUE, .of = OF_PLACE};
+
+  PetscFunctionBegin;
+  if (!((const Lines *)data)->lines.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ColumnsPlace(DIM, list));
+  PetscCall(ColumnAdd(list, pressure, "pressure"));
+  PetscCall(ColumnAddVector(list, velocity, 0, DIM - 1, "velocity"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Rows_Lines(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
+{
+  const Lines   *lines = data;
+  const PetscInt dim = gauges->cloud->domain->dim, points = lines->points, n = lines->lines.count * points,
+                 width = 2 + 2 * DIM;
+  PetscReal *at, *sampled; /* [n][dim], [n][1 + dim] */
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * dim, &at, n * (1 + dim), &sampled));
-  LinePoints(&gauges->lines, dim, points, at);
+  LinePoints(&lines->lines, dim, points, at);
   PetscCall(PointsSample(gauges, n, at, sampled));
-  *width = LINE_COLUMNS;
   *count = gauges->rank ? 0 : n;
-  PetscCall(PetscCalloc1(*count * LINE_COLUMNS, values)); /* the third components are zero in two dimensions */
+  PetscCall(PetscCalloc1(*count * width, values)); /* the third components are zero in two dimensions */
   for (PetscInt p = 0; p < *count; p++) {
-    PetscReal *row = *values + LINE_COLUMNS * p;
+    PetscReal *row = *values + width * p;
 
     row[0] = (PetscReal)(p / points) + 1;
     PetscCall(PetscArraycpy(row + 1, at + dim * p, dim));
@@ -73,9 +102,43 @@ static PetscErrorCode Rows_Lines(Gauges gauges, PetscInt *count, PetscInt *width
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeLines = {.setfromoptions = SetFromOptions_Lines,
+static PetscErrorCode Columns_Film(Gauges gauges, const void *data, ColumnList *list)
+{
+  PetscFunctionBegin;
+  if (!((const Lines *)data)->film.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ColumnsPlace(gauges->cloud->domain->dim - 1, list));
+  PetscCall(ColumnAdd(list, (Column){.unit = "m", .counts = COUNTS_VALUE, .of = OF_PLACE}, "thickness"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Rows_Film(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
+{
+  const Lines   *lines = data;
+  const PetscInt flat = gauges->cloud->domain->dim - 1, n = lines->film.count * lines->points, width = 2 + flat;
+  PetscReal     *at, *thickness; /* [n][flat], [n] */
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n * flat, &at, n, &thickness));
+  LinePoints(&lines->film, flat, lines->points, at);
+  PetscCall(HeightsSample(gauges, n, at, PETSC_TRUE, thickness));
+  *count = gauges->rank ? 0 : n;
+  PetscCall(PetscMalloc1(*count * width, values));
+  for (PetscInt p = 0; p < *count; p++) {
+    PetscReal *row = *values + width * p;
+
+    row[0] = (PetscReal)(p / lines->points) + 1;
+    PetscCall(PetscArraycpy(row + 1, at + flat * p, flat));
+    row[1 + flat] = thickness[p];
+  }
+  PetscCall(PetscFree2(at, thickness));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const GaugeTable tables[] = {{.file = "lines.csv", .columns = Columns_Lines, .rows = Rows_Lines},
+                                    {.file = "film.csv", .columns = Columns_Film, .rows = Rows_Film},
+                                    {.file = NULL}};
+
+const GaugeKind GaugeLines = {.bytes          = sizeof(Lines),
+                              .setfromoptions = SetFromOptions_Lines,
                               .check          = Check_Lines,
-                              .file           = "lines.csv",
-                              .wanted         = Wanted_Lines,
-                              .head           = Head_Lines,
-                              .rows           = Rows_Lines};
+                              .tables         = tables};

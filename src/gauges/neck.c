@@ -6,42 +6,41 @@
 #define REACH 1.5  /* spacings */
 #define CLEAR 1.02 /* on both sides of a neck the liquid is thicker by this factor */
 
-static PetscErrorCode SetFromOptions_Neck(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Neck(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
+  PetscInt                *axis   = data;
   static const char *const axes[] = {"x", "y", "z", "none"};
 
   PetscFunctionBegin;
+  *axis = DIM;
   PetscCall(OptionWord("-gauge_neck",
                        "Axis of a thread or jet: the series has the mean diameter of the largest connected piece "
                        "along it, and diameter and place of its neck (m), nan without one;",
-                       DIM + 1, axes, &gauges->neck));
+                       DIM + 1, axes, axis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Check_Neck(Gauges gauges)
+static PetscErrorCode Check_Neck(Gauges gauges, void *data)
 {
-  const Domain domain = gauges->cloud->domain;
+  const Domain   domain = gauges->cloud->domain;
+  const PetscInt axis   = *(PetscInt *)data;
 
   PetscFunctionBegin;
-  PetscCheckUser(gauges->neck == DIM || (domain->rings ? gauges->neck == 1 : gauges->neck < domain->dim), gauges->comm,
-                 "-gauge_neck is %c; it must be %s.", AxisName(gauges->neck),
+  PetscCheckUser(axis == DIM || (domain->rings ? axis == 1 : axis < domain->dim), gauges->comm,
+                 "-gauge_neck is %c; it must be %s.", AxisName(axis),
                  domain->rings      ? "y, the axis of the rings"
                  : domain->dim == 2 ? "x or y in two dimensions"
                                     : "x, y or z");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscInt Columns_Neck(Gauges gauges)
+static PetscErrorCode Columns_Neck(Gauges gauges, const void *data, ColumnList *list)
 {
-  return gauges->neck < DIM ? 3 : 0;
-}
-
-static PetscErrorCode Name_Neck(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  static const char *const names[] = {"neck_diameter_m", "neck_position_m", "thread_diameter_m"};
+  static const char *const names[] = {"neck_diameter", "neck_position", "thread_diameter"};
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(name, names[column], length));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names) && *(const PetscInt *)data < DIM; k++)
+    PetscCall(ColumnAdd(list, (Column){.unit = "m", .counts = COUNTS_VALUE, .of = OF_PIECE}, "%s", names[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,11 +55,11 @@ static void AddSection(PetscReal z, PetscReal reach, PetscReal volume, PetscReal
 
 /* Adds the sections of this rank's particles of the piece, and their images in the faces at the ends. A wall has an
    image too: liquid reaches up to it. */
-static void AddSections(Gauges gauges, const PetscBool main[], PetscReal bin, PetscInt bins, PetscReal section[])
+static void AddSections(Gauges gauges, PetscInt axis, const PetscBool main[], PetscReal bin, PetscInt bins,
+                        PetscReal section[])
 {
   const Cloud     cloud  = gauges->cloud;
   const Domain    domain = cloud->domain;
-  const PetscInt  axis   = gauges->neck;
   const PetscReal length = domain->upper[axis] - domain->lower[axis];
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -104,10 +103,10 @@ static PetscInt Neck(PetscInt n, const PetscReal diameter[], PetscInt begin, Pet
 }
 
 /* Diameter, in two dimensions width, and place (m) of the neck, NAN without one; the mean diameter (m) of the piece. */
-static PetscErrorCode Measure_Neck(Gauges gauges, PetscReal value[])
+static PetscErrorCode Measure_Neck(Gauges gauges, const void *data, PetscReal value[])
 {
   const Domain    domain = gauges->cloud->domain;
-  const PetscInt  axis   = gauges->neck;
+  const PetscInt  axis   = *(const PetscInt *)data;
   const PetscReal length = domain->upper[axis] - domain->lower[axis];
   const PetscInt  bins   = PetscMax(1, (PetscInt)(BINS * length / domain->spacing + 0.5));
   const PetscReal bin    = length / bins;
@@ -119,7 +118,7 @@ static PetscErrorCode Measure_Neck(Gauges gauges, PetscReal value[])
   PetscCall(PetscMalloc1(gauges->cloud->n_fluid, &main));
   PetscCall(PetscCalloc1(bins, &diameter));
   PetscCall(ConnectedLargest(gauges, main));
-  AddSections(gauges, main, bin, bins, diameter);
+  AddSections(gauges, axis, main, bin, bins, diameter);
   PetscCall(PetscFree(main));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, diameter, (PetscMPIInt)bins, MPIU_REAL, MPIU_SUM, gauges->comm));
   for (PetscInt d = 0; d < domain->dim; d++)
@@ -144,8 +143,8 @@ static PetscErrorCode Measure_Neck(Gauges gauges, PetscReal value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeNeck = {.setfromoptions = SetFromOptions_Neck,
+const GaugeKind GaugeNeck = {.bytes          = sizeof(PetscInt),
+                             .setfromoptions = SetFromOptions_Neck,
                              .check          = Check_Neck,
                              .columns        = Columns_Neck,
-                             .name           = Name_Neck,
                              .measure        = Measure_Neck};

@@ -1,9 +1,9 @@
 /* Pressure and velocity at fixed points: columns of the series. */
 #include "gauges_impl.h"
 
-static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
-  Places *points = &gauges->points;
+  Places *points = data;
 
   PetscFunctionBegin;
   points->numbers = (GAUGE_PLACES_MOST + 1) * DIM; /* room for one point too many, to refuse it */
@@ -15,19 +15,20 @@ static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOpti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Check_Points(Gauges gauges)
+static PetscErrorCode Check_Points(Gauges gauges, void *data)
 {
-  const Scene    scene = gauges->cloud->scene;
-  const PetscInt dim   = gauges->cloud->domain->dim;
+  Places        *points = data;
+  const Scene    scene  = gauges->cloud->scene;
+  const PetscInt dim    = gauges->cloud->domain->dim;
 
   PetscFunctionBegin;
-  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", 1, dim, GAUGE_PLACES_MOST, &gauges->points));
-  for (PetscInt k = 0; k < gauges->points.count * SceneSolidCount(scene); k++) {
+  PetscCall(PlacesCheck(gauges, "-gauge_points", "point", 1, dim, GAUGE_PLACES_MOST, points));
+  for (PetscInt k = 0; k < points->count * SceneSolidCount(scene); k++) {
     const PetscInt point  = k / SceneSolidCount(scene);
     const Body     solid  = SceneSolid(scene, k % SceneSolidCount(scene));
     PetscReal      x[DIM] = {0, 0, 0};
 
-    PetscCall(PetscArraycpy(x, gauges->points.at + dim * point, dim));
+    PetscCall(PetscArraycpy(x, points->at + dim * point, dim));
     PetscCheckUser(BodyMoves(solid) || !InsideSolid(gauges, BodyDistance(solid, x)), gauges->comm,
                    "-gauge_points: point %d is inside the solid %s, which does not move; put it on the solid's surface "
                    "or into the liquid.",
@@ -36,32 +37,35 @@ static PetscErrorCode Check_Points(Gauges gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscInt Columns_Points(Gauges gauges)
+static PetscErrorCode Columns_Points(Gauges gauges, const void *data, ColumnList *list)
 {
-  return gauges->points.count * (1 + gauges->cloud->domain->dim);
-}
-
-static PetscErrorCode Name_Points(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  const PetscInt width = 1 + gauges->cloud->domain->dim, point = column / width, part = column % width;
+  const PetscInt dim = gauges->cloud->domain->dim;
 
   PetscFunctionBegin;
-  if (part == 0)
-    PetscCall(PetscSNPrintf(name, length, "point_%d_pressure_Pa", (int)point + 1));
-  else
-    PetscCall(PetscSNPrintf(name, length, "point_%d_velocity_%c_m/s", (int)point + 1, AxisName(part - 1)));
+  for (PetscInt p = 0; p < ((const Places *)data)->count; p++) {
+    Column row = {.unit = "Pa", .counts = COUNTS_VALUE, .of = OF_PLACE, .index = p, .needs = NEEDS_PRESSURE};
+    char   name[COLUMN_NAME_LENGTH];
+
+    PetscCall(ColumnAdd(list, row, "point_%d_pressure", (int)p + 1));
+    row.unit  = "m/s";
+    row.needs = 0;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "point_%d_velocity", (int)p + 1));
+    PetscCall(ColumnAddVector(list, row, 0, dim - 1, name));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Measure_Points(Gauges gauges, PetscReal values[])
+static PetscErrorCode Measure_Points(Gauges gauges, const void *data, PetscReal values[])
 {
+  const Places *points = data;
+
   PetscFunctionBegin;
-  PetscCall(PointsSample(gauges, gauges->points.count, gauges->points.at, values));
+  PetscCall(PointsSample(gauges, points->count, points->at, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugePoints = {.setfromoptions = SetFromOptions_Points,
+const GaugeKind GaugePoints = {.bytes          = sizeof(Places),
+                               .setfromoptions = SetFromOptions_Points,
                                .check          = Check_Points,
                                .columns        = Columns_Points,
-                               .name           = Name_Points,
                                .measure        = Measure_Points};

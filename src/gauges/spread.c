@@ -12,7 +12,6 @@
    the edge of the wetted area; its value at height 0 is the angle. Below LOW the kernel's sums see the wall. */
 #include "../neighbors/sorted_cells.h"
 #include "gauges_impl.h"
-#include <string.h>
 
 #define COVER  0.56 /* of the kernel's support: that of W; ghosts are known within COVER + PART = 1 */
 #define PART   0.44 /* of the kernel's support: points lie within this of a particle */
@@ -334,14 +333,16 @@ static PetscErrorCode Spread(Gauges gauges, PetscInt d, const PetscBool main[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Spread(Gauges gauges, OptionItems PetscOptionsObject)
+static PetscErrorCode SetFromOptions_Spread(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
+  PetscBool *spread = data;
+
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-gauge_spread",
                              "Write to the series, for each wall of the box and each solid, the wetted area (m2), the "
                              "diameter of the circle of this area (m) and the contact angle seen (degrees); for walls "
                              "also the widths of the ellipse (3-d) and of the liquid",
-                             "GaugesMeasure", gauges->spread, &gauges->spread, NULL));
+                             "GaugesMeasure", *spread, spread, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -355,26 +356,23 @@ static PetscInt Quantities(Gauges gauges, PetscInt receiver)
   return gauges->cloud->domain->dim == 3 ? QUANTITIES : LONG;
 }
 
-static PetscInt Columns_Spread(Gauges gauges)
+static PetscErrorCode Columns_Spread(Gauges gauges, const void *data, ColumnList *list)
 {
-  PetscInt count = 0;
-
-  for (PetscInt r = 0; r < GaugeReceivers(gauges) && gauges->spread; r++) count += Quantities(gauges, r);
-  return count;
-}
-
-static PetscErrorCode Name_Spread(Gauges gauges, PetscInt column, char name[], size_t length)
-{
-  static const char *const names[QUANTITIES] = {"wetted_%s_%s", "contact_diameter_%s_%s", "contact_angle_%s_%s",
-                                                "spread_%s_%s", "contact_long_%s_%s",     "contact_short_%s_%s"};
-  PetscInt                 r                 = 0;
+  static const char *const names[QUANTITIES] = {"wetted", "contact_diameter", "contact_angle",
+                                                "spread", "contact_long",     "contact_short"};
 
   PetscFunctionBegin;
-  while (column >= Quantities(gauges, r)) column -= Quantities(gauges, r++);
-  PetscCall(PetscSNPrintf(name, length, names[column], GaugeReceiverName(gauges, r),
-                          column == ANGLE    ? "degrees"
-                          : column == WETTED ? GaugeUnit(gauges->cloud->domain, "m2")
-                                             : "m"));
+  for (PetscInt r = 0; r < GaugeReceivers(gauges) && *(const PetscBool *)data; r++)
+    for (PetscInt q = 0; q < Quantities(gauges, r); q++) {
+      const Column row = {.unit   = q == WETTED  ? "m2"
+                                    : q == ANGLE ? "degrees"
+                                                 : "m",
+                          .counts = q == WETTED ? COUNTS_SUM : COUNTS_VALUE,
+                          .of     = OF_RECEIVER,
+                          .index  = r};
+
+      PetscCall(ColumnAdd(list, row, "%s_%s", names[q], GaugeReceiverName(gauges, r)));
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -396,7 +394,7 @@ static PetscErrorCode SumAreas(Cover *cover)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Measure_Spread(Gauges gauges, PetscReal value[])
+static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal value[])
 {
   const Cloud    cloud = gauges->cloud;
   const PetscInt n = GaugeReceivers(gauges), faces = GaugeWallFace(cloud->domain, -1, NULL, NULL);
@@ -422,12 +420,13 @@ static PetscErrorCode Measure_Spread(Gauges gauges, PetscReal value[])
   }
   PetscCall(SumAreas(&cover));
   for (PetscInt r = 0; r < n; r++) {
-    const PetscReal *sum = cover.sum + SUMS * r, area = gauges->multiplicity * sum[0];
+    const Column     row = {.counts = COUNTS_SUM, .of = OF_RECEIVER, .index = r};
+    const PetscReal *sum = cover.sum + SUMS * r, whole = GaugesFactor(gauges, &row) * sum[0];
     PetscInt         d = 0, side = 0;
 
     (void)GaugeWallFace(cloud->domain, r, &d, &side);
-    value[WETTED]   = area;
-    value[DIAMETER] = !strcmp(GaugeUnit(cloud->domain, "m2"), "m") ? area : 2 * PetscSqrtReal(area / PETSC_PI);
+    value[WETTED]   = sum[0];
+    value[DIAMETER] = cloud->domain->dim == 2 && !cloud->domain->rings ? whole : 2 * PetscSqrtReal(whole / PETSC_PI);
     value[ANGLE]    = Angle(sum + FIT);
     if (r < faces) PetscCall(Spread(gauges, d, main, &value[EXTENT]));
     if (r < faces && cloud->domain->dim == 3) Axes(gauges, d, sum, value + LONG);
@@ -438,8 +437,8 @@ static PetscErrorCode Measure_Spread(Gauges gauges, PetscReal value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeSpread = {.setfromoptions = SetFromOptions_Spread,
+const GaugeKind GaugeSpread = {.bytes          = sizeof(PetscBool),
+                               .setfromoptions = SetFromOptions_Spread,
                                .columns        = Columns_Spread,
-                               .name           = Name_Spread,
                                .measure        = Measure_Spread,
                                .needs_sums     = PETSC_TRUE};

@@ -1,15 +1,6 @@
 /* Sums over the fluid: energies, volume, number of particles; the highest liquid, and the level of heights. */
 #include "gauges_impl.h"
 
-const char *GaugeUnit(Domain domain, const char unit[])
-{
-  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}, {"m2", "m"}};
-
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2 && !domain->rings; k++)
-    if (!strcmp(unit, flat[k][0])) return flat[k][1];
-  return unit;
-}
-
 PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies)
 {
   const PetscBool lower = (PetscBool)(domain->face[d][0] == FACE_SYMMETRY);
@@ -22,17 +13,17 @@ PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies)
 
 PetscReal GaugesLevel(Gauges gauges)
 {
-  return PetscIsInfOrNanReal(gauges->level) && !gauges->crater.wanted ? 0 : gauges->level;
+  return gauges->level;
 }
 
 void GaugesSetLevel(Gauges gauges, PetscReal level)
 {
-  if (!gauges->level_given) gauges->level = level;
+  if (!gauges->level_given && !PetscIsInfOrNanReal(level)) gauges->level = level;
 }
 
 PetscReal HeightOverLevel(Gauges gauges, PetscReal top)
 {
-  return top > -PETSC_MAX_REAL ? top + 0.5 * gauges->cloud->domain->spacing - GaugesLevel(gauges) : NAN;
+  return top > -PETSC_MAX_REAL ? top + 0.5 * gauges->cloud->domain->spacing - gauges->level : NAN;
 }
 
 PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
@@ -61,9 +52,9 @@ PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPIU_REAL, MPIU_SUM, gauges->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &highest, 1, MPIU_REAL, MPIU_MAX, gauges->comm));
   totals->multiplicity     = gauges->multiplicity;
-  totals->kinetic_energy   = gauges->multiplicity * sum[0];
-  totals->potential_energy = gauges->multiplicity * sum[1];
-  totals->volume           = gauges->multiplicity * sum[3] * domain->volume;
+  totals->kinetic_energy   = sum[0];
+  totals->potential_energy = sum[1];
+  totals->volume           = sum[3] * domain->volume;
   totals->particles        = (PetscInt)sum[2];
   totals->highest          = HeightOverLevel(gauges, highest);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -53,6 +53,13 @@ void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);
    file that is missing, truncated, damaged or no checkpoint, a checkpoint of another scene, numbers that no run leaves,
    and data outside the file. Writes nothing. Call OutputSetUp and CloudResync afterwards. Collective. */
 PetscErrorCode OutputRestart(Output output, const char file[], StepState *state);
+/* OutputEachColumn - calls visit(context, file, column, words) for each column of series.csv and of the tables of
+   gauges that this run writes ("series.csv", "droplets.csv", ...), in their order, and for each field of its snapshots
+   (file "snapshot"); words: those of GaugesColumnWords. Every gauge must know its options and forces. Not collective.
+ */
+typedef PetscErrorCode (*ColumnVisitor)(void *context, const char file[], const Column *column,
+                                        const ColumnWords *words);
+PetscErrorCode OutputEachColumn(Output output, ColumnVisitor visit, void *context);
 /* OutputFolder - the run folder. Not collective. */
 const char *OutputFolder(Output output);
 /* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of a snapshot, bytes of

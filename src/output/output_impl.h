@@ -24,7 +24,8 @@ typedef struct {
 /* The fields that a snapshot may have: the stored reals, then id, body, surface, layer. */
 #define SNAPSHOT_FIELDS (FIELD_STORED_COUNT + 4)
 typedef struct {
-  const char *name, *unit, *meaning;
+  Column      column;
+  const char *meaning;
   PetscInt    width;   /* numbers a particle */
   PetscInt    integer; /* the IntFieldId; -1: a real field */
 } SnapshotField;
@@ -136,6 +137,7 @@ PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 PetscErrorCode RestartCheckParticles(Output output, const char file[]);
 
 /* --- table.c: tables of comma-separated values that grow line by line and whose first columns are time and step --- */
+#define LINE_LENGTH 65536 /* bytes of a line: 100 for each column that a run can have */
 /* TableOpen - opens <folder>/<name> to append; a new file gets the head line. same: the run in the folder is continued,
    so lines behind restart_step are cut off. *last: the step of the last line, or -1. Collective. */
 PetscErrorCode TableOpen(Output output, const char name[], const char head[], PetscBool same, PetscInt restart_step,

@@ -45,7 +45,7 @@ static void XdmfSnapshot(FILE *file, const SnapshotEntry *entry)
     const PetscBool     whole = (PetscBool)(field.integer >= 0);
 
     if (f != FIELD_POSITION && entry->fields & 1U << f)
-      XdmfAttribute(file, entry, field.name, field.width, whole ? "Int" : "Float",
+      XdmfAttribute(file, entry, field.column.name, field.width, whole ? "Int" : "Float",
                     whole ? (PetscInt)sizeof(PetscInt) : entry->precision);
   }
   fprintf(file, "    </Grid>\n");
@@ -121,7 +121,7 @@ static void VtkGroup(H5File *h5, const SnapshotEntry *entry)
   H5FileNote(h5, point);
   if (!h5->failed) VtkCell(h5, group, entry->n);
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !h5->failed; f++) {
-    const char *name = SnapshotFieldAt(f).name;
+    const char *name = SnapshotFieldAt(f).column.name;
 
     if (f == FIELD_POSITION)
       H5FileNote(h5, H5Lcreate_hard(h5->id, name, group, "Points", H5P_DEFAULT, H5P_DEFAULT));

@@ -4,101 +4,127 @@
 #define SERIES_FILE   "series.csv"
 #define SERIES_DIGITS 12
 #define TABLE_DIGITS  9
-#define NAME_LENGTH   64  /* bytes of a column's name */
-#define HEAD_LENGTH   160 /* bytes of a table's head, without time and step */
 
-/* What the columns behind time and step are taken from. */
+/* What the columns are taken from. */
 typedef struct {
   const StepState *state;
   GaugeTotals      totals;
-  CraterValues     crater;
   PetscReal        wall; /* s */
 } SeriesValues;
 
-/* The columns behind time and step: name, unit ("": none), whether -gauge_crater is needed, value from v
-   (SeriesValues). */
+/* The columns before those of gauges: name, unit in space, what the number counts, what it needs; its value in the
+   simulated part, from v (SeriesValues). Time and step are the first columns of each table. */
 #define SERIES_COLUMNS(X)                                                                                              \
-  X("time_step", "s", PETSC_FALSE, v->state->time_step)                                                                \
-  X("crown_height", "m", PETSC_TRUE, v->crater.crown_height)                                                           \
-  X("crater_depth", "m", PETSC_TRUE, v->crater.crater_depth)                                                           \
-  X("crater_diameter", "m", PETSC_TRUE, v->crater.crater_diameter)                                                     \
-  X("kinetic_energy", "J", PETSC_FALSE, v->totals.kinetic_energy)                                                      \
-  X("iterations", "", PETSC_FALSE, v->state->iterations)                                                               \
-  X("jet_height", "m", PETSC_TRUE, v->crater.jet_height)                                                               \
-  X("highest", "m", PETSC_FALSE, v->totals.highest)                                                                    \
-  X("potential_energy", "J", PETSC_FALSE, v->totals.potential_energy)                                                  \
-  X("volume", "m3", PETSC_FALSE, v->totals.volume)                                                                     \
-  X("density_error", "", PETSC_FALSE, v->state->density_error)                                                         \
-  X("divergence", "", PETSC_FALSE, v->state->divergence)                                                               \
-  X("solver_error", "", PETSC_FALSE, v->state->solver_error)                                                           \
-  X("surface_energy", "J", PETSC_FALSE, v->totals.multiplicity * v->state->surface_energy)                             \
-  X("viscous_work", "J", PETSC_FALSE, v->totals.multiplicity * v->state->viscous_work)                                 \
-  X("tension_work", "J", PETSC_FALSE, v->totals.multiplicity * v->state->tension_work)                                 \
-  X("outside_work", "J", PETSC_FALSE, v->totals.multiplicity *StepperOutsideWork(v->state))                            \
-  X("particles", "", PETSC_FALSE, v->totals.particles)                                                                 \
-  X("lost", "", PETSC_FALSE, v->state->lost)                                                                           \
-  X("rejected", "", PETSC_FALSE, v->state->rejected)                                                                   \
-  X("wall_time", "s", PETSC_FALSE, v->wall)
+  X("time", "s", COUNTS_VALUE, 0, v->state->time)                                                                      \
+  X("step", NULL, COUNTS_RUN, 0, v->state->step)                                                                       \
+  X("time_step", "s", COUNTS_RUN, NEEDS_STEP, v->state->time_step)                                                     \
+  X("kinetic_energy", "J", COUNTS_SUM, 0, v->totals.kinetic_energy)                                                    \
+  X("iterations", NULL, COUNTS_RUN, NEEDS_STEP, v->state->iterations)                                                  \
+  X("highest", "m", COUNTS_VALUE, 0, v->totals.highest)                                                                \
+  X("potential_energy", "J", COUNTS_SUM, NEEDS_GRAVITY, v->totals.potential_energy)                                    \
+  X("volume", "m3", COUNTS_SUM, 0, v->totals.volume)                                                                   \
+  X("density_error", NULL, COUNTS_RUN, 0, v->state->density_error)                                                     \
+  X("divergence", NULL, COUNTS_RUN, 0, v->state->divergence)                                                           \
+  X("solver_error", NULL, COUNTS_RUN, NEEDS_STEP, v->state->solver_error)                                              \
+  X("surface_energy", "J", COUNTS_SUM, NEEDS_TENSION, v->state->surface_energy)                                        \
+  X("viscous_work", "J", COUNTS_SUM, NEEDS_VISCOSITY, v->state->viscous_work)                                          \
+  X("tension_work", "J", COUNTS_SUM, NEEDS_TENSION, v->state->tension_work)                                            \
+  X("outside_work", "J", COUNTS_SUM, 0, StepperOutsideWork(v->state))                                                  \
+  X("particles", NULL, COUNTS_RUN, 0, v->totals.particles)                                                             \
+  X("lost", NULL, COUNTS_RUN, 0, v->state->lost)                                                                       \
+  X("rejected", NULL, COUNTS_RUN, 0, v->state->rejected)                                                               \
+  X("wall_time", "s", COUNTS_RUN, 0, v->wall)
 
-static const struct {
-  const char *name, *unit;
-  PetscBool   of_crater;
-} columns[] = {
-#define COLUMN(name, unit, of_crater, value) {name, unit, of_crater},
+static const Column own[] = {
+#define COLUMN(name, unit, counts, needs, value) {name, unit, counts, OF_SCENE, 0, 0, needs},
   SERIES_COLUMNS(COLUMN)
 #undef COLUMN
 };
 
-#define COLUMNS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(columns))
+#define OWN  ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(own))
+#define KEYS 2 /* time and step */
 
-/* Whether the run has a column. */
-static PetscBool HasColumn(Output output, PetscInt column)
+/* Calls visit for a table's columns: of 'own' the first so many, then those of gauges. */
+static PetscErrorCode EachColumn(Output output, const char file[], PetscInt first, PetscInt gauges,
+                                 const Column of_gauges[], ColumnVisitor visit, void *context)
 {
-  return (PetscBool)(!columns[column].of_crater || GaugesHasCrater(output->gauges));
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < first + gauges; c++) {
+    const Column *column = c < first ? &own[c] : &of_gauges[c - first];
+    ColumnWords   words;
+
+    PetscCall(GaugesColumnWords(output->gauges, column, &words));
+    PetscCall(visit(context, file, column, &words));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The head line, to be freed. */
-static PetscErrorCode HeadLine(Output output, char **line)
+PetscErrorCode OutputEachColumn(Output output, ColumnVisitor visit, void *context)
 {
-  const PetscInt gauges = GaugesColumns(output->gauges);
-  const size_t   length = (size_t)(COLUMNS + gauges + 2) * (NAME_LENGTH + 1);
-  size_t         used;
+  PetscInt      gauges;
+  const Column *columns;
+  const char   *file;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(length, line));
-  used = (size_t)snprintf(*line, length, "time_s,step");
-  for (PetscInt c = 0; c < COLUMNS; c++)
-    if (HasColumn(output, c))
-      used += (size_t)snprintf(*line + used, length - used, ",%s%s%s", columns[c].name, columns[c].unit[0] ? "_" : "",
-                               GaugeUnit(output->cloud->domain, columns[c].unit));
-  for (PetscInt c = 0; c < gauges; c++) {
-    char name[NAME_LENGTH];
-
-    PetscCall(GaugesColumnName(output->gauges, c, name, sizeof(name)));
-    used += (size_t)snprintf(*line + used, length - used, ",%s", name);
+  PetscCall(GaugesColumns(output->gauges, &gauges, &columns));
+  PetscCall(EachColumn(output, SERIES_FILE, OWN, gauges, columns, visit, context));
+  for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
+    PetscCall(GaugesTableColumns(output->gauges, t, &file, &gauges, &columns));
+    PetscCall(EachColumn(output, file, KEYS, gauges, columns, visit, context));
   }
-  (void)snprintf(*line + used, length - used, "\n");
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
+    const SnapshotField field = SnapshotFieldAt(f);
+
+    if (output->content.fields & 1U << f)
+      PetscCall(EachColumn(output, "snapshot", 0, 1, &field.column, visit, context));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Opens a file whose head has the words of its columns. */
+typedef struct {
+  const char *file;
+  char        head[LINE_LENGTH];
+} Head;
+
+static PetscErrorCode AddToHead(void *context, const char file[], const Column *column, const ColumnWords *words)
+{
+  Head *h = context;
+
+  PetscFunctionBegin;
+  if (strcmp(file, h->file)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (h->head[0]) PetscCall(PetscStrlcat(h->head, ",", sizeof(h->head)));
+  PetscCall(PetscStrlcat(h->head, words->head, sizeof(h->head)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Start(Output output, const char file[], PetscBool same, PetscInt step, FILE **stream,
+                            PetscInt *last)
+{
+  Head *head;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&head));
+  head->file = file;
+  PetscCall(OutputEachColumn(output, AddToHead, head));
+  PetscCall(PetscStrlcat(head->head, "\n", sizeof(head->head)));
+  PetscCall(TableOpen(output, file, head->head, same, step, stream, last));
+  PetscCall(PetscFree(head));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state)
 {
-  char *head;
-
   PetscFunctionBegin;
-  PetscCall(HeadLine(output, &head));
-  PetscCall(TableOpen(output, SERIES_FILE, head, same, state->step, &output->series_file, &output->series_step));
-  PetscCall(PetscFree(head));
+  PetscCall(Start(output, SERIES_FILE, same, state->step, &output->series_file, &output->series_step));
   for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
-    const char *file;
-    char        columns_of_gauge[HEAD_LENGTH], line[HEAD_LENGTH + 16];
-    PetscInt    last;
+    const char   *file;
+    const Column *columns;
+    PetscInt      last, count, width;
 
-    PetscCall(GaugesTableHead(output->gauges, t, &file, columns_of_gauge, sizeof(columns_of_gauge)));
-    PetscCall(PetscSNPrintf(line, sizeof(line), "time_s,step,%s\n", columns_of_gauge));
-    PetscCall(TableOpen(output, file, line, same, state->step, &output->table_file[t], &last));
+    PetscCall(GaugesTableColumns(output->gauges, t, &file, &width, &columns));
+    PetscCall(Start(output, file, same, state->step, &output->table_file[t], &last));
     if (GaugesTableEvents(output->gauges, t)) { /* what is there at the start is no event */
-      PetscInt   count, width;
       PetscReal *values;
 
       PetscCall(GaugesTableRows(output->gauges, t, state->time, &count, &width, &values));
@@ -108,38 +134,34 @@ PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The columns that the run has, behind time and step; returns how many. */
-static PetscInt FillColumns(Output output, const SeriesValues *v, PetscReal line[COLUMNS])
+/* The columns behind time and step, of the whole scene. */
+static void FillColumns(Output output, const SeriesValues *v, PetscReal line[])
 {
-  const PetscReal all[] = {
-#define COLUMN(name, unit, of_crater, value) (PetscReal)(value),
+  const PetscReal part[] = {
+#define COLUMN(name, unit, counts, needs, value) (PetscReal)(value),
     SERIES_COLUMNS(COLUMN)
 #undef COLUMN
   };
-  PetscInt n = 0;
 
-  for (PetscInt c = 0; c < COLUMNS; c++)
-    if (HasColumn(output, c)) line[n++] = all[c];
-  return n;
+  for (PetscInt c = KEYS; c < OWN; c++) line[c - KEYS] = GaugesFactor(output->gauges, &own[c]) * part[c];
 }
 
 PetscErrorCode SeriesWrite(Output output, const StepState *state)
 {
-  const PetscInt gauges = GaugesColumns(output->gauges);
-  SeriesValues   v      = {.state = state};
-  PetscReal     *line;
-  PetscInt       n;
-  int            error = 0;
+  SeriesValues  v = {.state = state};
+  const Column *columns;
+  PetscReal    *line;
+  PetscInt      gauges;
+  int           error = 0;
 
   PetscFunctionBegin;
-  if (GaugesHasCrater(output->gauges))
-    PetscCall(GaugesCrater(output->gauges, &v.crater)); /* first: it measures the level */
+  PetscCall(GaugesColumns(output->gauges, &gauges, &columns));
+  PetscCall(PetscMalloc1(OWN - KEYS + gauges, &line));
+  PetscCall(GaugesMeasure(output->gauges, line + OWN - KEYS)); /* first: a crater measures the level */
   PetscCall(GaugesTotals(output->gauges, &v.totals));
-  PetscCall(PetscMalloc1(COLUMNS + gauges, &line));
   v.wall = OutputWallTime(output);
-  n      = FillColumns(output, &v, line);
-  PetscCall(GaugesMeasure(output->gauges, line + n));
-  if (!output->rank) error = TableWrite(output->series_file, state, SERIES_DIGITS, 1, n + gauges, line);
+  FillColumns(output, &v, line);
+  if (!output->rank) error = TableWrite(output->series_file, state, SERIES_DIGITS, 1, OWN - KEYS + gauges, line);
   PetscCall(PetscFree(line));
   PetscCall(FolderStatus(output, error, "write", SERIES_FILE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,17 +171,17 @@ PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBoo
 {
   PetscFunctionBegin;
   for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
-    PetscInt    count, width;
-    PetscReal  *values;
-    const char *file;
-    char        head[HEAD_LENGTH];
-    int         error = 0;
+    PetscInt      count, width;
+    PetscReal    *values;
+    const char   *file;
+    const Column *columns;
+    int           error = 0;
 
     if (GaugesTableEvents(output->gauges, t) != events) continue;
     PetscCall(GaugesTableRows(output->gauges, t, state->time, &count, &width, &values));
     if (!output->rank) error = TableWrite(output->table_file[t], state, TABLE_DIGITS, count, width, values);
     PetscCall(PetscFree(values));
-    PetscCall(GaugesTableHead(output->gauges, t, &file, head, sizeof(head)));
+    PetscCall(GaugesTableColumns(output->gauges, t, &file, &width, &columns));
     PetscCall(FolderStatus(output, error, "write", file));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,7 +31,7 @@ static PetscErrorCode EntryRead(Output output, PetscInt index, SnapshotEntry *en
   whole = (PetscBool)(H5FileGetReal(&h5, "time", &entry->time) && H5FileGetInt(&h5, "step", &step) &&
                       H5FileGetInt(&h5, "particles", &n) && H5FileGetInt(&h5, "precision", &precision));
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
-    if (H5FileHas(&h5, SnapshotFieldAt(f).name)) entry->fields |= 1U << f;
+    if (H5FileHas(&h5, SnapshotFieldAt(f).column.name)) entry->fields |= 1U << f;
   PetscCall(H5FileClose(&h5, &failed));
   entry->index     = index;
   entry->step      = (PetscInt)step;
@@ -164,13 +164,15 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
     const SnapshotField field = SnapshotFieldAt(f);
     const hid_t         real  = output->content.precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+    ColumnWords         words;
 
     if (!(output->content.fields & 1U << f)) continue;
     PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "A field of a snapshot has at most three numbers");
     rows->width = field.width;
     Pack(output, arrays, particle, rows->n, f, values);
-    PetscCall(
-      H5FileWrite(h5, field.name, field.integer < 0 ? real : H5FILE_INT, rows, values, field.unit, field.meaning));
+    PetscCall(GaugesColumnWords(output->gauges, &field.column, &words));
+    PetscCall(H5FileWrite(h5, field.column.name, field.integer < 0 ? real : H5FILE_INT, rows, values,
+                          words.unit[0] ? words.unit : "1", field.meaning));
   }
   PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);

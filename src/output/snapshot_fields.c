@@ -8,11 +8,18 @@ static const IntFieldId int_fields[] = {INT_ID, INT_BODY, INT_SURFACE, INT_LAYER
 
 SnapshotField SnapshotFieldAt(PetscInt f)
 {
-  if (f < FIELD_STORED_COUNT)
-    return (SnapshotField){Fields[f].name, Fields[f].unit, Fields[f].meaning, Fields[f].width, -1};
-  const IntFieldId id = int_fields[f - FIELD_STORED_COUNT];
+  const PetscBool real  = (PetscBool)(f < FIELD_STORED_COUNT);
+  const PetscInt  id    = real ? -1 : (PetscInt)int_fields[f - FIELD_STORED_COUNT];
+  SnapshotField   field = {.column  = {.counts = real ? COUNTS_VALUE : COUNTS_RUN, .of = OF_PARTICLE},
+                           .meaning = real ? Fields[f].meaning : IntFieldMeanings[id],
+                           .width   = real ? Fields[f].width : 1,
+                           .integer = id};
 
-  return (SnapshotField){IntFieldNames[id], "1", IntFieldMeanings[id], 1, (PetscInt)id};
+  (void)snprintf(field.column.name, sizeof(field.column.name), "%s", real ? Fields[f].name : IntFieldNames[id]);
+  if (real && strcmp(Fields[f].unit, "1")) field.column.unit = Fields[f].unit;
+  if (f == FIELD_VOLUME) field.column.counts = COUNTS_SUM;
+  if (f == FIELD_PRESSURE) field.column.needs = NEEDS_PRESSURE;
+  return field;
 }
 
 void SnapshotName(PetscInt index, char name[64])
@@ -91,7 +98,7 @@ static PetscErrorCode CheckFields(Output output)
     PetscBool found = PETSC_FALSE;
 
     for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !found; f++) {
-      PetscCall(PetscStrcmp(content->name[k], SnapshotFieldAt(f).name, &found));
+      PetscCall(PetscStrcmp(content->name[k], SnapshotFieldAt(f).column.name, &found));
       found = (PetscBool)(found && Present(output, f));
       if (found) content->fields |= 1U << f;
     }
@@ -135,7 +142,7 @@ PetscErrorCode SnapshotView(Output output, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "    of"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
-    if (content->fields & 1U << f) PetscCall(PetscViewerASCIIPrintf(viewer, " %s", SnapshotFieldAt(f).name));
+    if (content->fields & 1U << f) PetscCall(PetscViewerASCIIPrintf(viewer, " %s", SnapshotFieldAt(f).column.name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "%s, %s precision, compression %d\n",
                                    content->region ? " in a part of the box" : "",
                                    content->precise ? "double" : "single", (int)content->compression));

@@ -4,8 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define LINE_LENGTH 65536 /* bytes: 100 for each column that a run can have */
-
 /* Cuts the file behind a step: copies the head and the complete lines to a temporary file, which replaces it. Rank 0;
    returns an errno, EILSEQ when the file has other columns. */
 static int Cut(const char path[], const char temporary[], const char head[], PetscInt restart_step, PetscInt *last_step)

@@ -8,9 +8,10 @@
 #define TENSION_SHARE 0.4  /* relative error of the measured work of surface tension at R/d0 = 8 */
 #define LINE_LENGTH   512
 
+/* Of the whole scene (J). */
 static PetscReal Energy(const GaugeTotals *totals)
 {
-  return totals->kinetic_energy + totals->potential_energy;
+  return totals->multiplicity * (totals->kinetic_energy + totals->potential_energy);
 }
 
 PetscErrorCode BudgetStart(Sim sim)
@@ -22,7 +23,7 @@ PetscErrorCode BudgetStart(Sim sim)
   PetscCall(GaugesTotals(sim->gauges, &totals));
   sim->state.start_energy   = Energy(&totals);
   sim->state.start_density  = sim->state.density_mean;
-  sim->state.kinetic_energy = totals.kinetic_energy / totals.multiplicity;
+  sim->state.kinetic_energy = totals.kinetic_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,7 +41,7 @@ static PetscReal Lift(Sim sim, const GaugeTotals *totals)
     for (PetscInt d = 0; d < domain->dim; d++) x[d] = corner >> d & 1 ? domain->upper[d] : domain->lower[d];
     least = PetscMin(least, SceneForcePotential(sim->scene, x));
   }
-  return PetscAbsReal(totals->potential_energy - mass * least);
+  return totals->multiplicity * PetscAbsReal(totals->potential_energy - mass * least);
 }
 
 /* The energy balance of a run, in J. gain: of the liquid's energy since the start. residual: the part of it that no
@@ -141,7 +142,7 @@ static PetscErrorCode Meaning(Sim sim, const Balance *b, char text[], size_t len
 
 static PetscErrorCode ReportEnergy(Sim sim)
 {
-  const char *joule = GaugeUnit(sim->domain, "J");
+  const char *joule = DomainUnit(sim->domain, "J");
   Balance     b;
   char        outside[LINE_LENGTH], meaning[LINE_LENGTH];
 
@@ -154,7 +155,8 @@ static PetscErrorCode ReportEnergy(Sim sim)
                         "              viscosity gave %.4g, tension %.4g%s\n"
                         "              residual %+.3g %s, %+.3g %% of the energy exchanged: %s\n"
                         "  dominant    %s\n",
-                        (double)b.totals.kinetic_energy, (double)b.totals.potential_energy, (double)b.gain, joule,
+                        (double)(b.totals.multiplicity * b.totals.kinetic_energy),
+                        (double)(b.totals.multiplicity * b.totals.potential_energy), (double)b.gain, joule,
                         (double)b.viscous, (double)b.tension, outside, (double)b.residual, joule,
                         b.exchanged > 0 ? 100 * (double)(b.residual / b.exchanged) : 0.0, meaning,
                         Dominant(&sim->state, &b)));
@@ -181,7 +183,7 @@ static PetscErrorCode ReportFree(Sim sim)
   PetscCall(PetscPrintf(sim->comm,
                         "  solids      those with a mass: kinetic %.4g, potential %.4g %s, not part of the liquid's "
                         "energy above\n",
-                        (double)kinetic, (double)potential, GaugeUnit(sim->domain, "J")));
+                        (double)kinetic, (double)potential, DomainUnit(sim->domain, "J")));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,7 +207,7 @@ PetscErrorCode BudgetReport(Sim sim)
                           "  particles   %" PetscInt_FMT " joined with others, %" PetscInt_FMT
                           " split, which took %.3g %s of kinetic energy\n",
                           state->joined, state->split, (double)(totals.multiplicity * state->resampling_loss),
-                          GaugeUnit(sim->domain, "J")));
+                          DomainUnit(sim->domain, "J")));
   PetscCall(ReportEnergy(sim));
   PetscCall(ReportFree(sim));
   PetscFunctionReturn(PETSC_SUCCESS);

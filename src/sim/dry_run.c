@@ -80,7 +80,7 @@ static PetscErrorCode PrintBodies(Sim sim)
     const PetscReal volume = volumes[b], shape = BodyEmits(body) ? 0 : ShapeVolume(sim, body);
 
     PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %.4g %s", BodyName(body), count[b],
-                          (double)volume, GaugeUnit(sim->domain, "m3")));
+                          (double)volume, DomainUnit(sim->domain, "m3")));
     if (shape > 0) PetscCall(PetscPrintf(sim->comm, ", %+.1f %% of its shape", (double)(100 * (volume / shape - 1))));
     PetscCall(PetscPrintf(sim->comm, "\n"));
   }

@@ -272,8 +272,7 @@ PetscErrorCode SimEmit(Sim sim)
   PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
   PetscCall(GaugesTotals(sim->gauges, &after));
   sim->state.inflow_energy +=
-    (after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy) /
-    after.multiplicity;
+    after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -49,7 +49,7 @@ static const PetscReal kinetic   = COPIES * NUMBER * RHO * D0 * D0 * 0.5 * 4,
 /* --- series --- */
 
 /* The number in the column of this name in the last line of the series; not a number if there is none. */
-static PetscReal Column(const char name[])
+static PetscReal Written(const char name[])
 {
   FILE     *file       = fopen(FOLDER "/series.csv", "r");
   char      head[8192] = "", line[8192] = "", *next, *place;
@@ -105,7 +105,7 @@ static PetscErrorCode TestSeries(void)
   PetscCall(RunDestroy(&run));
   if (!rank)
     for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(columns); k++)
-      CHECK_CLOSE(Column(columns[k].name), columns[k].value, 1e-9 * (1 + PetscAbsReal(columns[k].value)),
+      CHECK_CLOSE(Written(columns[k].name), columns[k].value, 1e-9 * (1 + PetscAbsReal(columns[k].value)),
                   columns[k].name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,7 @@
 #include "../../src/gauges/gauges.h"
 #include "setup.h"
 #include "check.h"
+#include "columns.h"
 #include <string.h>
 
 #define COLUMNS_MOST 32
@@ -30,10 +31,10 @@ static PetscErrorCode Measure(const char options[], Series *series)
   PetscCall(SetupMoments(&s));
   PetscCall(GaugesCreate(s.cloud, &gauges));
   PetscCall(GaugesSetFromOptions(gauges));
-  series->count = GaugesColumns(gauges);
+  series->count = ColumnCount(gauges);
   PetscCheck(series->count <= COLUMNS_MOST, PETSC_COMM_WORLD, PETSC_ERR_ARG_SIZ, "too many columns");
   for (PetscInt k = 0; k < series->count; k++)
-    PetscCall(GaugesColumnName(gauges, k, series->name[k], sizeof(series->name[k])));
+    PetscCall(ColumnHead(gauges, k, series->name[k], sizeof(series->name[k])));
   PetscCall(GaugesMeasure(gauges, series->value));
   PetscCall(GaugesDestroy(&gauges));
   PetscCall(SetupClose(&s));
@@ -41,7 +42,7 @@ static PetscErrorCode Measure(const char options[], Series *series)
 }
 
 /* The value of a column; -1: there is none. */
-static PetscReal Column(const Series *series, const char name[])
+static PetscReal Value(const Series *series, const char name[])
 {
   for (PetscInt k = 0; k < series->count; k++)
     if (!strcmp(series->name[k], name)) return series->value[k];
@@ -92,14 +93,14 @@ static PetscErrorCode TestCaps(void)
     PetscCall(Measure(options, &series));
     PetscCall(PetscSNPrintf(what, sizeof(what), "diameter_of_cap_%d_on_%s", (int)k, c->wall));
     PetscCall(PetscSNPrintf(name, sizeof(name), "contact_diameter_%s_m", c->wall));
-    CHECK_CLOSE(Column(&series, name), 2 * FOOT, 1, what);
+    CHECK_CLOSE(Value(&series, name), 2 * FOOT, 1, what);
     PetscCall(PetscSNPrintf(name, sizeof(name), "wetted_%s_%s", c->wall, flat ? "m" : "m2"));
-    area = Column(&series, name);
+    area = Value(&series, name);
     PetscCall(PetscSNPrintf(what, sizeof(what), "area_of_cap_%d_on_%s", (int)k, c->wall));
     CHECK_CLOSE(area, flat ? 2 * FOOT : FOOT * FOOT * PETSC_PI, flat ? 1 : FOOT * PETSC_PI, what);
     PetscCall(PetscSNPrintf(name, sizeof(name), "contact_angle_%s_degrees", c->wall));
     PetscCall(PetscSNPrintf(what, sizeof(what), "angle_of_cap_%d_on_%s", (int)k, c->wall));
-    if (c->degrees == c->degrees) CHECK_CLOSE(Column(&series, name), c->angle, c->degrees, what);
+    if (c->degrees == c->degrees) CHECK_CLOSE(Value(&series, name), c->angle, c->degrees, what);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,11 +117,11 @@ static PetscErrorCode TestQuarter(void)
   PetscFunctionBegin;
   PetscCall(Measure(SPACE ELLIPSOID, &whole));
   PetscCall(Measure(QUARTER ELLIPSOID "-gauge_multiplicity 4", &quarter));
-  CHECK_CLOSE(Column(&whole, "contact_long_zmin_m"), 28, 1, "length_of_the_ellipse");
-  CHECK_CLOSE(Column(&whole, "contact_short_zmin_m"), 18, 1, "width_of_the_ellipse");
-  CHECK_CLOSE(Column(&whole, "spread_zmin_m"), 28, 1, "spread_of_the_ellipsoid");
+  CHECK_CLOSE(Value(&whole, "contact_long_zmin_m"), 28, 1, "length_of_the_ellipse");
+  CHECK_CLOSE(Value(&whole, "contact_short_zmin_m"), 18, 1, "width_of_the_ellipse");
+  CHECK_CLOSE(Value(&whole, "spread_zmin_m"), 28, 1, "spread_of_the_ellipsoid");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(same); k++)
-    CHECK_CLOSE(Column(&quarter, same[k]) / Column(&whole, same[k]), 1, 2e-3, same[k]);
+    CHECK_CLOSE(Value(&quarter, same[k]) / Value(&whole, same[k]), 1, 2e-3, same[k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,11 +134,11 @@ static PetscErrorCode TestPool(void)
   PetscCall(Measure("-dimension 2 -spacing 1 -packing_jitter 0 -box_lower 0,0 -box_upper 60,40 -box_x wall -box_y wall "
                     "-bodies pool -pool_upper 60,20 -gauge_spread",
                     &series));
-  CHECK_CLOSE(Column(&series, "wetted_ymin_m"), 60, 0.1, "a_floor_under_a_pool");
-  CHECK_CLOSE(Column(&series, "wetted_xmin_m"), 20, 0.5, "a_wall_beside_a_pool");
-  CHECK_CLOSE(Column(&series, "wetted_ymax_m"), 0, 0, "a_dry_ceiling");
-  CHECK(PetscIsNanReal(Column(&series, "contact_angle_ymin_degrees")), "no_line_no_angle");
-  CHECK_CLOSE(Column(&series, "contact_angle_xmax_degrees"), 90, 5, "a_pool_meets_its_wall");
+  CHECK_CLOSE(Value(&series, "wetted_ymin_m"), 60, 0.1, "a_floor_under_a_pool");
+  CHECK_CLOSE(Value(&series, "wetted_xmin_m"), 20, 0.5, "a_wall_beside_a_pool");
+  CHECK_CLOSE(Value(&series, "wetted_ymax_m"), 0, 0, "a_dry_ceiling");
+  CHECK(PetscIsNanReal(Value(&series, "contact_angle_ymin_degrees")), "no_line_no_angle");
+  CHECK_CLOSE(Value(&series, "contact_angle_xmax_degrees"), 90, 5, "a_pool_meets_its_wall");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
