@@ -216,9 +216,10 @@ static PetscErrorCode Measure_Droplets(Gauges gauges, const void *data, PetscRea
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &count, &piece));
   for (PetscInt c = 0; c < QUANTITIES; c++) value[c] = 0;
-  for (PetscInt k = 1; k < count; k++) {
-    const PetscReal number = piece[k].number / gauges->multiplicity;
+  for (PetscInt k = 0; k < count; k++) { /* images of the largest piece are droplets */
+    const PetscReal number = (piece[k].number - (k ? 0 : 1)) / gauges->multiplicity;
 
+    if (number <= 0) continue;
     if (piece[k].particles < ((const Droplets *)data)->least) {
       value[SPRAY] += number * piece[k].particles;
       continue;
@@ -288,7 +289,8 @@ static PetscErrorCode Rows_Droplets(Gauges gauges, void *data, PetscReal time, P
   PetscFunctionBegin;
   PetscCall(FindPieces(gauges, &pieces, &piece));
   PetscCall(PetscMalloc1(pieces, &wanted));
-  for (PetscInt k = 0; k < pieces; k++) wanted[k] = (PetscBool)(k > 0 || droplets->main);
+  if (pieces && !droplets->main) piece[0].number--; /* its images are droplets */
+  for (PetscInt k = 0; k < pieces; k++) wanted[k] = (PetscBool)(piece[k].number > 0);
   PetscCall(PieceRows(droplets->least, pieces, piece, wanted, count, values));
   PetscCall(PetscFree(wanted));
   PetscCall(PetscFree(piece));

@@ -154,6 +154,14 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
 
 /* --- tables --- */
 
+const char *GaugesTableFile(PetscInt t)
+{
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
+    for (const GaugeTable *table = kinds[k]->tables; table && table->file; table++)
+      if (t-- == 0) return table->file;
+  return NULL;
+}
+
 PetscInt GaugesTables(Gauges gauges)
 {
   return List(gauges) ? 0 : gauges->tables;

@@ -102,6 +102,9 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[]);
 PetscErrorCode GaugesColumnWords(Gauges gauges, const Column *column, ColumnWords *words);
 PetscReal      GaugesFactor(Gauges gauges, const Column *column);
 
+/* GaugesTableFile - name of the file of table t of all that gauges may fill; NULL: there is none. Not collective. */
+const char *GaugesTableFile(PetscInt t);
+
 #define GAUGE_TABLES_MOST 4
 /* GaugesTables - number of tables that the gauges fill, at most GAUGE_TABLES_MOST. GaugesTableColumns - the table's
    file name and the rows of its columns, [count], borrowed. GaugesTableEvents - whether its rows are of the times of

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 /* Files of a run besides the numbered ones. */
-static const char *const files[] = {"series.csv",   "snapshots.xdmf", "options.opts", "version.txt",       "lines.csv",
-                                    "droplets.csv", "solids.h5",      "log.txt",      CHECKPOINT_BY_CLOCK, NULL};
+static const char *const files[]    = {"series.csv", "snapshots.xdmf", "options.opts",      "version.txt",
+                                       "solids.h5",  "log.txt",        CHECKPOINT_BY_CLOCK, NULL};
 static const char *const numbered[] = {"snapshot_", "checkpoint_", NULL};
 
 PetscErrorCode OutputPath(Output output, const char name[], char path[PETSC_MAX_PATH_LEN])
@@ -84,14 +84,22 @@ PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a name is that of a file, or of this file while it is written. */
+static PetscBool IsFile(const char name[], const char file[])
+{
+  const size_t length = strlen(file);
+
+  return (PetscBool)(!strncmp(name, file, length) && (!name[length] || !strcmp(name + length, ".tmp")));
+}
+
 static PetscBool IsOurs(const char name[])
 {
-  char temporary[64];
+  const char *table;
 
-  for (PetscInt f = 0; files[f]; f++) {
-    snprintf(temporary, sizeof(temporary), "%s.tmp", files[f]);
-    if (!strcmp(name, files[f]) || !strcmp(name, temporary)) return PETSC_TRUE;
-  }
+  for (PetscInt f = 0; files[f]; f++)
+    if (IsFile(name, files[f])) return PETSC_TRUE;
+  for (PetscInt t = 0; (table = GaugesTableFile(t)); t++)
+    if (IsFile(name, table)) return PETSC_TRUE;
   for (PetscInt f = 0; numbered[f]; f++) {
     if (NumberOf(name, numbered[f], PETSC_FALSE) >= 0 || NumberOf(name, numbered[f], PETSC_TRUE) >= 0)
       return PETSC_TRUE;

@@ -1,0 +1,377 @@
+/* Columns as rows. Whatever a run writes has a row, with a unit and a meaning. And what the rows say is so: the same
+   state measured whole, as half and as quarter, with one size of particles and with two, in space and as rings, has the
+   same numbers in all columns but those of the computation. Lengths in spacings. Runs on any number of ranks. */
+#include "../../src/output/output_impl.h"
+#include "setup.h"
+#include "check.h"
+#include <string.h>
+
+#define COLUMNS_MOST 256
+#define LINES_MOST   64
+#define PLACES_MOST  16384
+#define EXACT        1e-8 /* droplets.csv has nine digits */
+#define CRATER       1.2  /* spacings: each depth of a crater is right to 0.6, see crater.c */
+
+/* A tank with a floor and, of the whole, four sides; a post on its axis, and an obstacle on each side of it. Of the
+   pool a drop and its spray come off. */
+#define GAUGES                                                                                                         \
+  " -gauge_forces -gauge_spread -gauge_droplets -gauge_droplet_main -gauge_pinch_off -gauge_crater -gauge_axis 0,0 "   \
+  "-gauge_jet_radius 3 -gauge_level 6 -gauge_points 2.5,0.5,1.5,6,2.5,3.2 -gauge_heights 3,0.5,6.2,2.5 -gauge_neck z " \
+  "-gauge_lines 1.5,0.5,2.5,7,0.5,2.5 -gauge_film 1.5,0.5,7,0.5 -gauge_line_points 5 "
+#define FLAT_GAUGES                                                                                                    \
+  " -gauge_forces -gauge_spread -gauge_droplets -gauge_droplet_main -gauge_pinch_off -gauge_crater -gauge_axis 0 "     \
+  "-gauge_jet_radius 3 -gauge_level 6 -gauge_points 2.5,1.5,6,3.2 -gauge_heights 3,6.2 -gauge_neck y -gauge_lines "    \
+  "1.5,2.5,7,2.5 -gauge_film 1.5,7 -gauge_line_points 5 "
+#define COMMON                                                                                                         \
+  "-spacing 1 -packing_jitter 0 -bodies water -output_overwrite -snapshot_interval 0 -post_lower -1,-1,-9 "            \
+  "-post_upper 1,1,1 -right_lower 4,-1,-9 -right_upper 6,1,2 "
+#define FLAT_COMMON                                                                                                    \
+  "-dimension 2 -spacing 1 -packing_jitter 0 -bodies water -output_overwrite -snapshot_interval 0 -post_lower -1,-9 "  \
+  "-post_upper 1,1 -right_lower 4,-9 -right_upper 6,2 "
+
+/* A column of a file: its row in words, and its numbers in the lines. */
+typedef struct {
+  char         file[32], head[COLUMN_NAME_LENGTH + 16], unit[16];
+  ColumnCounts counts;
+  ColumnOf     of;
+  PetscBool    radial; /* the component of a sum that rings have no other for */
+  PetscInt     lines;
+  PetscReal    value[LINES_MOST];
+} Numbers;
+
+typedef struct {
+  PetscInt count;
+  Numbers  column[COLUMNS_MOST];
+} Table;
+
+static char folder[64]; /* of the runs; another one for another number of ranks */
+
+typedef int (*Liquid)(const PetscReal x[DIM]);
+
+/* Whether the tank's liquid fills a place: a pool with a crater, a drop on the axis, one on each side, spray. The
+   crater is that of a sphere. */
+static int Tank(const PetscReal x[DIM])
+{
+  const PetscReal ax = PetscAbsReal(x[0]), ay = PetscAbsReal(x[1]), z = x[2], r2 = ax * ax + ay * ay;
+
+  if ((ax < 1 && ay < 1 && z < 1) || (ax > 4 && ax < 6 && ay < 1 && z < 2)) return 0; /* solids */
+  if (z < 6) return r2 + PetscSqr(z - 8) > 36;
+  return r2 + PetscSqr(z - 11) < 5 || PetscSqr(ax - 6) + ay * ay + PetscSqr(z - 11) < 3 ||
+         (ax > 3 && ax < 4 && (ay > 3 || ay == 0) && ay < 4 && z > 14 && z < 15);
+}
+
+/* Pressure, velocity and the pressure of tension there: the same on both sides of a mirror. */
+static void State(PetscInt layer, PetscInt up, const PetscReal x[DIM], PetscReal *p, PetscReal v[DIM])
+{
+  for (PetscInt d = 0; d < DIM && !layer; d++) v[d] = d == up ? 0.2 * x[up] - 1 : d < up ? 0.1 * x[d] : 0;
+  *p = 2000 - 100 * x[up] + 10 * PetscAbsReal(x[0]);
+}
+
+/* The places of a liquid in the box, on a lattice. */
+static PetscInt Places(const char options[], Liquid liquid, PetscReal x[])
+{
+  const PetscBool flat    = (PetscBool)(strstr(options, "-dimension 2") != NULL);
+  const PetscInt  least_x = strstr(options, "-box_xmin symmetry") ? 0 : -12,
+                 least_y = flat || strstr(options, "-box_ymin symmetry") ? 0 : -12, above_y = flat ? 1 : 12;
+  PetscInt n = 0;
+
+  for (PetscInt k = 0; k < 16; k++)
+    for (PetscInt j = least_y; j < above_y; j++)
+      for (PetscInt i = least_x; i < 12; i++) {
+        const PetscReal place[DIM] = {i + 0.5, flat ? 0 : j + 0.5, k + 0.5};
+
+        if (!liquid(place)) continue;
+        x[DIM * n]     = place[0];
+        x[DIM * n + 1] = flat ? place[2] : place[1];
+        x[DIM * n + 2] = flat ? 0 : place[2];
+        n++;
+      }
+  return n;
+}
+
+/* --- what a run writes --- */
+
+static PetscErrorCode Collect(void *context, const char file[], const Column *column, const ColumnWords *words)
+{
+  Table   *table = context;
+  Numbers *to    = &table->column[PetscMin(table->count, COLUMNS_MOST - 1)];
+
+  PetscFunctionBegin;
+  table->count++;
+  PetscCall(PetscStrncpy(to->file, file, sizeof(to->file)));
+  PetscCall(PetscStrncpy(to->head, words->head, sizeof(to->head)));
+  PetscCall(PetscStrncpy(to->unit, words->unit, sizeof(to->unit)));
+  to->lines  = 0;
+  to->counts = column->counts;
+  to->of     = column->of;
+  to->radial = (PetscBool)!strcmp(words->direction, "radial");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads a file's lines into its columns; whether its head has exactly the rows' names. Rank 0. */
+static PetscBool ReadFile(const char file[], Table *table)
+{
+  char      path[128], line[LINE_LENGTH], *next;
+  PetscInt  first = 0, count = 0, lines = 0;
+  PetscBool same = PETSC_TRUE;
+  FILE     *stream;
+
+  while (strcmp(table->column[first].file, file)) first++;
+  while (first + count < table->count && !strcmp(table->column[first + count].file, file)) count++;
+  (void)snprintf(path, sizeof(path), "%s/%s", folder, file);
+  stream = fopen(path, "r");
+  if (!stream || !fgets(line, sizeof(line), stream)) return PETSC_FALSE;
+  line[strcspn(line, "\n")] = 0;
+  for (PetscInt c = 0; c < count; c++) {
+    const char *word = strtok_r(c ? NULL : line, ",", &next);
+
+    same = (PetscBool)(same && word && !strcmp(word, table->column[first + c].head));
+  }
+  same = (PetscBool)(same && !*next);
+  while (fgets(line, sizeof(line), stream) && lines < LINES_MOST) {
+    for (PetscInt c = 0; c < count; c++) {
+      const char *word = strtok_r(c ? NULL : line, ",", &next);
+
+      same                                  = (PetscBool)(same && word);
+      table->column[first + c].value[lines] = word ? atof(word) : NAN;
+    }
+    same = (PetscBool)(same && !*next);
+    lines++;
+  }
+  (void)fclose(stream);
+  for (PetscInt c = 0; c < count; c++) table->column[first + c].lines = lines;
+  return same;
+}
+
+/* Fills a scene with a liquid, of size 2 below coarse, and gives what a run writes of this state. copies: of the part
+   in the whole, which divide the sums that a run has. */
+static PetscErrorCode Write(const char options[], Liquid liquid, PetscReal copies, const char name[], Table *table)
+{
+  const StepState state     = {.time           = 0.5,
+                               .step           = 3,
+                               .surface_energy = 12 / copies,
+                               .viscous_work   = -8 / copies,
+                               .tension_work   = 20 / copies,
+                               .solid_work     = 4 / copies};
+  const Viscosity viscosity = {.form = VISCOSITY_CLEARY};
+  PetscReal      *x;
+  Setup           s;
+  Gauges          gauges;
+  Output          output;
+  ParticleArrays  arrays;
+  PetscMPIInt     rank;
+  char            file[32] = "", text[128];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(PetscMalloc1(DIM * PLACES_MOST, &x));
+  PetscCall(SetupFill(options, Places(options, liquid, x), x, 3, &s));
+  PetscCall(PetscFree(x));
+  PetscCall(ParticlesOpen(s.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    State(arrays.integer[INT_LAYER][a], s.domain->dim - 1, arrays.real[FIELD_POSITION] + DIM * a,
+          &arrays.real[FIELD_PRESSURE][a], arrays.real[FIELD_VELOCITY] + DIM * a);
+  PetscCall(ParticlesClose(s.particles, &arrays));
+  PetscCall(CloudResync(s.cloud));
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < s.cloud->n_owned; a++)
+    s.cloud->field[FIELD_CAPILLARY][a] = 5 + s.cloud->field[FIELD_POSITION][DIM * a + s.domain->dim - 1];
+  PetscCall(PetscOptionsSetValue(NULL, "-output_dir", folder));
+  PetscCall(GaugesCreate(s.cloud, &gauges));
+  PetscCall(GaugesSetFromOptions(gauges));
+  GaugesSetForces(gauges, &viscosity, PETSC_TRUE, PETSC_TRUE);
+  PetscCall(OutputCreate(s.cloud, gauges, &output));
+  PetscCall(OutputSetFromOptions(output));
+  PetscCall(OutputSetUp(output, NULL, &state));
+  table->count = 0;
+  PetscCall(OutputEachColumn(output, Collect, table));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: number of columns", name));
+  CHECK(table->count > 60 && table->count < COLUMNS_MOST, text);
+  PetscCall(OutputStep(output, &state, PETSC_TRUE));
+  PetscCall(OutputDestroy(&output));
+  PetscCall(GaugesDestroy(&gauges));
+  PetscCall(SetupClose(&s));
+  for (PetscInt c = 0; c < table->count && !rank; c++) {
+    if (!strcmp(file, table->column[c].file) || !strcmp("snapshot", table->column[c].file)) continue;
+    PetscCall(PetscStrncpy(file, table->column[c].file, sizeof(file)));
+    PetscCall(
+      PetscSNPrintf(text, sizeof(text), "%s: the head of %s has its rows, each line a number for each", name, file));
+    CHECK(ReadFile(file, table), text);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- rows --- */
+
+/* Each field of a snapshot has a row and its unit. Rank 0. */
+static PetscErrorCode CheckSnapshot(const Table *table, const char name[])
+{
+  hid_t      file;
+  PetscBool  good   = PETSC_TRUE;
+  PetscInt   fields = 0;
+  H5G_info_t info;
+  char       text[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s/snapshot_000000.h5", folder));
+  file = H5Fopen(text, H5F_ACC_RDONLY, H5P_DEFAULT);
+  for (PetscInt c = 0; c < table->count; c++) {
+    const Numbers *row       = &table->column[c];
+    char           field[64] = "", unit[64] = "";
+    hid_t          attribute, type;
+
+    if (strcmp(row->file, "snapshot")) continue;
+    fields++;
+    PetscCall(PetscStrncpy(field, row->head, sizeof(field)));
+    if (row->unit[0]) field[strlen(field) - strlen(row->unit) - 1] = 0;
+    attribute = H5Aopen_by_name(file, field, "unit", H5P_DEFAULT, H5P_DEFAULT);
+    type      = H5Aget_type(attribute);
+    (void)H5Aread(attribute, type, unit);
+    (void)H5Tclose(type);
+    (void)H5Aclose(attribute);
+    good = (PetscBool)(good && !strcmp(unit, row->unit[0] ? row->unit : "1"));
+  }
+  (void)H5Gget_info(file, &info);
+  (void)H5Fclose(file);
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: fields of a snapshot have their rows' units", name));
+  CHECK(good && fields > 5 && (PetscInt)info.nlinks == fields + 1, text); /* and the group VTKHDF */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Each row has a name of its own in its file, a unit of the list, and only a pure number has none. */
+static PetscErrorCode CheckRows(const Table *table, PetscInt dim, const char name[])
+{
+  static const char *const        space[] = {"s",   "m",     "m/s", "Pa", "degrees", "kg/m3", "Pa s",
+                                             "rad", "rad/s", "J",   "N",  "m2",      "m3",    ""},
+                           *const plane[] = {"s",   "m",     "m/s", "Pa",  "degrees", "kg/m3", "Pa s",
+                                             "rad", "rad/s", "J/m", "N/m", "m2",      ""};
+  PetscBool                       good = PETSC_TRUE, alone = PETSC_TRUE;
+  PetscMPIInt                     rank;
+  char                            text[128];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < table->count; c++) {
+    const Numbers *row   = &table->column[c];
+    PetscBool      known = PETSC_FALSE;
+
+    for (size_t k = 0; k < (dim == 2 ? PETSC_STATIC_ARRAY_LENGTH(plane) : PETSC_STATIC_ARRAY_LENGTH(space)); k++)
+      known = (PetscBool)(known || !strcmp(row->unit, dim == 2 ? plane[k] : space[k]));
+    good = (PetscBool)(good && known && row->head[0]);
+    for (PetscInt k = 0; k < c; k++)
+      alone =
+        (PetscBool)(alone && (strcmp(row->file, table->column[k].file) || strcmp(row->head, table->column[k].head)));
+  }
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: units of all columns", name));
+  CHECK(good, text);
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: names of all columns", name));
+  CHECK(alone, text);
+  PetscCall(CheckSnapshot(table, name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- what the rows say --- */
+
+static const Numbers *Find(const Table *table, const char file[], const char head[])
+{
+  for (PetscInt c = 0; c < table->count; c++)
+    if (!strcmp(table->column[c].file, file) && !strcmp(table->column[c].head, head)) return &table->column[c];
+  return NULL;
+}
+
+/* The numbers of a column that both runs must have: those of its lines; of pieces of liquid, the sum over all copies.
+ */
+static PetscInt Comparable(const Table *table, const Numbers *column, PetscReal value[LINES_MOST])
+{
+  const Numbers *number = Find(table, column->file, "number");
+
+  if (!number) {
+    for (PetscInt k = 0; k < column->lines; k++) value[k] = column->value[k];
+    return column->lines;
+  }
+  value[0] = 0;
+  for (PetscInt k = 0; k < column->lines; k++)
+    value[0] += column == number ? number->value[k] : number->value[k] * column->value[k];
+  return column == number || column->counts == COUNTS_SUM;
+}
+
+/* All columns that two runs of the same state have, but those of the computation. */
+static PetscErrorCode CheckSame(const Table *whole, const Table *part, PetscInt least, const char name[])
+{
+  PetscInt    shared = 0;
+  PetscMPIInt rank;
+  char        text[192];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < part->count; c++) {
+    const Numbers  *of_part = &part->column[c], *of_whole = Find(whole, of_part->file, of_part->head);
+    PetscReal       a[LINES_MOST], b[LINES_MOST];
+    const PetscInt  n     = Comparable(part, of_part, a);
+    const PetscBool depth = (PetscBool)!strcmp(of_part->head, "crater_depth_m");
+
+    if (!of_whole || !strcmp(of_part->file, "snapshot") || of_part->counts == COUNTS_RUN) continue;
+    PetscCall(PetscSNPrintf(text, sizeof(text), "%s: %s of %s", name, of_part->head, of_part->file));
+    if (n != Comparable(whole, of_whole, b)) CHECK(PETSC_FALSE, text);
+    for (PetscInt k = 0; k < n; k++)
+      if (a[k] == a[k] || b[k] == b[k])
+        CHECK_CLOSE(a[k], b[k], depth ? CRATER : EXACT * (1 + PetscAbsReal(b[k])), text);
+    shared++;
+  }
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: columns that are compared", name));
+  CHECK(shared >= least, text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestMirrors(void)
+{
+  Table *whole, *part;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(1, &whole, 1, &part));
+  PetscCall(Write(COMMON GAUGES
+                  "-box_lower -12,-12,0 -box_upper 12,12,16 -box_x wall -box_y wall -box_zmin wall -solids "
+                  "post,right,left -left_lower -6,-1,-9 -left_upper -4,1,2 -gravity 0,0,-10",
+                  Tank, 1, "whole", whole));
+  PetscCall(CheckRows(whole, 3, "whole"));
+  PetscCall(Write(COMMON GAUGES "-box_lower 0,-12,0 -box_upper 12,12,16 -box_xmin symmetry -box_xmax wall -box_y wall "
+                                "-box_zmin wall -solids post,right -gravity 0,0,-10 -gauge_multiplicity 2",
+                  Tank, 2, "half", part));
+  PetscCall(CheckSame(whole, part, 60, "half"));
+  PetscCall(Write(COMMON GAUGES "-box_lower 0,0,0 -box_upper 12,12,16 -box_xmin symmetry -box_xmax wall -box_ymin "
+                                "symmetry -box_ymax wall -box_zmin wall -solids post,right -gravity 0,0,-10 "
+                                "-gauge_multiplicity 4",
+                  Tank, 4, "quarter", part));
+  PetscCall(CheckSame(whole, part, 60, "quarter"));
+  PetscCall(Write(FLAT_COMMON FLAT_GAUGES "-box_lower -12,0 -box_upper 12,16 -box_x wall -box_ymin wall -solids "
+                                          "post,right,left -left_lower -6,-9 -left_upper -4,2 -gravity 0,-10",
+                  Tank, 1, "plane", whole));
+  PetscCall(CheckRows(whole, 2, "plane"));
+  PetscCall(Write(FLAT_COMMON FLAT_GAUGES "-box_lower 0,0 -box_upper 12,16 -box_xmin symmetry -box_xmax wall -box_ymin "
+                                          "wall -solids post,right -gravity 0,-10 -gauge_multiplicity 2",
+                  Tank, 2, "half plane", part));
+  PetscCall(CheckSame(whole, part, 40, "half plane"));
+  PetscCall(PetscFree2(whole, part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscMPIInt rank, size;
+  char        remove[128];
+
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(PetscSNPrintf(folder, sizeof(folder), "output/test_columns_%d", size));
+  PetscCall(PetscSNPrintf(remove, sizeof(remove), "rm -rf %s", folder));
+  PetscCall(LogRegister());
+  PetscCall(TestMirrors());
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  if (!rank) CHECK(!system(remove), "folder removed");
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
