@@ -11,109 +11,59 @@
 #define SCENE              "scene_identity" /* older files have "scene", whose lines cannot be compared with these */
 #define HEAD_TEXT          65536            /* bytes of a text: the most that HDF5 keeps in an attribute */
 
-/* The head of the file: real numbers and integers, by name. */
-#define HEAD_REALS(X)                                                                                                  \
-  X(TIME, "time")                                                                                                      \
-  X(TIME_STEP, "time_step")                                                                                            \
-  X(PREVIOUS_TIME_STEP, "previous_time_step")                                                                          \
-  X(DENSITY_ERROR, "density_error")                                                                                    \
-  X(DENSITY_MEAN, "density_mean")                                                                                      \
-  X(SOLVER_ERROR, "solver_error")                                                                                      \
-  X(SURFACE_ENERGY, "surface_energy")                                                                                  \
-  X(VISCOUS_WORK, "viscous_work")                                                                                      \
-  X(TENSION_WORK, "tension_work")                                                                                      \
-  X(START_ENERGY, "start_energy")                                                                                      \
-  X(START_DENSITY, "start_density")                                                                                    \
-  X(DIVERGENCE, "divergence")                                                                                          \
-  X(SPACING, "spacing")                                                                                                \
-  X(LEVEL, "level")                                                                                                    \
-  X(WALL_TIME, "wall_time")                                                                                            \
-  X(RESAMPLING_LOSS, "resampling_loss")                                                                                \
-  X(SOLID_WORK, "solid_work")                                                                                          \
-  X(SHAKING_WORK, "shaking_work")                                                                                      \
-  X(INFLOW_ENERGY, "inflow_energy")                                                                                    \
-  X(OUTFLOW_ENERGY, "outflow_energy")                                                                                  \
-  X(FRICTION_WORK, "friction_work")                                                                                    \
-  X(KINETIC_ENERGY, "kinetic_energy")                                                                                  \
-  X(GIVEN, "given")                                                                                                    \
-  X(TAKEN, "taken")                                                                                                    \
-  X(TENSION_SWING, "tension_swing")
-#define HEAD_INTS(X)                                                                                                   \
-  X(DIMENSION, "dimension")                                                                                            \
-  X(BODIES, "bodies")                                                                                                  \
-  X(PARTICLES, "particles")                                                                                            \
-  X(RANKS, "ranks")                                                                                                    \
-  X(STEP, "step")                                                                                                      \
-  X(ITERATIONS, "iterations")                                                                                          \
-  X(REJECTED, "rejected")                                                                                              \
-  X(LOST, "lost")                                                                                                      \
-  X(JOINED, "joined")                                                                                                  \
-  X(SPLIT, "split")
-#define HEAD_REAL_ID(id, name) HEAD_##id,
-#define HEAD_NAME(id, name)    name,
-enum { HEAD_REALS(HEAD_REAL_ID) HEAD_REAL_COUNT };
-enum { HEAD_INTS(HEAD_REAL_ID) HEAD_INT_COUNT };
-
-static const char *const real_names[] = {HEAD_REALS(HEAD_NAME)};
-static const char *const int_names[]  = {HEAD_INTS(HEAD_NAME)};
-
+/* The numbers in the head of the file. */
 typedef struct {
-  PetscReal  real[HEAD_REAL_COUNT];
-  PetscInt64 integer[HEAD_INT_COUNT];
+  StepState state;
+  PetscReal spacing, level, wall_time;
+  PetscInt  dimension, bodies, particles, ranks;
 } Head;
+
+static const NumberRow HeadRows[] = {
+  {"spacing", NUMBER_REAL, offsetof(Head, spacing), ENERGY_NONE, NULL},
+  {"level", NUMBER_MAYBE, offsetof(Head, level), ENERGY_NONE, NULL},
+  {"wall_time", NUMBER_SPAN, offsetof(Head, wall_time), ENERGY_NONE, NULL},
+  {"dimension", NUMBER_COUNT, offsetof(Head, dimension), ENERGY_NONE, NULL},
+  {"bodies", NUMBER_COUNT, offsetof(Head, bodies), ENERGY_NONE, NULL},
+  {"particles", NUMBER_COUNT, offsetof(Head, particles), ENERGY_NONE, NULL},
+  {"ranks", NUMBER_COUNT, offsetof(Head, ranks), ENERGY_NONE, NULL},
+  {.name = NULL},
+};
+
+/* All numbers of the head; returns how many. */
+static PetscInt HeadNumbers(const Head *head, Number list[NUMBERS_MOST])
+{
+  return NumbersList(HeadRows, head, StateNumbers(&head->state, list), list);
+}
 
 static void HeadFill(Output output, const StepState *state, PetscInt particles, Head *head)
 {
-  const Domain domain = output->cloud->domain;
-
-  head->real[HEAD_TIME]               = state->time;
-  head->real[HEAD_TIME_STEP]          = state->time_step;
-  head->real[HEAD_PREVIOUS_TIME_STEP] = state->previous_time_step;
-  head->real[HEAD_DENSITY_ERROR]      = state->density_error;
-  head->real[HEAD_DENSITY_MEAN]       = state->density_mean;
-  head->real[HEAD_SOLVER_ERROR]       = state->solver_error;
-  head->real[HEAD_SURFACE_ENERGY]     = state->surface_energy;
-  head->real[HEAD_VISCOUS_WORK]       = state->viscous_work;
-  head->real[HEAD_START_ENERGY]       = state->start_energy;
-  head->real[HEAD_START_DENSITY]      = state->start_density;
-  head->real[HEAD_TENSION_WORK]       = state->tension_work;
-  head->real[HEAD_DIVERGENCE]         = state->divergence;
-  head->real[HEAD_RESAMPLING_LOSS]    = state->resampling_loss;
-  head->real[HEAD_SOLID_WORK]         = state->solid_work;
-  head->real[HEAD_SHAKING_WORK]       = state->shaking_work;
-  head->real[HEAD_INFLOW_ENERGY]      = state->inflow_energy;
-  head->real[HEAD_OUTFLOW_ENERGY]     = state->outflow_energy;
-  head->real[HEAD_FRICTION_WORK]      = state->friction_work;
-  head->real[HEAD_KINETIC_ENERGY]     = state->kinetic_energy;
-  head->real[HEAD_GIVEN]              = state->given;
-  head->real[HEAD_TAKEN]              = state->taken;
-  head->real[HEAD_TENSION_SWING]      = state->tension_swing;
-  head->real[HEAD_SPACING]            = domain->spacing;
-  head->real[HEAD_LEVEL]              = GaugesLevel(output->gauges);
-  head->real[HEAD_WALL_TIME]          = OutputWallTime(output);
-  head->integer[HEAD_DIMENSION]       = domain->dim;
-  head->integer[HEAD_BODIES]          = SceneCount(output->cloud->scene);
-  head->integer[HEAD_PARTICLES]       = particles;
-  head->integer[HEAD_RANKS]           = output->size;
-  head->integer[HEAD_STEP]            = state->step;
-  head->integer[HEAD_ITERATIONS]      = state->iterations;
-  head->integer[HEAD_REJECTED]        = state->rejected;
-  head->integer[HEAD_LOST]            = state->lost;
-  head->integer[HEAD_JOINED]          = state->joined;
-  head->integer[HEAD_SPLIT]           = state->split;
+  *head = (Head){.state     = *state,
+                 .spacing   = output->cloud->domain->spacing,
+                 .level     = GaugesLevel(output->gauges),
+                 .wall_time = OutputWallTime(output),
+                 .dimension = output->cloud->domain->dim,
+                 .bodies    = SceneCount(output->cloud->scene),
+                 .particles = particles,
+                 .ranks     = output->size};
 }
 
 /* --- writing --- */
 
 static void HeadPut(H5File *h5, const Head *head, const char scene[], const char options[])
 {
+  Number         list[NUMBERS_MOST];
+  const PetscInt n = HeadNumbers(head, list);
+
   H5FilePutText(h5, "format", CHECKPOINT_FORMAT);
   H5FilePutInt(h5, "format_version", CHECKPOINT_VERSION);
   H5FilePutText(h5, "version", ISPH_VERSION);
   H5FilePutText(h5, SCENE, scene);
   H5FilePutText(h5, "options", options);
-  for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) H5FilePutReal(h5, real_names[k], 1, &head->real[k]);
-  for (PetscInt k = 0; k < HEAD_INT_COUNT; k++) H5FilePutInt(h5, int_names[k], head->integer[k]);
+  for (PetscInt k = 0; k < n; k++)
+    if (list[k].row->kind == NUMBER_COUNT)
+      H5FilePutInt(h5, list[k].row->name, *(PetscInt *)list[k].at);
+    else
+      H5FilePutReal(h5, list[k].row->name, 1, (PetscReal *)list[k].at);
 }
 
 /* The positions, wrapped into the box as a restart needs them, to be freed: during a run a particle may be behind a
@@ -287,13 +237,21 @@ PetscErrorCode OutputByClock(Output output, const StepState *state)
 /* What rank 0 finds wrong with a file. */
 typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VERSION } FileVerdict;
 
-/* Whether all numbers of the head are there. */
+/* Whether all numbers of the head are there and a PetscInt holds the integers. */
 static PetscBool HeadRead(H5File *h5, Head *head)
 {
-  PetscBool whole = PETSC_TRUE;
+  Number         list[NUMBERS_MOST];
+  const PetscInt n     = HeadNumbers(head, list);
+  PetscBool      whole = PETSC_TRUE;
+  PetscInt64     value;
 
-  for (PetscInt k = 0; k < HEAD_REAL_COUNT && whole; k++) whole = H5FileGetReal(h5, real_names[k], &head->real[k]);
-  for (PetscInt k = 0; k < HEAD_INT_COUNT && whole; k++) whole = H5FileGetInt(h5, int_names[k], &head->integer[k]);
+  for (PetscInt k = 0; k < n && whole; k++)
+    if (list[k].row->kind == NUMBER_COUNT) {
+      whole =
+        (PetscBool)(H5FileGetInt(h5, list[k].row->name, &value) && value >= PETSC_MIN_INT && value <= PETSC_MAX_INT);
+      if (whole) *(PetscInt *)list[k].at = (PetscInt)value;
+    } else
+      whole = H5FileGetReal(h5, list[k].row->name, (PetscReal *)list[k].at);
   return whole;
 }
 
@@ -333,31 +291,30 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses numbers that no run leaves. The divergence is nan if it was not measured, the level if it is unknown. */
+/* Refuses numbers that no run leaves. */
 static PetscErrorCode HeadCheckNumbers(Output output, const char file[], const Head *head)
 {
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < HEAD_REAL_COUNT; k++) {
-    const PetscReal value   = head->real[k];
-    const PetscBool nan     = (PetscBool)(value != value && (k == HEAD_DIVERGENCE || k == HEAD_LEVEL)),
-                    lasting = (PetscBool)(k == HEAD_TIME_STEP || k == HEAD_PREVIOUS_TIME_STEP || k == HEAD_WALL_TIME);
+  Number         list[NUMBERS_MOST];
+  const PetscInt n = HeadNumbers(head, list);
 
-    PetscCheckUser(nan || (!PetscIsInfOrNanReal(value) && !(lasting && value < 0)), output->comm,
-                   "The checkpoint %s cannot be used: its %s is %g; restart from another one.", file, real_names[k],
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const NumberKind kind  = list[k].row->kind;
+    const PetscReal  value = kind == NUMBER_COUNT ? (PetscReal) * (PetscInt *)list[k].at : *(PetscReal *)list[k].at;
+    const PetscBool  nan   = (PetscBool)(value != value && kind == NUMBER_MAYBE),
+                    low    = (PetscBool)(value < 0 && (kind == NUMBER_SPAN || kind == NUMBER_COUNT));
+
+    PetscCheckUser(nan || (!PetscIsInfOrNanReal(value) && !low), output->comm,
+                   "The checkpoint %s cannot be used: its %s is %g; restart from another one.", file, list[k].row->name,
                    (double)value);
   }
-  for (PetscInt k = 0; k < HEAD_INT_COUNT; k++)
-    PetscCheckUser(head->integer[k] >= 0 && head->integer[k] <= PETSC_MAX_INT, output->comm,
-                   "The checkpoint %s cannot be used: its %s is %lld, not between 0 and %" PetscInt_FMT
-                   "; restart from another one.",
-                   file, int_names[k], (long long)head->integer[k], PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode HeadCheck(Output output, const char file[], const Head *head, FileVerdict verdict)
 {
   const Domain    domain  = output->cloud->domain;
-  const PetscReal spacing = head->real[HEAD_SPACING];
+  const PetscReal spacing = head->spacing;
   const PetscInt  bodies  = SceneCount(output->cloud->scene);
   MPI_Comm        comm    = output->comm;
 
@@ -370,14 +327,13 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
                  CHECKPOINT_VERSION);
   PetscCheckUser(verdict != FILE_BROKEN, comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
-  PetscCheckUser(head->integer[HEAD_DIMENSION] == domain->dim, comm,
-                 "The checkpoint %s has %d dimensions, the scene has %d.", file, (int)head->integer[HEAD_DIMENSION],
-                 (int)domain->dim);
+  PetscCheckUser(head->dimension == domain->dim, comm, "The checkpoint %s has %d dimensions, the scene has %d.", file,
+                 (int)head->dimension, (int)domain->dim);
   PetscCheckUser(PetscAbsReal(spacing - domain->spacing) <= 1e-12 * domain->spacing, comm,
                  "The checkpoint %s has particles of spacing %g m, the scene of %g m.", file, (double)spacing,
                  (double)domain->spacing);
-  PetscCheckUser(head->integer[HEAD_BODIES] == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file,
-                 (int)head->integer[HEAD_BODIES], (int)bodies);
+  PetscCheckUser(head->bodies == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file,
+                 (int)head->bodies, (int)bodies);
   PetscCall(HeadCheckNumbers(output, file, head));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -386,8 +342,8 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
    counts of the ranks add up to the number of particles, and the file is long enough. Collective. */
 static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *rows, PetscBool *good)
 {
-  const PetscInt total = (PetscInt)head->integer[HEAD_PARTICLES], size = output->size, rank = output->rank;
-  Rows           ranks = {.n = 0, .start = 0, .total = (PetscInt)head->integer[HEAD_RANKS], .width = 1};
+  const PetscInt total = head->particles, size = output->size, rank = output->rank;
+  Rows           ranks = {.n = 0, .start = 0, .total = head->ranks, .width = 1};
   PetscInt      *counts;
   PetscInt64     sum = 0;
   size_t         row = INT_COUNT * sizeof(int32_t); /* bytes; with 64-bit indices the file may have more */
@@ -443,41 +399,12 @@ static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, Pet
 
 static void HeadUse(Output output, const Head *head, StepState *state)
 {
-  const PetscReal time = head->real[HEAD_TIME];
-
-  state->time               = time;
-  state->time_step          = head->real[HEAD_TIME_STEP];
-  state->previous_time_step = head->real[HEAD_PREVIOUS_TIME_STEP];
-  state->density_error      = head->real[HEAD_DENSITY_ERROR];
-  state->density_mean       = head->real[HEAD_DENSITY_MEAN];
-  state->solver_error       = head->real[HEAD_SOLVER_ERROR];
-  state->surface_energy     = head->real[HEAD_SURFACE_ENERGY];
-  state->viscous_work       = head->real[HEAD_VISCOUS_WORK];
-  state->start_energy       = head->real[HEAD_START_ENERGY];
-  state->start_density      = head->real[HEAD_START_DENSITY];
-  state->tension_work       = head->real[HEAD_TENSION_WORK];
-  state->divergence         = head->real[HEAD_DIVERGENCE];
-  state->step               = (PetscInt)head->integer[HEAD_STEP];
-  state->iterations         = (PetscInt)head->integer[HEAD_ITERATIONS];
-  state->rejected           = (PetscInt)head->integer[HEAD_REJECTED];
-  state->lost               = (PetscInt)head->integer[HEAD_LOST];
-  state->resampling_loss    = head->real[HEAD_RESAMPLING_LOSS];
-  state->solid_work         = head->real[HEAD_SOLID_WORK];
-  state->shaking_work       = head->real[HEAD_SHAKING_WORK];
-  state->inflow_energy      = head->real[HEAD_INFLOW_ENERGY];
-  state->outflow_energy     = head->real[HEAD_OUTFLOW_ENERGY];
-  state->friction_work      = head->real[HEAD_FRICTION_WORK];
-  state->kinetic_energy     = head->real[HEAD_KINETIC_ENERGY];
-  state->given              = head->real[HEAD_GIVEN];
-  state->taken              = head->real[HEAD_TAKEN];
-  state->tension_swing      = head->real[HEAD_TENSION_SWING];
-  state->joined             = (PetscInt)head->integer[HEAD_JOINED];
-  state->split              = (PetscInt)head->integer[HEAD_SPLIT];
-  output->wall_before       = head->real[HEAD_WALL_TIME];
-  GaugesSetLevel(output->gauges, head->real[HEAD_LEVEL]);
-  output->series.next     = ScheduleAfter(&output->series, time);
-  output->snapshot.next   = ScheduleAfter(&output->snapshot, time);
-  output->checkpoint.next = ScheduleAfter(&output->checkpoint, time);
+  *state              = head->state;
+  output->wall_before = head->wall_time;
+  GaugesSetLevel(output->gauges, head->level);
+  output->series.next     = ScheduleAfter(&output->series, state->time);
+  output->snapshot.next   = ScheduleAfter(&output->snapshot, state->time);
+  output->checkpoint.next = ScheduleAfter(&output->checkpoint, state->time);
 }
 
 /* Gives the walls the velocity of this run's options. */

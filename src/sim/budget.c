@@ -66,7 +66,7 @@ static PetscErrorCode BalanceTake(Sim sim, Balance *b)
   b->tension  = much * state->tension_work;
   outside     = much * StepperOutsideWork(state);
   b->gain     = Energy(&b->totals) - state->start_energy;
-  b->residual = b->gain - b->viscous - b->friction - b->tension - outside + much * state->resampling_loss;
+  b->residual = b->gain - b->viscous - b->friction - b->tension - outside + much * StepperEnergy(state, ENERGY_LOST);
   b->exchanged =
     much * PetscMax(state->given + state->inflow_energy, state->taken + PetscAbsReal(state->outflow_energy));
   b->doubt = ENERGY_SHARE * b->exchanged + TENSION_SHARE * much * state->tension_swing +
@@ -87,25 +87,22 @@ static const char *Dominant(const StepState *state, const Balance *b)
   return "none, all errors are small";
 }
 
-/* Lists the energy given from outside: ", the pressure of solids that move 4.1, ..." */
+/* Lists the energies that boundaries and sources gave: ", the pressure of solids that move 4.1, ..." */
 static PetscErrorCode Outside(Sim sim, PetscReal multiplicity, char text[], size_t length)
 {
-  const StepState *s = &sim->state;
-  const struct {
-    const char *name;
-    PetscReal   value;
-  } given[] = {{"the friction of walls that move", s->friction_work},
-               {"the pressure of solids that move", s->solid_work},
-               {"shaking", s->shaking_work},
-               {"emitters", s->inflow_energy},
-               {"what left through open faces", -s->outflow_energy}};
-  char part[128];
+  Number         list[NUMBERS_MOST];
+  const PetscInt n = StateNumbers(&sim->state, list);
+  char           part[128];
 
   PetscFunctionBegin;
   text[0] = 0;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(given); k++) {
-    if (given[k].value == 0) continue;
-    PetscCall(PetscSNPrintf(part, sizeof(part), ", %s %.4g", given[k].name, (double)(multiplicity * given[k].value)));
+  for (PetscInt k = 0; k < n; k++) {
+    const NumberRow *row   = list[k].row;
+    const PetscReal  value = row->part != ENERGY_NONE && row->part != ENERGY_LOST ? *(PetscReal *)list[k].at : 0;
+
+    if (value == 0) continue;
+    PetscCall(PetscSNPrintf(part, sizeof(part), ", %s %.4g", row->source,
+                            (double)(multiplicity * (row->part == ENERGY_TAKEN ? -value : value))));
     PetscCall(PetscStrlcat(text, part, length));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -163,34 +160,11 @@ static PetscErrorCode ReportEnergy(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the energy of free bodies. The budget above is that of the liquid: the energy that the bodies took is in the
-   work of the pressure of solids that move and in the work of viscosity. */
-static PetscErrorCode ReportFree(Sim sim)
-{
-  PetscReal kinetic = 0, potential = 0;
-
-  PetscFunctionBegin;
-  if (!SceneHasFree(sim->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt b = 0; b < SceneSolidCount(sim->scene); b++) {
-    const Body solid = SceneSolid(sim->scene, b);
-    PetscReal  center[DIM], motion[FREE_MOTIONS];
-
-    if (BodyMass(solid) == 0) continue;
-    FreeMotion(solid, center, motion);
-    kinetic += FreeKinetic(solid);
-    potential += BodyMass(solid) * SceneForcePotential(sim->scene, center);
-  }
-  PetscCall(PetscPrintf(sim->comm,
-                        "  solids      those with a mass: kinetic %.4g, potential %.4g %s, not part of the liquid's "
-                        "energy above\n",
-                        (double)kinetic, (double)potential, DomainUnit(sim->domain, "J")));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode BudgetReport(Sim sim)
 {
   const StepState *state = &sim->state;
   GaugeTotals      totals;
+  char             text[LINE_LENGTH];
 
   PetscFunctionBegin;
   PetscCall(GaugesTotals(sim->gauges, &totals));
@@ -202,13 +176,8 @@ PetscErrorCode BudgetReport(Sim sim)
                 "  divergence  rms %.2g a step (times the time step), of which the solver left %.2g\n",
                 (double)state->density_error, 100 * (double)(state->start_density / state->density_mean - 1),
                 state->lost, (double)state->divergence, (double)state->solver_error));
-  if (state->joined + state->split > 0)
-    PetscCall(PetscPrintf(sim->comm,
-                          "  particles   %" PetscInt_FMT " joined with others, %" PetscInt_FMT
-                          " split, which took %.3g %s of kinetic energy\n",
-                          state->joined, state->split, (double)(totals.multiplicity * state->resampling_loss),
-                          DomainUnit(sim->domain, "J")));
+  PetscCall(StepperReport(sim->scene, state, totals.multiplicity, DomainUnit(sim->domain, "J"), text, sizeof(text)));
+  PetscCall(PetscPrintf(sim->comm, "%s", text));
   PetscCall(ReportEnergy(sim));
-  PetscCall(ReportFree(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

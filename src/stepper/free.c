@@ -58,7 +58,7 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, motion);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++)
-      impulse[k] = dt * (stepper->free_drag[FREE_MOTIONS * b + k] + excess[k]);
+      impulse[k] = dt * (FreeDataOf(stepper)->drag[FREE_MOTIONS * b + k] + excess[k]);
     AddWeight(cloud->scene, solid, dt, impulse);
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) motion[k] += change[k];
@@ -112,7 +112,7 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
     FreeMotion(solid, center, before);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
       force[k]   = pair_sum[k] + excess[k];
-      impulse[k] = dt * (stepper->free_drag[FREE_MOTIONS * b + k] + force[k]);
+      impulse[k] = dt * (FreeDataOf(stepper)->drag[FREE_MOTIONS * b + k] + force[k]);
       excess[k] += share * (balance[FREE_MOTIONS * b + k] - force[k]);
     }
     AddWeight(cloud->scene, solid, dt, impulse);
@@ -125,15 +125,43 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The energy of the bodies. The budget is that of the liquid: the energy that the bodies took is in the work of the
+   pressure of solids that move and in the work of viscosity. */
+static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
+                             size_t length)
+{
+  PetscReal kinetic = 0, potential = 0;
+
+  PetscFunctionBegin;
+  if (!SceneHasFree(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
+    const Body solid = SceneSolid(scene, b);
+    PetscReal  center[DIM], motion[FREE_MOTIONS];
+
+    if (BodyMass(solid) == 0) continue;
+    FreeMotion(solid, center, motion);
+    kinetic += FreeKinetic(solid);
+    potential += BodyMass(solid) * SceneForcePotential(scene, center);
+  }
+  PetscCall(PetscSNPrintf(text, length,
+                          "  solids      those with a mass: kinetic %.4g, potential %.4g %s, not part of the liquid's "
+                          "energy below\n",
+                          (double)kinetic, (double)potential, joule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscBool On(Stepper stepper)
 {
   return SceneHasFree(stepper->cloud->scene);
 }
 
-const StepHooks FreeHooks = {.on      = On,
-                             .hold    = FreeViscousHold,
-                             .follow  = FreeViscousFollow,
-                             .drag    = FreeViscousDrag,
-                             .predict = Predict,
-                             .kick    = Kick,
-                             .guard   = Guard};
+const StepHooks FreeHooks = {.name      = FREE_EDGE,
+                             .on        = On,
+                             .data_size = sizeof(FreeData),
+                             .hold      = FreeViscousHold,
+                             .follow    = FreeViscousFollow,
+                             .drag      = FreeViscousDrag,
+                             .predict   = Predict,
+                             .kick      = Kick,
+                             .guard     = Guard,
+                             .report    = Report};

@@ -74,7 +74,7 @@ PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
     PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
     PetscCall(Drag(stepper, u, drag));
     for (PetscInt b = 0; b < solids; b++) {
-      PetscReal *matrix = stepper->free_follow + FREE_MOTIONS * FREE_MOTIONS * b, change[FREE_MOTIONS];
+      PetscReal *matrix = FreeDataOf(stepper)->follow + FREE_MOTIONS * FREE_MOTIONS * b, change[FREE_MOTIONS];
 
       if (BodyMass(SceneSolid(cloud->scene, b)) == 0) continue;
       FreeResponse(SceneSolid(cloud->scene, b), drag + FREE_MOTIONS * b, change);
@@ -131,7 +131,7 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
     }
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < FREE_MOTIONS; k++) motion[k] = (own ? start[k] : 0) + change[k];
-    Solve(stepper->free_follow + FREE_MOTIONS * FREE_MOTIONS * b, motion);
+    Solve(FreeDataOf(stepper)->follow + FREE_MOTIONS * FREE_MOTIONS * b, motion);
     FreeSetVelocities(cloud, b, motion, u);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,6 +140,6 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
 PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
 {
   PetscFunctionBegin;
-  PetscCall(Drag(stepper, velocity, stepper->free_drag));
+  PetscCall(Drag(stepper, velocity, FreeDataOf(stepper)->drag));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

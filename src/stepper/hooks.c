@@ -1,4 +1,45 @@
-/* The edges that add to a step. */
+/* The edges that add to a step, and what they add to its state and its report. */
 #include "stepper_impl.h"
+#include <string.h>
 
 const StepHooks *const StepEdges[] = {&MovingHooks, &ContactHooks, &FreeHooks, &EmitterHooks, &ResamplingHooks, NULL};
+
+PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
+{
+  PetscInt n = NumbersList(StateRows, state, 0, list);
+
+  for (const StepHooks *const *edge = StepEdges; *edge; edge++)
+    n = NumbersList((*edge)->numbers, StepEdgeNumbers(StepEdges, state, (*edge)->name), n, list);
+  return n;
+}
+
+PetscReal StepperEnergy(const StepState *state, EnergyPart part)
+{
+  Number         list[NUMBERS_MOST];
+  const PetscInt n   = StateNumbers(state, list);
+  PetscReal      sum = 0;
+
+  for (PetscInt k = 0; k < n; k++)
+    if (list[k].row->part == part) sum += *(PetscReal *)list[k].at;
+  return sum;
+}
+
+PetscReal StepperOutsideWork(const StepState *state)
+{
+  return StepperEnergy(state, ENERGY_GIVEN) - StepperEnergy(state, ENERGY_TAKEN);
+}
+
+PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copies, const char joule[], char text[],
+                             size_t length)
+{
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (const StepHooks *const *edge = StepEdges; *edge; edge++) {
+    const size_t used = strlen(text);
+
+    if ((*edge)->report)
+      PetscCall((*edge)->report(scene, StepEdgeNumbers(StepEdges, state, (*edge)->name), copies, joule, text + used,
+                                length - used));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,37 +1,77 @@
 /* Joining and splitting of particles after a step. */
+#include "../resampling/resampling.h"
 #include "stepper_impl.h"
+
+#define NAME "resampling"
+
+/* What it has done so far. */
+typedef struct {
+  PetscReal loss;          /* of kinetic energy, J */
+  PetscInt  joined, split; /* particles removed, particles added */
+} Resampled;
+
+static const NumberRow rows[] = {
+  {"resampling_loss", NUMBER_REAL, offsetof(Resampled, loss), ENERGY_LOST, "joining and splitting"},
+  {"joined", NUMBER_COUNT, offsetof(Resampled, joined), ENERGY_NONE, NULL},
+  {"split", NUMBER_COUNT, offsetof(Resampled, split), ENERGY_NONE, NULL},
+  {.name = NULL},
+};
 
 static PetscErrorCode Options(Stepper stepper)
 {
   PetscFunctionBegin;
-  PetscCall(ResamplingSetFromOptions(stepper->cloud, &stepper->resampling));
+  PetscCall(ResamplingSetFromOptions(stepper->cloud, (Resampling *)StepEdgeData(stepper, NAME)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial)
+/* The largest area of a ring over its area at the start, on all ranks. */
+static PetscErrorCode LargestShare(Cloud cloud, PetscReal *share)
 {
-  Cloud cloud = stepper->cloud;
-
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid && cloud->domain->rings; a++)
-    trial->largest[LARGEST_SHARE] = PetscMax(trial->largest[LARGEST_SHARE], ResamplingArea(cloud, a));
+  *share = 0;
+  if (!cloud->domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) *share = PetscMax(*share, ResamplingArea(cloud, a));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, share, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Not in a step that has lost particles: the cloud then has no fields of the step any more. */
 static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
 {
-  ResamplingReport report;
+  const Resampling *resampling = (const Resampling *)StepEdgeData(stepper, NAME);
+  Resampled        *so_far     = (Resampled *)StepEdgeNumbers(stepper->edges, state, NAME);
+  PetscReal         largest;
+  ResamplingReport  report;
 
   PetscFunctionBegin;
-  if (!ResamplingDue(&stepper->resampling, state->step, trial->largest[LARGEST_SHARE]) || trial->lost > 0 ||
-      stepper->damping < 1)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Resample(stepper->cloud, &stepper->resampling, &report));
-  state->resampling_loss += report.energy;
-  state->joined += report.joined;
-  state->split += report.split;
+  if (trial->lost > 0 || stepper->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LargestShare(stepper->cloud, &largest));
+  if (!ResamplingDue(resampling, state->step, largest)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Resample(stepper->cloud, resampling, &report));
+  so_far->loss += report.energy;
+  so_far->joined += report.joined;
+  so_far->split += report.split;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const StepHooks ResamplingHooks = {.options = Options, .guard = Guard, .commit = Commit};
+static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
+                             size_t length)
+{
+  const Resampled *so_far = (const Resampled *)numbers;
+
+  PetscFunctionBegin;
+  if (so_far->joined + so_far->split > 0)
+    PetscCall(PetscSNPrintf(text, length,
+                            "  particles   %" PetscInt_FMT " joined with others, %" PetscInt_FMT
+                            " split, which took %.3g %s of kinetic energy\n",
+                            so_far->joined, so_far->split, (double)(copies * so_far->loss), joule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const StepHooks ResamplingHooks = {.name        = NAME,
+                                   .data_size   = sizeof(Resampling),
+                                   .number_size = sizeof(Resampled),
+                                   .numbers     = rows,
+                                   .report      = Report,
+                                   .options     = Options,
+                                   .commit      = Commit};

@@ -30,10 +30,11 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   PetscFunctionBegin;
   PetscCall(StepperRegisterAll());
   PetscCall(PetscNew(&s));
-  s->cloud             = cloud;
-  s->tension           = tension;
-  s->pressure          = pressure;
-  s->edges             = StepEdges;
+  s->cloud    = cloud;
+  s->tension  = tension;
+  s->pressure = pressure;
+  s->edges    = StepEdges;
+  PetscCall(StepEdgesCreate(s));
   s->trial             = (TrialLimits){.displacement = 0.5, .density = 3, .energy = 2};
   s->guard             = 0.25;
   s->density_ratio_max = 2;
@@ -217,6 +218,7 @@ PetscErrorCode StepperDestroy(Stepper *stepper)
   PetscFunctionBegin;
   if ((*stepper)->ops.destroy) PetscCall((*stepper)->ops.destroy(*stepper));
   PetscCall(ViscousDestroy(*stepper));
+  PetscCall(PetscFree((*stepper)->edge_data));
   PetscCall(PetscFree(*stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,7 +5,6 @@
 
 #include "../operators/operators.h"
 #include "../pressure/pressure.h"
-#include "../resampling/resampling.h"
 #include "../tension/tension.h"
 
 typedef struct _p_Stepper *Stepper;
@@ -29,21 +28,55 @@ typedef struct {
   PetscReal friction_work;      /* the part of viscous_work done by walls and solids that move, J */
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
   PetscReal given, taken;       /* sums over the steps of the energy that the fluid's motion gained and lost, J */
-  PetscReal resampling_loss;    /* kinetic energy lost by joining and splitting particles so far, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
   PetscInt  rejected;           /* steps rolled back so far */
   PetscInt  lost;               /* particles that left through open faces so far */
-  PetscInt  joined, split;      /* particles removed by joining and added by splitting so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
+  PetscReal edge[16];           /* numbers of the edges of a step: StepEdgeNumbers */
 } StepState;
 
-/* StepperOutsideWork - energy that the fluid got from outside so far, J: from solids that move, shaking and emitters,
-   less the energy that left through open faces. Not collective. */
-static inline PetscReal StepperOutsideWork(const StepState *state)
-{
-  return state->solid_work + state->shaking_work + state->inflow_energy - state->outflow_energy;
-}
+/* Numbers as rows of a table: checkpoints, restarts and the energy budget walk them. A number of the core has a row in
+   state.c, one of an edge in the edge's file. */
+typedef enum {
+  NUMBER_REAL,  /* PetscReal */
+  NUMBER_SPAN,  /* PetscReal, not negative */
+  NUMBER_MAYBE, /* PetscReal, nan: not known */
+  NUMBER_COUNT  /* PetscInt, not negative */
+} NumberKind;
+
+/* What an energy (J) is to the liquid: what it got from outside, what left with it, what the numerical method took; the
+   work of a boundary that is a part of viscous_work. */
+typedef enum { ENERGY_NONE, ENERGY_GIVEN, ENERGY_TAKEN, ENERGY_LOST, ENERGY_FRICTION } EnergyPart;
+
+/* A row: the number's name in a checkpoint, its kind, its place in the struct (bytes); of an energy: its part, and what
+   gave or took it, for the error budget. The last row of a table has no name. */
+typedef struct {
+  const char *name;
+  NumberKind  kind;
+  size_t      offset;
+  EnergyPart  part;
+  const char *source;
+} NumberRow;
+typedef struct {
+  const NumberRow *row;
+  void            *at; /* PetscReal or PetscInt */
+} Number;
+
+#define NUMBERS_MOST 64 /* of a list */
+
+/* NumbersList - appends the numbers of a struct, by the rows of its table (NULL: none), to a list of n; returns how
+   many the list has. StateNumbers - lists the numbers of a state, those of the edges last; returns how many.
+   StepperEnergy - the sum of a part of the energy, J. StepperOutsideWork - energy that the fluid got from outside so
+   far, J: from solids that move, shaking and emitters, less the energy that left through open faces. StepperReport -
+   lines (LF at the end of each) about what the edges of a step have done so far; text: at most 'length' bytes; copies:
+   of the liquid in the whole scene (GaugeTotals); joule: the unit of energies. Not collective. */
+PetscInt       NumbersList(const NumberRow rows[], const void *of, PetscInt n, Number list[NUMBERS_MOST]);
+PetscInt       StateNumbers(const StepState *state, Number list[NUMBERS_MOST]);
+PetscReal      StepperEnergy(const StepState *state, EnergyPart part);
+PetscReal      StepperOutsideWork(const StepState *state);
+PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copies, const char joule[], char text[],
+                             size_t length);
 
 #define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, but for surface tension */
 #define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */

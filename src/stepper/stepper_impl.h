@@ -34,7 +34,6 @@ typedef enum {
   LARGEST_DISPLACEMENT, /* m, over the particle's size */
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
-  LARGEST_SHARE,        /* volume of a particle over its volume at the start, 1: for resampling */
   LARGEST_LINE,         /* capillary number of a contact line */
   LARGEST_COUNT
 } TrialLargest;
@@ -69,9 +68,17 @@ typedef struct {
 } SchemeOps;
 
 /* What an edge adds to a step, in one file of its own and one line of hooks.c. A hook is called if 'on' says that the
-   run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' are collective. */
+   run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' and 'report' are
+   collective. */
 typedef struct {
+  const char *name;
   PetscBool (*on)(Stepper stepper);
+  size_t           data_size;   /* bytes of its data in the stepper, zero at the start: StepEdgeData */
+  size_t           number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
+  const NumberRow *numbers;     /* their rows */
+  /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
+  PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
+                           size_t length);
   /* opens its options blocks; called whether the edge is on or not */
   PetscErrorCode (*options)(Stepper stepper);
   /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
@@ -137,27 +144,25 @@ struct _p_Stepper {
   Pressure                pressure; /* borrowed */
   char                    scheme_type[64];
   SchemeOps               ops;
-  void                   *scheme; /* data of the scheme */
-  const StepHooks *const *edges;  /* StepEdges */
+  void                   *scheme;    /* data of the scheme */
+  const StepHooks *const *edges;     /* StepEdges */
+  void                   *edge_data; /* StepEdgeData */
   TimeStepLimits          limits;
   TrialLimits             trial;
   StepBounds              bounds;  /* of the last step size chosen */
   PetscReal               fastest; /* m/s, largest speed of the liquid when the bounds were found */
   Viscosity               viscosity;
-  Resampling              resampling;
   Viscous                 viscous;
-  PetscReal               guard;                        /* spacings that particles keep from walls */
-  PetscReal               density_ratio_max;            /* largest ratio of the densities of two bodies */
-  PetscReal               reference_velocity;           /* m/s */
-  PetscBool               relaxing;                     /* StepperSetRelaxation: no body force */
-  PetscReal               damping;                      /* factor on the velocities in each step of a relaxation */
-  PetscReal               relaxation_step;              /* s; 0: as in the run */
-  PetscReal               time;                         /* s, at the start of the step */
-  PetscBool               first;                        /* the step is the first of a run */
-  PetscInt                underresolved;                /* StepperUnderresolved */
-  PetscReal               fastest_line;                 /* StepperFastestLine */
-  PetscReal free_drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
-  PetscReal free_follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */
+  PetscReal               guard;              /* spacings that particles keep from walls */
+  PetscReal               density_ratio_max;  /* largest ratio of the densities of two bodies */
+  PetscReal               reference_velocity; /* m/s */
+  PetscBool               relaxing;           /* StepperSetRelaxation: no body force */
+  PetscReal               damping;            /* factor on the velocities in each step of a relaxation */
+  PetscReal               relaxation_step;    /* s; 0: as in the run */
+  PetscReal               time;               /* s, at the start of the step */
+  PetscBool               first;              /* the step is the first of a run */
+  PetscInt                underresolved;      /* StepperUnderresolved */
+  PetscReal               fastest_line;       /* StepperFastestLine */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
@@ -226,6 +231,16 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
 extern const StepHooks        MovingHooks, ContactHooks, FreeHooks, EmitterHooks, ResamplingHooks;
 extern const StepHooks *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
+/* --- state.c --- */
+
+extern const NumberRow StateRows[]; /* of the numbers of a StepState, without those of edges */
+
+/* StepEdgesCreate - the data of all edges. StepEdgeData - those of an edge, by its name. StepEdgeNumbers - the numbers
+   of an edge in a state. Not collective. */
+PetscErrorCode StepEdgesCreate(Stepper stepper);
+void          *StepEdgeData(Stepper stepper, const char name[]);
+void          *StepEdgeNumbers(const StepHooks *const edges[], const StepState *state, const char name[]);
+
 /* StepHook - calls a hook of all edges; further arguments are those of the hook after the stepper. */
 #define StepHook(stepper, hook, ...)                                                                                   \
   do {                                                                                                                 \
@@ -240,6 +255,19 @@ extern const StepHooks *const StepEdges[]; /* in the order in which they are cal
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
 
 /* --- free.c, free_viscous.c --- */
+
+#define FREE_EDGE "free" /* the name of FreeHooks */
+
+/* Its data. */
+typedef struct {
+  PetscReal drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
+  PetscReal follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */
+} FreeData;
+
+static inline FreeData *FreeDataOf(Stepper stepper)
+{
+  return (FreeData *)StepEdgeData(stepper, FREE_EDGE);
+}
 
 /* FreeSetVelocities - sets velocity ([n_owned][3], m/s) of the dummy particles of a free solid, by its index, to that
    of a motion. Not collective. FreeSum - sum[solids][FREE_MOTIONS]: force and torque on each free solid, over all

@@ -25,18 +25,22 @@ static PetscErrorCode RemoveFolder(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Other values than zero, no two alike, in all numbers, and a pattern in each field of the core that no row names. */
 static void SetState(StepState *state, PetscInt step)
 {
+  Number         list[NUMBERS_MOST];
+  const PetscInt n = StateNumbers(state, list);
+
   memset(state, 0, sizeof(*state));
-  state->step               = step;
-  state->time               = step * 1e-3 / 3;
-  state->time_step          = 1e-3 / 3;
-  state->previous_time_step = 1e-3 / 7;
-  state->iterations         = 10 + step;
-  state->lost               = step;
-  state->rejected           = 2;
-  state->density_error      = 0.125;
-  state->divergence         = 0.25;
+  memset(state, 0x3f, offsetof(StepState, edge));
+  for (PetscInt k = 0; k < n; k++)
+    if (list[k].row->kind == NUMBER_COUNT)
+      *(PetscInt *)list[k].at = 100 + k;
+    else
+      *(PetscReal *)list[k].at = (k + 1) / 64.0;
+  state->step      = step;
+  state->time      = step * 1e-3 / 3;
+  state->time_step = 1e-3 / 3;
 }
 
 /* Whole text of a file, to be freed; "" when there is none. */
