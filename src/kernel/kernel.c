@@ -60,6 +60,17 @@ PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode KernelTypes(PetscInt *count, const char ***names)
+{
+  int n;
+
+  PetscFunctionBegin;
+  PetscCall(KernelRegisterAll());
+  PetscCall(PetscFunctionListGet(KernelList, names, &n));
+  *count = n > 0 && !(*names)[n - 1] ? n - 1 : n; /* PETSc 3.18 counts the NULL at the end */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode KernelSetType(Kernel kernel, const char name[])
 {
   KernelTableFunction table;

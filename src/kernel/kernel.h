@@ -29,6 +29,8 @@ typedef struct {
 /* KernelCreate - a cubic spline whose h is not set yet. Collective on comm. */
 PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel);
 PetscErrorCode KernelSetType(Kernel kernel, const char name[]);
+/* KernelTypes - the names of all types; the array, not the names, to be freed with PetscFree. Not collective. */
+PetscErrorCode KernelTypes(PetscInt *count, const char ***names);
 /* KernelSetSmoothingLength - sets h (m), which must be positive. */
 PetscErrorCode KernelSetSmoothingLength(Kernel kernel, PetscReal h);
 /* KernelSetFromOptions - reads -kernel_type, and sets h to -kernel_ratio times the spacing d0 (m). Collective. */

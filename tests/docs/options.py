@@ -48,7 +48,7 @@ def option(line):
         meaning, allowed = meaning[:interval.start()], interval.group(1)
     elif value in ("TRUE : TRUE", "FALSE : FALSE"):
         allowed = "true, false"
-    unit = re.search(UNIT, meaning)
+    unit = re.search(UNIT, meaning) if allowed != "true, false" else None
     if unit:
         meaning = meaning[:unit.start()] + meaning[unit.end():]
     row = {"option": name, "default": default(value, meaning), "unit": unit.group(1) or unit.group(2) if unit else "",

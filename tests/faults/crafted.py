@@ -397,7 +397,8 @@ OTHER = (  # options in place of those of the scene, words of the refusal
     ("-drop_radius 0.14", "drop"), ("-drop_center 0.5,0.56", "drop"), ("-drop_shape box -drop_lower 0,.5", "drop"),
     ("-drop_velocity 1,-3", "-drop_velocity"), ("-film_velocity 0,0.1", "-film_velocity"),
     ("-drop_velocity_type rotation -drop_rotation_rate 1", "-drop_velocity"), ("-kernel_ratio 1.4", "-kernel_ratio"),
-    ("-kernel_type wendland_c4", "-kernel_type"), ("-post_upper 0.3,0.45", "post"), ("-solids ''", "post"),
+    ("-kernel_type wendland_c2", "what differs: -kernel_type"), ("-post_upper 0.3,0.45", "post"),
+    ("-solids ''", "post"),
     ("-solids post,more -more_lower 0.8,0 -more_upper 0.9,0.2", "more"), ("-spacing 0.04", "spacing"),
     ("-dimension 3 -box_lower 0,0,0 -box_upper 1,0.5,1 -gravity 0,0,-1 -film_lower 0,0,0 -film_upper 1,0.5,0.3 "
      "-drop_center 0.5,0.2,0.55 -drop_velocity 0,0,1 -post_lower 0,0,0 -post_upper 0.2,0.2,0.2", "dimensions"),

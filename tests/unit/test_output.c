@@ -159,6 +159,23 @@ static PetscErrorCode SameParticles(Run *run, PetscBool *same)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Each row has a place of its own: after all are set, each number has its value still. */
+static void CheckRows(void)
+{
+  StepState      state;
+  Number         list[NUMBERS_MOST];
+  const PetscInt n = StateNumbers(&state, list);
+
+  for (PetscInt k = 0; k < n; k++)
+    if (list[k].row->kind == NUMBER_COUNT)
+      *(PetscInt *)list[k].at = k;
+    else
+      *(PetscReal *)list[k].at = k;
+  for (PetscInt k = 0; k < n; k++)
+    CHECK((list[k].row->kind == NUMBER_COUNT ? *(PetscInt *)list[k].at : *(PetscReal *)list[k].at) == k,
+          list[k].row->name);
+}
+
 static PetscErrorCode CheckRestart(void)
 {
   Run       run;
@@ -361,6 +378,7 @@ int main(int argc, char **argv)
   PetscCall(UserErrorHandlerPush());
   PetscCall(RemoveFolder());
   PetscCall(WriteRun());
+  CheckRows();
   PetscCall(CheckRestart());
   PetscCall(CheckRefusals());
   PetscCall(CheckDamage());
