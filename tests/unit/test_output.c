@@ -162,7 +162,7 @@ static PetscErrorCode SameParticles(Run *run, PetscBool *same)
 /* Each row has a place of its own: after all are set, each number has its value still. */
 static void CheckRows(void)
 {
-  StepState      state;
+  StepState      state = {0};
   Number         list[NUMBERS_MOST];
   const PetscInt n = StateNumbers(&state, list);
 
