@@ -1,7 +1,7 @@
 /* Points sorted into cells, and the cells near some points. */
 #include "cells.h"
 
-/* More cells for each point than this cost more than they save; a few points may have LEAST_CELLS. */
+/* Cells for each point at most, since more cost more than they save; LEAST_CELLS are allowed in any case. */
 #define CELLS_PER_POINT 4
 #define LEAST_CELLS     1000
 #define MASK_CELLS      (1 << 25) /* largest number of cells of a mask, for its memory */

@@ -1,10 +1,10 @@
 /* Bodies filled from a lattice of the particle spacing, with a jitter. */
 #include "packing_impl.h"
 
-#define LEVEL_MAX 0.5 /* pitches from the body's surface at most: a point more or less in each direction */
-#define SHELL_SPLIT                                                                                                    \
-  0.5                  /* a shell of equal distance with more than this share of the points near the surface is flat   \
-                        */
+#define LEVEL_MAX 0.5 /* pitches: farthest level from the body's surface; a body has a point more or less across it */
+/* Points at one distance from the surface are a shell. One with a larger share than this of all points near the surface
+   is a flat face, which a level does not divide. */
+#define SHELL_SPLIT 0.5
 #define SUBPOINTS   6  /* in each direction: the share of a lattice cell inside a body is exact to about 1 % */
 #define RING_POINTS 40 /* the same for rings, which have few cells */
 

@@ -14,8 +14,8 @@
 #define CLUMP_WEIGHT 0.2 /* Monaghan (2000) */
 #define DEEP_ENOUGH  0.2 /* least distance of centres from the region's surface, spacings */
 #define LEAST_DEPTH                                                                                                    \
-  0.1 /* the same at the start: a point of the fine lattice may be so near a mirror that its image,                    \
-         much less than a spacing away, does not repel it */
+  0.1 /* the same at the start: a point of the fine lattice that is much nearer than a spacing to its mirror image     \
+         is not repelled by it */
 #define PROBE                                                                                                          \
   0.05 /* fine spacings: difference for normals, and depth at which to test whether the region reaches a face */
 #define PARALLEL 0.9 /* least cosine between the normals of a curved surface and of a face that count as one mirror */

@@ -112,7 +112,7 @@ static PetscBool MayMeetItself(Cloud cloud, PetscInt a)
   return PETSC_FALSE;
 }
 
-/* The sum of the weights of particle a's pairs; itself: with its own images, too. */
+/* The sum of the weights of particle a's pairs; itself: those with its own images, too. */
 static PetscReal WeightSum(Pressure pressure, PetscInt a, PetscBool itself)
 {
   Cloud            cloud = pressure->cloud;

@@ -78,9 +78,9 @@ struct _p_Pressure {
   PetscInt   rows_capacity, sum_capacity;
   PetscInt64 weight_capacity;
   PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
-  PetscInt   empty_rows;    /* rows without pairs of all ranks, as deep in a solid; zero in the constant */
-  PetscReal  dt;            /* s, of the right-hand side */
-  PetscReal  kept_share;    /* PressureSetKeptShare */
+  PetscInt  empty_rows; /* rows without pairs, of all ranks, for instance deep in a solid; the constant is zero there */
+  PetscReal dt;         /* s, of the right-hand side */
+  PetscReal kept_share; /* PressureSetKeptShare */
 
   /* numbers of the rows */
   PetscInt  row_layout;             /* the cloud's layout for which they are numbered */

@@ -11,7 +11,7 @@
 
 #define LEVELS_MOST 8   /* widths of squares */
 #define FINER       0.7 /* widths of a square: a finer target divides it */
-#define STAYS       0.6 /* the same for a square that is there: no churn */
+#define STAYS       0.6 /* the same for a square that is there: one at the limit does not come and go */
 #define PARTS       27  /* of the box and its surroundings */
 
 /* A part of the surroundings: behind a face (outward 1), an edge (2) or a corner (3). Its squares are numbered level by

@@ -214,7 +214,8 @@ PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM])
   return least;
 }
 
-/* The distance of x from the surface of body b, of which walls and mirrors of the box make no edge. */
+/* The distance of x (m) from the surface of body b, mirrored at walls and mirrors of the box, so that a body that ends
+   there has no surface there. */
 static PetscReal MirroredDistance(Scene scene, PetscInt b, const PetscReal x[DIM])
 {
   const Domain domain = scene->domain;
@@ -240,9 +241,9 @@ static PetscBool IsAir(Scene scene, const PetscReal x[DIM])
 }
 
 /* Makes the free surface of body b a source if it is near the centre of the cell c, which is in air. The sum of the
-   principal curvatures is the Laplacian of the distance, with rings the slope of their radius, too. The Laplacian is
-   that of the parallel surface one step of the differences outside, so that no point of them is inside, where the
-   distance knows the faces of a body that lie on walls. */
+   principal curvatures is the Laplacian of the distance, with rings the slope of their radius, too. It is taken
+   on the parallel surface one step of the differences outside, so that no point of them is inside the body, where the
+   distance is also that of its faces on walls. */
 static void AddSurface(Scene scene, PetscInt b, PetscInt c)
 {
   const Domain    domain = scene->domain;

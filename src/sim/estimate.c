@@ -111,13 +111,16 @@ typedef struct {
   PetscReal time, steps;
 } Span;
 
-/* Sums over the steps of a rehearsal. A steady step has the full size that the bounds allow; steps after a rejected
-   step are smaller. early: steps in the time of the run's trial steps. last, before: two spans at the end of the
-   rehearsal: last is at most half of it, before is as long as all steps before it. */
+/* Sums over the steps of a rehearsal, a run with a coarser spacing. A steady step has the full size that the bounds
+   allow; steps after a rejected one are smaller. Early steps are those within the simulated time of the run's own trial
+   steps. A span ends when it is longer than all steps ahead of it: 'last' is the span that has not ended, 'before' the
+   one ahead of it. */
 typedef struct {
-  PetscReal time, steps, n; /* simulated time, s; steady steps of the run in it; these times the run's particles */
-  PetscReal steady, taken;  /* steady steps of the rehearsal, and its steps */
-  PetscReal cost, early, early_steps; /* wall time for each particle, s, of all steps and of early steps; early steps */
+  PetscReal time;               /* simulated, s */
+  PetscReal steps, n;           /* steady steps that the run itself needs for this time; sum of its particles in them */
+  PetscReal steady, taken;      /* steady steps that the rehearsal needs for it, and steps that it took */
+  PetscReal cost;               /* wall time over the run's particles, s, summed over all steps */
+  PetscReal early, early_steps; /* the same, summed over early steps, and their number */
   Span      last, before;
 } Rehearsal;
 

@@ -16,8 +16,8 @@ static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
 /* Adds the terms of the work of the pressure sigma kappa on the free surface, -int sigma kappa v.n dA. The net flux of
    the liquid through its surface is not exactly zero, and the mean pressure of a drop would do work on it. RecordStep
    subtracts this work, as if the net flux were spread evenly. v ([n_fluid][3], m/s): the velocity in the middle of the
-   step. At its start it lacks what the pressure of this step makes of the roughness of the surface, and drops gained up
-   to three times the work that was counted. */
+   step. The velocity at its start lacks the motion by which this step's pressure smooths the surface; with it, drops
+   gained up to three times the work that was counted. */
 static void SumCapillaryWork(Cloud cloud, PetscReal dt, const PetscReal v[], StepTrial *trial)
 {
   const PetscReal *n = cloud->field[FIELD_NORMAL], *capillary = cloud->field[FIELD_CAPILLARY];

@@ -116,8 +116,8 @@ PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperRepairsAtOnce - whether each step corrects all density errors. Then the first step turns those of the packing
    into velocities. Not collective. */
 PetscBool StepperRepairsAtOnce(Stepper stepper);
-/* StepperReset - makes the next step independent of former steps but for the StepState, as after a restart.
-   Collective. */
+/* StepperReset - forgets what former steps left beside the StepState: the next step is that of a restart. Collective.
+ */
 PetscErrorCode StepperReset(Stepper stepper);
 /* StepperSetRelaxation - relaxing: from now on steps relax the packing to rest: no body force, velocities times
    'damping' (1) before each step, and a fixed step (s; 0: chosen as in the run, with the scene's velocity). Not

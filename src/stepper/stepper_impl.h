@@ -89,7 +89,8 @@ typedef struct {
   /* before implicit viscosity: calls ViscousHold for liquid with a given velocity; prepares 'follow' */
   PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
   /* during implicit viscosity, with the velocities u of the liquid ([n_total][3], m/s): sets u of boundaries that
-     follow the liquid. own: with the other forces on them; else for boundaries that start at rest without forces */
+     follow the liquid. own: they have their velocity at the start and the other forces on them, as the right side of
+     the equation needs; else neither, as its matrix needs */
   PetscErrorCode (*follow)(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
   /* after viscosity has acted, at these velocities ([n_total][3], m/s) */
   PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);

@@ -324,10 +324,10 @@ static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, Pet
   return k1 / PetscMax(1 + depth * k1, THINNEST) + k2 / PetscMax(1 + depth * k2, THINNEST);
 }
 
-/* The curvature (1/m) of the free surface, which makes a surface of the curvatures k1 and k2 deeper by c times itself
-   than 'depth': the root of kappa = CarryToSurface(depth + c kappa), at most 'limit'. The right side falls as kappa
-   grows: one root, no rounding amplified. (With kappa at 'depth' a thread of two spacings loses 4 % of its pressure.)
- */
+/* The curvature kappa (1/m) of the free surface, at most 'limit', from the principal curvatures k1 and k2 of a parallel
+   surface below it. That surface lies at depth + c kappa (m), deeper where the free surface is more curved, so kappa is
+   the root of kappa = CarryToSurface(depth + c kappa). The right side falls as kappa grows: there is one root, and
+   Newton's method amplifies no rounding. (Without c kappa a thread of two spacings loses 4 % of its pressure.) */
 static PetscReal Together(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth, PetscReal c, PetscReal limit)
 {
   PetscReal kappa = PetscMax(-limit, PetscMin(limit, CarryToSurface(tension, k1, k2, depth)));

@@ -5,18 +5,18 @@
    X(angle) = X(angle at rest) + Ca L, with the capillary number Ca = mu U/sigma of the line, positive if it advances:
 
    cox_voinov   X = int_0^angle (x - sin x cos x)/(2 sin x) dx and L = ln(spacing/slip length): Voinov (1976), Cox
-   (1986) for a liquid beside a gas. It holds what the liquid bends below the spacing; above, the flow is computed.
+   (1986) for a liquid beside a gas. It stands for the bending below the spacing; the flow computes the bending above.
    kistler      X is the inverse of Hoffman's function f(x) = acos(1 - 2 tanh(5.16 (x/(1 + 1.31 x^0.99))^0.706)) and
-                L = 1: Kistler (1993), the experiments of Hoffman (1975) in tubes of 2 mm. It holds what bends below a
-                millimetre, part of which a fine spacing resolves, too.
+                L = 1: Kistler (1993), the experiments of Hoffman (1975) in tubes of 2 mm. It stands for the bending
+   below a millimetre; a fine spacing computes a part of it once more.
 
    With hysteresis the angle at rest is the advancing or the receding one, and the dry friction of hysteresis.c has its
    part of the force.
 
    The speed of a line is that of the free surface along the wall, v.n/|n - (n.i) i| with n the normal of the surface
-   and i of the wall, in the mean over surface particles near the wall and around. It has a lag of the slowest wave of a
-   spacing's length, sqrt(rho d0^3/sigma): without it, angle and speed of viscous liquid would swing from step to step.
-   A particle that rolls onto the wall takes over the number of those around it. */
+   and i of the wall, in the mean over surface particles near the wall and around. It follows with the period
+   of a capillary wave one spacing long, sqrt(rho d0^3/sigma): otherwise angle and speed of viscous liquid would
+   oscillate from step to step. A particle that arrives at the wall takes the capillary number of its neighbours. */
 #include "tension_impl.h"
 
 #define REACH 0.75 /* supports of W^H, distance from a wall to which particles tell the line's speed */

@@ -31,8 +31,10 @@ PetscErrorCode TensionSetFromOptions(Tension tension);
 PetscReal TensionReach(Tension tension);
 /* TensionOnSurface - whether there is tension and all of it is in FIELD_CAPILLARY: see TensionApply. Not collective. */
 PetscBool TensionOnSurface(Tension tension);
-/* TensionStepLimits - largest time step over sqrt(rho h^3/(2 pi sigma)) for a scheme with forces at the middle of the
-   step: of any liquid, and of bodies so thick that their waves are slow. Not collective. */
+/* TensionStepLimits - the largest time step over sqrt(rho h^3/(2 pi sigma)), for a scheme whose forces act in the
+   middle of the step. limit: of any liquid; most: of bodies so thick that the waves of their surface are slow. Not
+   collective.
+ */
 void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
 /* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to FIELD_ACCELERATION
    or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero otherwise). Evaluates

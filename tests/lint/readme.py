@@ -2,7 +2,7 @@
 """README.md stays short: at most 200 lines of at most 120 columns, and its tables whole. Functions that it and
 CONTRIBUTING.md name as `file:function` are defined in that file of src/, and the README names one for each equation of
 the paper, (1) to (11). The sub-steps of its table of the default scheme are those that the scheme documents, and its
-functions are called in that order. CONTRIBUTING.md's table of chosen numbers names the files in which a comment says "no
+functions are called in that order. CONTRIBUTING.md lists the files in which a comment says "no
 reference", and no others. LINT_ROOT: another tree, for a test of the test."""
 import glob
 import os
