@@ -16,7 +16,7 @@
 const char *const        FollowTypes[]     = {"none", "surface", "curvature", "FollowType", "FOLLOW_", NULL};
 const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
-static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
+const char *const        FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
 
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
 {
@@ -343,6 +343,29 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
   }
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void DomainJson(Domain domain, Json *json)
+{
+  JsonObject(json, "domain");
+  JsonInt(json, "dimension", domain->dim);
+  JsonBool(json, "rings", domain->rings);
+  JsonReal(json, "spacing", domain->spacing);
+  JsonReal(json, "spacing_coarse", domain->spacing_coarse);
+  JsonReal(json, "growth", domain->growth);
+  JsonText(json, "follow", FollowTypes[domain->follow]);
+  JsonReals(json, "lower", domain->dim, domain->lower);
+  JsonReals(json, "upper", domain->dim, domain->upper);
+  JsonArray(json, "faces");
+  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
+    JsonObject(json, NULL);
+    JsonText(json, "name", FaceNames[f / 2][f % 2]);
+    JsonText(json, "type", FaceTypes[domain->face[f / 2][f % 2]]);
+    JsonReals(json, "velocity", domain->dim, domain->wall_velocity[f / 2][f % 2]);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+  JsonEnd(json);
 }
 
 PetscErrorCode DomainDestroy(Domain *domain)

@@ -2,7 +2,7 @@
 #ifndef ISPH_DOMAIN_H
 #define ISPH_DOMAIN_H
 
-#include "../base/base.h"
+#include "../base/json.h"
 
 /* Points closer to a face or a surface than this (in spacings) lie on it. The tolerance is far above the rounding of
    decimal input and far below the distance of particles. */
@@ -12,6 +12,7 @@ typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
 typedef enum { FOLLOW_NONE, FOLLOW_SURFACE, FOLLOW_CURVATURE } FollowType;
 extern const char *const FollowTypes[]; /* "none", "surface", "curvature" and PETSc's two trailing strings */
 extern const char *const FaceTypes[];   /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
+extern const char *const FaceNames[DIM][2]; /* "xmin" ... "zmax" */
 
 /* The box. In two dimensions its third extent is [-spacing/2, spacing/2] and the faces there are open. Only
    DomainPartition changes the box after DomainSetUp.
@@ -79,6 +80,8 @@ PetscErrorCode DomainSetFromOptions(Domain domain);
    symmetry faces. Collective. */
 PetscErrorCode DomainSetUp(Domain domain, PetscReal reach);
 PetscErrorCode DomainView(Domain domain, PetscViewer viewer);
+/* DomainJson - writes box, spacing and faces into the open object of scene.json. Not collective. */
+void           DomainJson(Domain domain, Json *json);
 PetscErrorCode DomainDestroy(Domain *domain);
 
 /* The meaning of an option's vector. In two dimensions the third number of a point is ignored, and the third number of

@@ -1,8 +1,6 @@
 /* The walls of the box, then the solids: what receives forces and is wetted. */
 #include "gauges_impl.h"
 
-static const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
-
 PetscInt GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side)
 {
   PetscInt count = 0;

@@ -114,16 +114,27 @@ static PetscErrorCode DescribeProgram(Output output, PetscBool same, char text[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode OutputText(Output output, const char name[], const char text[])
+{
+  char path[PETSC_MAX_PATH_LEN], temporary[OUTPUT_NAME_LENGTH];
+  int  error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(temporary, sizeof(temporary), "%s.tmp", name));
+  PetscCall(OutputPath(output, temporary, path));
+  if (!output->rank) error = WriteText(path, "w", text);
+  PetscCall(FolderStatus(output, error, "write", path));
+  PetscCall(FolderCommit(output, name, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DescribeRun(Output output, PetscBool same)
 {
   char path[PETSC_MAX_PATH_LEN], version[4096];
   int  error = 0;
 
   PetscFunctionBegin;
-  PetscCall(OutputPath(output, "options.opts.tmp", path));
-  if (!output->rank) error = WriteText(path, "w", output->options);
-  PetscCall(FolderStatus(output, error, "write", path));
-  PetscCall(FolderCommit(output, "options.opts", PETSC_FALSE));
+  PetscCall(OutputText(output, "options.opts", output->options));
   PetscCall(OutputPath(output, "version.txt", path));
   PetscCall(DescribeProgram(output, same, version, sizeof(version)));
   if (!output->rank) error = WriteText(path, same ? "a" : "w", version);

@@ -60,6 +60,9 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
 typedef PetscErrorCode (*ColumnVisitor)(void *context, const char file[], const Column *column,
                                         const ColumnWords *words);
 PetscErrorCode OutputEachColumn(Output output, ColumnVisitor visit, void *context);
+#define OUTPUT_SCENE "scene.json"
+/* OutputText - writes a text (of rank 0) as a file of the run folder, whole or not at all. Collective. */
+PetscErrorCode OutputText(Output output, const char name[], const char text[]);
 /* OutputFolder - the run folder. Not collective. */
 const char *OutputFolder(Output output);
 /* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of a snapshot, bytes of

@@ -1,14 +1,16 @@
 /* Types of bodies: liquid, which exists from the start, and emitters, which add liquid at intervals. */
 #include "scene_impl.h"
 
-#define FILLINGS_BEFORE   1000 /* largest number of fillings before the time 0 */
-#define INTERVAL_ROUNDING 1e-9 /* of the interval: a filling that is due must not be missed by rounding */
+#define FILLINGS_BEFORE    1000 /* largest number of fillings before the time 0 */
+#define FILLINGS_LOOKED_AT 2    /* in EmitterMoments */
+#define INTERVAL_ROUNDING  1e-9 /* of the interval: a filling that is due must not be missed by rounding */
 
 typedef struct {
   PetscReal start, interval;       /* s */
   PetscInt  count;                 /* of fillings; 0: no end */
   PetscReal nozzle;                /* m */
-  PetscReal modulation, frequency; /* of the speed: amplitude e (1), 2 pi f (rad/s) */
+  PetscReal modulation, frequency; /* of the speed: amplitude e (1), f (Hz) */
+  PetscReal w;                     /* 2 pi f, rad/s */
 } Emitter;
 
 const BodyChoice *BodyTypeLiquid(void)
@@ -68,7 +70,7 @@ static PetscErrorCode EmitterSetUp(Body body)
                  FILLINGS_BEFORE, body->prefix, (double)e->interval);
   PetscCheckUser(e->frequency > 0 || e->modulation == 0, comm, "-%smodulation needs -%smodulation_frequency, in Hz",
                  body->prefix, body->prefix);
-  e->frequency *= 2 * PETSC_PI;
+  e->w = 2 * PETSC_PI * e->frequency;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,7 +91,17 @@ static PetscReal TravelTime(const Emitter *e, PetscReal time)
 {
   const PetscReal t = time - e->start;
 
-  return e->modulation > 0 ? t + e->modulation * (1 - PetscCosReal(e->frequency * t)) / e->frequency : t;
+  return e->modulation > 0 ? t + e->modulation * (1 - PetscCosReal(e->w * t)) / e->w : t;
+}
+
+void EmitterMoments(Body body, Moments *moments)
+{
+  const Emitter *e = (const Emitter *)body->emitter;
+
+  for (PetscInt k = 0; k < FILLINGS_LOOKED_AT; k++) MomentAdd(moments, e->start + (0.5 + k) * e->interval);
+  MomentAdd(moments, e->start - e->interval);
+  if (e->count > 0) MomentAdd(moments, e->start + (0.5 + (PetscReal)e->count) * e->interval);
+  MomentPeriod(moments, e->modulation > 0 ? e->frequency : 0, e->start);
 }
 
 PetscInt BodyEmissions(Body body, PetscReal time)
@@ -112,7 +124,7 @@ void BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DI
 void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Emitter  *e     = (const Emitter *)body->emitter;
-  const PetscReal speed = 1 + e->modulation * PetscSinReal(e->frequency * (time - e->start));
+  const PetscReal speed = 1 + e->modulation * PetscSinReal(e->w * (time - e->start));
 
   BodyVelocity(body, x, v);
   for (PetscInt d = 0; d < DIM; d++) v[d] += (speed - 1) * body->uniform[d];

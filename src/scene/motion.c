@@ -370,6 +370,38 @@ void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
   Back(body->motion, body->motion->shift, body->motion->turn, x, y);
 }
 
+/* Of a table: for each of its numbers the rows where it is least and largest, and the middle of its fastest step. */
+void MotionMoments(Body body, Moments *moments)
+{
+  const struct _p_Motion *m = body->motion;
+
+  if (!m || body->free) return;
+  MomentAdd(moments, moments->start);
+  MomentAdd(moments, moments->end);
+  MomentPeriod(moments, Norm(m->amplitude) > 0 ? m->frequency : 0, moments->start);
+  MomentPeriod(moments, Norm(m->rate) / (2 * PETSC_PI), moments->start);
+  for (PetscInt d = 1; d <= MOVES && m->rows; d++) {
+    PetscInt  least = 0, most = 0, fast = 0;
+    PetscReal fastest = 0;
+
+    for (PetscInt k = 0; k < m->rows; k++) {
+      const PetscReal *row = m->table + TABLE_ROW * k, *next = row + TABLE_ROW,
+                      rate = k < m->rows - 1 ? PetscAbsReal(next[d] - row[d]) / (next[0] - row[0]) : 0;
+
+      if (row[d] < m->table[TABLE_ROW * least + d]) least = k;
+      if (row[d] > m->table[TABLE_ROW * most + d]) most = k;
+      if (rate > fastest) {
+        fastest = rate;
+        fast    = k;
+      }
+    }
+    if (fastest == 0) continue;
+    MomentAdd(moments, m->table[TABLE_ROW * least]);
+    MomentAdd(moments, m->table[TABLE_ROW * most]);
+    MomentAdd(moments, 0.5 * (m->table[TABLE_ROW * fast] + m->table[TABLE_ROW * (fast + 1)]));
+  }
+}
+
 PetscErrorCode MotionView(Body body, PetscViewer viewer)
 {
   const struct _p_Motion *m = body->motion;

@@ -288,6 +288,11 @@ void SceneShaking(Scene scene, PetscReal shake[DIM])
   for (PetscInt d = 0; d < DIM; d++) shake[d] = scene->shake[d];
 }
 
+void SceneSetShaking(Scene scene, const PetscReal shake[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) scene->shake[d] = shake[d];
+}
+
 PetscBool SceneEmits(Scene scene)
 {
   for (PetscInt b = 0; b < scene->count; b++)

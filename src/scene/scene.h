@@ -83,6 +83,9 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
 /* SceneIdentity - writes the box, the bodies and the solids as lines "-<option> = <value>", with the numbers as they
    were read and with checksums of files: scenes that differ in a line are different scenes. Not collective. */
 PetscErrorCode SceneIdentity(Scene scene, FILE *text);
+/* SceneJson - writes bodies, solids, regions, interface and forces into the open object of scene.json; the moments at
+   which solids are extreme are those from start to end (s). Not collective. */
+void           SceneJson(Scene scene, PetscReal start, PetscReal end, Json *json);
 PetscErrorCode SceneDestroy(Scene *scene);
 
 /* The functions below are not collective. */
@@ -195,6 +198,24 @@ typedef struct {
 } BodyScales;
 PetscReal SceneBodyThickness(Scene scene, PetscInt b);
 void      SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales);
+/* SceneNumbers - the dimensionless numbers of body b, with its thickness L (m), its largest initial speed U (m/s) and
+   its viscosity at the shear rate U/L (Pa s): Re = rho U L/mu, We = rho U^2 L/sigma, Fr = U^2/(g L),
+   Bo = rho g L^2/sigma, Oh = mu/sqrt(rho sigma L), Ca = mu U/sigma; each is 'above' over 'below', NAN if one is 0. */
+enum { NUMBER_REYNOLDS, NUMBER_WEBER, NUMBER_FROUDE, NUMBER_BOND, NUMBER_OHNESORGE, NUMBER_CAPILLARY, SCENE_NUMBERS };
+typedef struct {
+  const char *name;
+  PetscReal   above, below, value;
+} DimensionlessNumber;
+typedef struct {
+  PetscReal           length, speed, viscosity;
+  DimensionlessNumber number[SCENE_NUMBERS];
+} BodyNumbers;
+void SceneNumbers(Scene scene, PetscInt b, BodyNumbers *numbers);
+/* SceneMoments - the times (s) from start to end, at most 'most' of them, at which motions of solids, swinging gravity
+   and emitters are extreme: rows of a table of motion, the eighths of a period, the first fillings; returns their
+   number. 0: nothing in the scene depends on the time. BodyMoments - those of one solid or emitter. */
+PetscInt SceneMoments(Scene scene, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[]);
+PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[]);
 /* BodyDisplace - maps a point x (m) of a lattice to a point of the body. The map conserves volumes and bends the
    lattice's layers along a curved surface. The identity for most shapes. */
 void BodyDisplace(Body body, PetscReal x[DIM]);
@@ -213,8 +234,9 @@ PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
 PetscBool SceneEmits(Scene scene);
 /* SceneSetTime - sets the time (s) of oscillating gravity. */
 void SceneSetTime(Scene scene, PetscReal time);
-/* SceneShaking - the oscillating part of gravity at that time (m/s2). */
+/* SceneShaking - the oscillating part of gravity at that time (m/s2). SceneSetShaking - sets it. */
 void SceneShaking(Scene scene, PetscReal shake[DIM]);
+void SceneSetShaking(Scene scene, const PetscReal shake[DIM]);
 /* SceneFrameTurns - whether the frame of reference rotates. SceneFrameRate - its angular velocity (rad/s). */
 PetscBool SceneFrameTurns(Scene scene);
 void      SceneFrameRate(Scene scene, PetscReal rate[DIM]);

@@ -113,6 +113,18 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
+/* Moments of SceneMoments. MomentAdd - adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the
+   eighths of the first period of an oscillation with this frequency (Hz; 0: none) from a time (s). MotionMoments,
+   EmitterMoments - add those of a solid's motion and of an emitter. Not collective. */
+typedef struct {
+  PetscReal  start, end; /* s, of the run */
+  PetscInt   most, n;
+  PetscReal *time; /* [n] s */
+} Moments;
+void MomentAdd(Moments *moments, PetscReal time);
+void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start);
+void MotionMoments(Body body, Moments *moments);
+void EmitterMoments(Body body, Moments *moments);
 /* DistanceNormal - the unit normal n from differences of a signed distance around x (m); zero where these vanish.
    which: passed on to the distance. SceneOwnDistance is one of these functions. */
 typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);

@@ -82,43 +82,62 @@ static PetscBool HasRim(Scene scene, Body body)
   return PETSC_FALSE;
 }
 
-/* Prints the least extent of body b, the dimensionless numbers of least extent, initial speed and body force, and the
-   warnings. */
-static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
+void SceneNumbers(Scene scene, PetscInt b, BodyNumbers *numbers)
 {
   Body            body = SceneBody(scene, b);
   const Material *m    = &body->material;
   BodyScales      scales;
-  PetscReal       L, g, across, inertia, weight, viscosity;
+  PetscReal       L, U, g, inertia, weight, viscosity;
+
+  SceneBodyScales(scene, b, &scales);
+  L         = scales.length;
+  U         = scales.speed;
+  g         = Norm(scales.acceleration);
+  inertia   = m->density * U * U * L; /* N/m */
+  weight    = m->density * g * L * L; /* N/m */
+  viscosity = BodyViscosity(body, U / L);
+  *numbers  = (BodyNumbers){.length    = L,
+                            .speed     = U,
+                            .viscosity = viscosity,
+                            .number    = {{"Re", m->density * U * L, viscosity},
+                                          {"We", inertia, m->tension},
+                                          {"Fr", U * U, g * L},
+                                          {"Bo", weight, m->tension},
+                                          {"Oh", viscosity, PetscSqrtReal(m->density * m->tension * L)},
+                                          {"Ca", viscosity * U, m->tension}}};
+  for (PetscInt k = 0; k < SCENE_NUMBERS; k++) {
+    DimensionlessNumber *n = &numbers->number[k];
+
+    n->value = n->above > 0 && n->below > 0 ? n->above / n->below : NAN;
+  }
+}
+
+/* Prints the least extent of body b, its dimensionless numbers, and the warnings. */
+static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
+{
+  Body            body = SceneBody(scene, b);
+  const Material *m    = &body->material;
+  BodyNumbers     numbers;
+  PetscReal       across, inertia, weight;
   char            text[256] = "", number[64];
 
   PetscFunctionBegin;
-  SceneBodyScales(scene, b, &scales);
-  L         = scales.length;
-  g         = Norm(scales.acceleration);
-  across    = L / scene->domain->spacing;
-  inertia   = m->density * PetscSqr(scales.speed) * L; /* N/m */
-  weight    = m->density * g * L * L;                  /* N/m */
-  viscosity = BodyViscosity(body, scales.speed / L);
-  const struct {
-    const char *name;
-    PetscReal   above, below;
-  } numbers[] = {{"Re", m->density * scales.speed * L, viscosity},
-                 {"We", inertia, m->tension},
-                 {"Fr", PetscSqr(scales.speed), g * L},
-                 {"Bo", weight, m->tension},
-                 {"Oh", viscosity, PetscSqrtReal(m->density * m->tension * L)}};
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++) {
-    if (numbers[k].above <= 0 || numbers[k].below <= 0) continue;
-    PetscCall(PetscSNPrintf(number, sizeof(number), ", %s %.3g", numbers[k].name,
-                            (double)(numbers[k].above / numbers[k].below)));
+  SceneNumbers(scene, b, &numbers);
+  across  = numbers.length / scene->domain->spacing;
+  inertia = numbers.number[NUMBER_WEBER].above;
+  weight  = numbers.number[NUMBER_BOND].above;
+  for (PetscInt k = 0; k < SCENE_NUMBERS; k++) {
+    if (PetscIsNanReal(numbers.number[k].value)) continue;
+    PetscCall(
+      PetscSNPrintf(number, sizeof(number), ", %s %.3g", numbers.number[k].name, (double)numbers.number[k].value));
     PetscCall(PetscStrlcat(text, number, sizeof(text)));
   }
-  PetscCall(PetscViewerASCIIPrintf(viewer, "least extent %.3g m, %.3g spacings%s\n", (double)L, (double)across, text));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "least extent %.3g m, %.3g spacings%s\n", (double)numbers.length,
+                                   (double)across, text));
   PetscCall(
     Warn(body, across, m->tension > 0 ? weight / m->tension : 0, m->tension > 0 ? inertia / m->tension : 0, viewer));
-  if (BodyEmits(body) && g > 0 && PetscMax(inertia / WEBER_DRIPS, viscosity * scales.speed) < m->tension &&
-      !HasRim(scene, body))
+  if (BodyEmits(body) && weight > 0 &&
+      PetscMax(inertia / WEBER_DRIPS, numbers.viscosity * numbers.speed) < m->tension && !HasRim(scene, body))
     PetscCall(PetscViewerASCIIPrintf(
       viewer,
       "warning: %s is so slow that its liquid drips, but there is no solid on whose rim a drop could hang: drops will "

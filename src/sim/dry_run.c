@@ -274,6 +274,7 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscInt64  snapshots, bytes, checkpoint;
   RunEstimate run;
   StepTimes   times;
+  SceneModel  model;
   PetscReal   beside; /* s, for the start and for output */
   double      now;
 
@@ -281,7 +282,8 @@ PetscErrorCode SimDryRun(Sim sim)
   ProgressBegin("the dry run", "nothing is lost");
   PetscCall(PetscTime(&now));
   PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
-  PetscCall(ModelPrint(sim));
+  ModelFind(sim, &model);
+  PetscCall(ModelPrint(sim, &model));
   PetscCall(Picture(sim));
   PetscCall(PrintParticles(sim));
   PetscCall(PrintBounds(sim));

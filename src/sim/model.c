@@ -1,7 +1,9 @@
-/* -scene_model, and a line of -dry_run: the cheapest model that holds for a scene. Its symmetries are found by trying:
-   what is at a point of the scene must be at the image of this point, too, for points in and around each body and in
-   the box, at the start, in the middle and at the end of the run. So they hold for any shape, motion and force. A place
-   where a surface is nearer than a tenth of a spacing says nothing: the particles cannot tell either. */
+/* The cheapest model that holds for a scene: SceneModel, which -scene_model, every -dry_run and scene.json tell. Its
+   symmetries are found by trying: what is at a point of the scene must be at the image of this point, too, for points
+   in and around each body and in the box. If something in the scene depends on the time, this must be so at many
+   moments: those where motions, swinging gravity and emitters are extreme (SceneMoments), and some at golden-ratio
+   distances, which no period has. So the symmetries hold for any shape, motion and force. A place where a surface is
+   nearer than a tenth of a spacing says nothing: the particles cannot tell either. */
 #include "sim_impl.h"
 #include <string.h>
 
@@ -12,11 +14,14 @@
 #define NEAR         0.1  /* spacings from a surface within which it is not known what a point is in */
 #define SAME         1e-6 /* of the largest value of the scene, for velocities, accelerations, sizes */
 #define SEED         1
-#define TIMES        3
+#define MOMENTS      16                  /* at golden-ratio distances */
+#define MOMENTS_MOST 80                  /* with the extreme ones */
+#define GOLDEN       0.61803398874989485 /* the ratio that fractions approximate worst */
+#define LONG         10.                 /* s, that are looked at of a run without an end */
 #define TURNS        3
+#define SHIFTS       2
 #define SMALL        0.01 /* share that counts as nothing */
 #define RATES        3
-#define WHY_LENGTH   160
 
 /* What is at a place: of the liquid or the solid there. Equal structs are equal places. */
 typedef struct {
@@ -37,11 +42,11 @@ typedef struct {
 
 typedef struct {
   Sim       sim;
-  PetscReal center[DIM];  /* m, of the whole scene: the middle of the box, or its mirror at a lower face */
-  PetscBool folded[DIM];  /* the lower face is that mirror */
-  PetscReal speed, force; /* the largest, m/s, m/s2 */
-  PetscReal least_force;  /* m/s2 */
-  PetscBool cheaper;      /* a cheaper model holds */
+  PetscInt  moments;
+  PetscReal moment[MOMENTS_MOST]; /* s */
+  PetscReal center[DIM];          /* m, of the whole scene: the middle of the box, or its mirror at a lower face */
+  PetscBool folded[DIM];          /* the lower face is that mirror */
+  PetscReal speed, force;         /* the largest, m/s, m/s2 */
 } Model;
 
 static const PetscReal rates[RATES] = {0, 1, 1e3};
@@ -163,23 +168,38 @@ static const char *Bounds(const Model *model, PetscInt s, PetscReal lower[DIM], 
   return body ? BodyName(body) : "the box";
 }
 
-/* For each point of all sets and each time; 'ok' says in 'why' what is wrong. */
+/* The moments at which the scene is looked at: the start alone if nothing depends on the time. */
+static void FindMoments(Model *model)
+{
+  const Sim       sim   = model->sim;
+  const PetscReal start = sim->state.time, end = sim->has_end ? sim->time_end : start + LONG;
+
+  model->moments = SceneMoments(sim->scene, start, end, MOMENTS_MOST - MOMENTS, model->moment);
+  for (PetscInt k = 0; model->moments && k < MOMENTS; k++)
+    model->moment[model->moments + k] = start + (end - start) * ((k + 1) * GOLDEN - PetscFloorReal((k + 1) * GOLDEN));
+  model->moments += model->moments ? MOMENTS : 0;
+  if (!model->moments) model->moment[model->moments++] = start;
+}
+
+/* For each point of all sets and each moment; 'ok' says in 'why' what is wrong. */
 static PetscBool AtAll(const Model *model,
                        PetscBool (*ok)(const Model *, PetscReal, const PetscReal[], const void *, const char **),
                        const void *context, char why[])
 {
-  const Sim       sim    = model->sim;
-  const PetscInt  sets   = SceneCount(sim->scene) + SceneSolidCount(sim->scene) + 1;
+  const Scene     scene  = model->sim->scene;
+  const PetscInt  sets   = SceneCount(scene) + SceneSolidCount(scene) + 1;
   const PetscInt  points = PetscMax(POINTS_LEAST, POINTS * PetscMin(sets, SETS) / sets);
-  const PetscReal span   = sim->has_end ? sim->time_end - sim->state.time : 0;
+  const PetscReal now    = SceneSolidTime(scene);
   PetscBool       good   = PETSC_TRUE;
   const char     *what   = "";
+  PetscReal       shake[DIM];
 
-  for (PetscInt t = 0; t < TIMES && good; t++) {
-    const PetscReal time = sim->state.time + span * (PetscReal)t / (TIMES - 1);
+  SceneShaking(scene, shake);
+  for (PetscInt t = 0; t < model->moments && good; t++) {
+    const PetscReal time = model->moment[t];
 
-    SceneMoveSolids(sim->scene, time);
-    SceneSetTime(sim->scene, time);
+    SceneMoveSolids(scene, time);
+    SceneSetTime(scene, time);
     for (PetscInt s = 0; s < sets && good; s++) {
       PetscReal         lower[DIM], upper[DIM];
       const char *const name = Bounds(model, s, lower, upper);
@@ -190,13 +210,13 @@ static PetscBool AtAll(const Model *model,
         Point(k, lower, upper, x);
         good = ok(model, time, x, context, &what);
         if (!good)
-          (void)PetscSNPrintf(why, WHY_LENGTH, "%s, at %.3g, %.3g, %.3g m and %.3g s (%s)", what, (double)x[0],
+          (void)PetscSNPrintf(why, MODEL_WHY, "%s, at %.3g, %.3g, %.3g m and %.3g s (%s)", what, (double)x[0],
                               (double)x[1], (double)x[2], (double)time, name);
       }
     }
   }
-  SceneMoveSolids(sim->scene, sim->state.time);
-  SceneSetTime(sim->scene, sim->state.time);
+  SceneMoveSolids(scene, now);
+  SceneSetShaking(scene, shake);
   return good;
 }
 
@@ -254,36 +274,37 @@ static PetscBool TurnOk(const Model *model, PetscReal time, const PetscReal x[],
 
 static PetscBool AlongOk(const Model *model, PetscReal time, const PetscReal x[], const void *along, const char **what)
 {
-  const Domain   domain = model->sim->domain;
-  const PetscInt d      = *(const PetscInt *)along;
-  Map            map    = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  Place          place;
+  const PetscReal share[SHIFTS] = {1 - GOLDEN, 0.25 * GOLDEN}; /* of the box; a row of equal bodies has neither */
+  const Domain    domain        = model->sim->domain;
+  const PetscInt  d             = *(const PetscInt *)along;
+  Map             map           = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  Place           place;
 
   Look(model, time, x, &place);
   *what = "there is motion or force along it";
   if (PetscAbsReal(place.velocity[d]) > SAME * model->speed || PetscAbsReal(place.force[d]) > SAME * model->force)
     return PETSC_FALSE;
-  map.shift[d] = 0.4 * (domain->upper[d] - domain->lower[d]);
-  if (x[d] + map.shift[d] > domain->upper[d]) map.shift[d] *= -1;
-  return Alike(model, time, &map, x, what);
+  for (PetscInt k = 0; k < SHIFTS; k++) {
+    map.shift[d] = share[k] * (domain->upper[d] - domain->lower[d]);
+    if (x[d] + map.shift[d] > domain->upper[d]) map.shift[d] *= -1;
+    if (!Alike(model, time, &map, x, what)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }
 
 /* Whether two faces are alike, but for the velocity of walls, which 'parity' turns. */
 static PetscBool FacesAlike(const Model *model, PetscInt d, PetscInt side, PetscInt e, PetscInt other,
                             const PetscReal parity[DIM])
 {
-  const Domain domain   = model->sim->domain;
-  PetscReal    angle[2] = {-1, -1}, moved[DIM];
-  char         name[64];
+  const Domain domain      = model->sim->domain;
+  PetscReal    angle[2][2] = {{0, 0}, {0, 0}}, moved[DIM];
 
-  for (PetscInt k = 0; k < 2; k++) {
-    (void)PetscSNPrintf(name, sizeof(name), "-box_%c%s_contact_angle", "xyz"[k ? e : d],
-                        (k ? other : side) ? "max" : "min");
-    (void)PetscOptionsGetReal(NULL, NULL, name, &angle[k], NULL);
-  }
+  (void)TensionFaceAngles(model->sim->tension, d, side, angle[0]);
+  (void)TensionFaceAngles(model->sim->tension, e, other, angle[1]);
   for (PetscInt k = 0; k < DIM; k++)
     moved[k] = parity[k] * domain->wall_velocity[d][side][k] - domain->wall_velocity[e][other][k];
-  return (PetscBool)(domain->face[d][side] == domain->face[e][other] && angle[0] == angle[1] && Norm(moved) == 0);
+  return (PetscBool)(domain->face[d][side] == domain->face[e][other] && angle[0][0] == angle[1][0] &&
+                     angle[0][1] == angle[1][1] && Norm(moved) == 0);
 }
 
 /* Whether the plane across d is a mirror of the scene. */
@@ -295,7 +316,7 @@ static PetscBool IsMirror(const Model *model, PetscInt d, char why[])
   for (PetscInt e = 0; e < model->sim->domain->dim; e++)
     for (PetscInt side = 0; side < 2; side++)
       if (!FacesAlike(model, e, side, e, e == d && !model->folded[d] ? 1 - side : side, parity)) {
-        (void)PetscSNPrintf(why, WHY_LENGTH, "the faces differ");
+        (void)PetscSNPrintf(why, MODEL_WHY, "the faces differ");
         return PETSC_FALSE;
       }
   return AtAll(model, MirrorOk, &d, why);
@@ -314,7 +335,7 @@ static PetscBool IsRevolution(const Model *model, PetscInt u, char why[])
   for (PetscInt side = 0; side < 2; side++) faces = (PetscBool)(faces && FacesAlike(model, u, side, u, side, parity));
   if (!model->folded[a]) faces = (PetscBool)(faces && FacesAlike(model, a, 0, a, 1, parity));
   if (!model->folded[b]) faces = (PetscBool)(faces && FacesAlike(model, b, 0, b, 1, parity));
-  (void)PetscSNPrintf(why, WHY_LENGTH, faces ? "the box is not square" : "the vertical faces differ");
+  (void)PetscSNPrintf(why, MODEL_WHY, faces ? "the box is not square" : "the vertical faces differ");
   if (!faces || PetscAbsReal(wide - deep) > SAME * wide) return PETSC_FALSE;
   return AtAll(model, TurnOk, &u, why);
 }
@@ -323,9 +344,14 @@ static PetscBool IsUniform(const Model *model, PetscInt d, char why[])
 {
   const FaceType low = model->sim->domain->face[d][0], high = model->sim->domain->face[d][1];
 
-  (void)PetscSNPrintf(why, WHY_LENGTH, "its faces are neither periodic nor mirrors");
+  (void)PetscSNPrintf(why, MODEL_WHY, "its faces are neither periodic nor mirrors");
   if (!(low == FACE_PERIODIC || low == FACE_SYMMETRY) || !(high == FACE_PERIODIC || high == FACE_SYMMETRY))
     return PETSC_FALSE;
+  for (PetscInt f = 0; f < 2 * DIM; f++)
+    if (model->sim->domain->wall_velocity[f / 2][f % 2][d] != 0) {
+      (void)PetscSNPrintf(why, MODEL_WHY, "a wall moves along it");
+      return PETSC_FALSE;
+    }
   return AtAll(model, AlongOk, &d, why);
 }
 
@@ -356,86 +382,7 @@ static void CountParticles(const Model *model, PetscInt u, PetscReal *whole, Pet
   }
 }
 
-/* "; without a,b": bodies and solids that lie wholly below the middle across d, which a half has no more. */
-static void Outside(const Model *model, PetscInt d, char names[], size_t length)
-{
-  Body body;
-
-  names[0] = 0;
-  for (PetscInt s = 0; (body = Member(model, s)); s++) {
-    PetscReal lower[DIM], upper[DIM];
-
-    BodyBounds(body, lower, upper);
-    if (upper[d] > model->center[d] + NEAR * model->sim->domain->spacing) continue;
-    (void)PetscStrlcat(names, names[0] ? "," : "; without ", length);
-    (void)PetscStrlcat(names, BodyName(body), length);
-  }
-}
-
-static PetscErrorCode PrintForce(Model *model, const char name[], PetscBool acts, PetscBool vain, const char why[])
-{
-  PetscFunctionBegin;
-  if (acts && vain) {
-    PetscCall(PetscPrintf(model->sim->comm, "  %s: cannot matter: %s\n", name, why));
-    model->cheaper = PETSC_TRUE;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Whether tension, viscosity and gravity can matter: bounds that hold for the smallest thing that a run can show, one
-   spacing. */
-static PetscErrorCode PrintForces(Model *model)
-{
-  const Sim       sim   = model->sim;
-  const Scene     scene = sim->scene;
-  const PetscReal d0 = sim->domain->spacing, span = sim->has_end ? sim->time_end - sim->state.time : PETSC_MAX_REAL,
-                  g = model->force, fall = 0.5 * g * PetscSqr(span);
-  PetscReal capillary = 0, drawn = 0, diffused = 0; /* m: capillary length, way by tension, width of a boundary layer */
-
-  PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    const Material *m  = BodyMaterial(SceneBody(scene, b));
-    const PetscReal mu = PetscMax(BodyViscosity(SceneBody(scene, b), 0), BodyViscosity(SceneBody(scene, b), rates[2])),
-                    sigma = PetscMax(m->tension, SceneInterfaceTension(scene));
-
-    capillary = PetscMax(capillary, PetscSqrtReal(sigma / (m->density * PetscMax(model->least_force, PETSC_SMALL))));
-    drawn     = PetscMax(drawn, 0.5 * sigma * PetscSqr(span) / (m->density * PetscSqr(d0)));
-    diffused  = PetscMax(diffused, PetscSqrtReal(mu / m->density * span));
-  }
-  PetscCall(PrintForce(model, "tension", (PetscBool)(drawn > 0), (PetscBool)(drawn < SMALL * d0),
-                       "it moves a drop of one spacing by less than a hundredth of that within the run"));
-  PetscCall(PrintForce(model, "tension", (PetscBool)(drawn >= SMALL * d0), (PetscBool)(capillary < d0),
-                       "the capillary length is below the spacing"));
-  PetscCall(PrintForce(model, "viscosity", (PetscBool)(diffused > 0), (PetscBool)(diffused < 0.5 * d0),
-                       "momentum spreads by less than half a spacing within the run"));
-  PetscCall(PrintForce(model, "gravity", (PetscBool)(g > 0), (PetscBool)(fall < SMALL * d0),
-                       "it moves liquid by less than a hundredth of a spacing within the run"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrintRevolution(Model *model, PetscInt u, PetscBool *found)
-{
-  const Sim        sim = model->sim;
-  const PetscInt   a = (u + 1) % DIM, b = (u + 2) % DIM;
-  const PetscReal *c = model->center;
-  PetscReal        whole, as_rings;
-  char             why[WHY_LENGTH];
-
-  PetscFunctionBegin;
-  *found         = IsRevolution(model, u, why);
-  model->cheaper = *found;
-  if (*found) {
-    CountParticles(model, u, &whole, &as_rings);
-    PetscCall(PetscPrintf(sim->comm,
-                          "  revolution about %c: yes, through %c = %.9g, %c = %.9g m; rings take %.2g %% of "
-                          "the particles\n",
-                          "xyz"[u], "xyz"[a], (double)c[a], "xyz"[b], (double)c[b], (double)(100 * as_rings / whole)));
-  } else
-    PetscCall(PetscPrintf(sim->comm, "  revolution about %c: no: %s\n", "xyz"[u], why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The largest speed, and the largest and least force, at all points. */
+/* The largest speed and force at all points. */
 static PetscBool Measure(const Model *model, PetscReal time, const PetscReal x[], const void *context,
                          const char **what)
 {
@@ -443,68 +390,223 @@ static PetscBool Measure(const Model *model, PetscReal time, const PetscReal x[]
   Place        place;
 
   Look(model, time, x, &place);
-  scale->speed       = PetscMax(scale->speed, Norm(place.velocity));
-  scale->force       = PetscMax(scale->force, Norm(place.force));
-  scale->least_force = PetscMin(scale->least_force, Norm(place.force));
+  scale->speed = PetscMax(scale->speed, Norm(place.velocity));
+  scale->force = PetscMax(scale->force, Norm(place.force));
   return PETSC_TRUE;
 }
 
-/* The mirror across d, and whether the scene is uniform along it. */
-static PetscErrorCode PrintMirror(Model *model, PetscInt d)
+/* Whether tension, viscosity and gravity can matter: bounds that hold for the smallest thing that a run can show, one
+   spacing. Viscosity matters where a law moves the contact lines, gravity also where its pressure does. */
+static void FindForces(const Model *model, SceneModel *found)
 {
-  const Sim sim = model->sim;
-  char      why[WHY_LENGTH], names[WHY_LENGTH];
-  PetscBool is;
+  const Sim       sim   = model->sim;
+  const Scene     scene = sim->scene;
+  const PetscReal d0 = sim->domain->spacing, span = sim->has_end ? sim->time_end - sim->state.time : PETSC_MAX_REAL,
+                  g = model->force, fall = 0.5 * g * PetscSqr(span), speed = model->speed;
+  PetscReal drawn = 0, diffused = 0, height = 0; /* m: way by tension, width of a boundary layer, size of the box */
+
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    const Material *m  = BodyMaterial(SceneBody(scene, b));
+    const PetscReal mu = PetscMax(BodyViscosity(SceneBody(scene, b), 0), BodyViscosity(SceneBody(scene, b), rates[2])),
+                    sigma = PetscMax(m->tension, SceneInterfaceTension(scene));
+
+    drawn    = PetscMax(drawn, 0.5 * sigma * PetscSqr(span) / (m->density * PetscSqr(d0)));
+    diffused = PetscMax(diffused, PetscSqrtReal(mu / m->density * span));
+  }
+  for (PetscInt d = 0; d < sim->domain->dim; d++)
+    height = PetscMax(height, sim->domain->upper[d] - sim->domain->lower[d]);
+  found->force[MODEL_TENSION] =
+    (ForceFound){"tension", (PetscBool)(drawn > 0), (PetscBool)(drawn > 0 && drawn < SMALL * d0),
+                 "it moves a drop of one spacing by less than a hundredth of that within the run"};
+  found->force[MODEL_VISCOSITY] =
+    (ForceFound){"viscosity", (PetscBool)(diffused > 0),
+                 (PetscBool)(diffused > 0 && diffused < 0.5 * d0 && !TensionHasLaw(sim->tension)),
+                 "momentum spreads by less than half a spacing within the run"};
+  found->force[MODEL_GRAVITY] = (ForceFound){
+    "gravity", (PetscBool)(g > 0),
+    (PetscBool)(g > 0 && fall < SMALL * d0 && g * height < 0.5 * SMALL * PetscSqr(speed)),
+    "it moves liquid by less than a hundredth of a spacing within the run, and its pressure is less than a "
+    "hundredth of that of the flow"};
+}
+
+static void FindRevolution(Model *model, PetscInt u, SceneModel *found)
+{
+  Revolution *r = &found->revolution[u];
+  PetscReal   whole, as_rings;
+
+  r->tried = PETSC_TRUE;
+  r->holds = IsRevolution(model, u, r->why);
+  if (!r->holds) return;
+  r->why[0] = 0;
+  for (PetscInt d = 0; d < DIM; d++) r->center[d] = model->center[d];
+  CountParticles(model, u, &whole, &as_rings);
+  r->particles = whole > 0 ? as_rings / whole : 0;
+}
+
+/* The mirror across d, and whether the scene is uniform along it. */
+static void FindMirror(const Model *model, PetscInt d, SceneModel *found)
+{
+  Mirror  *mirror  = &found->mirror[d];
+  Uniform *uniform = &found->uniform[d];
+  Body     body;
+
+  mirror->used  = model->folded[d];
+  mirror->holds = (PetscBool)(!mirror->used && IsMirror(model, d, mirror->why));
+  if (mirror->holds || mirror->used) mirror->why[0] = 0;
+  for (PetscInt s = 0; mirror->holds && (body = Member(model, s)); s++) {
+    PetscReal lower[DIM], upper[DIM];
+
+    BodyBounds(body, lower, upper);
+    mirror->gone[s] = (PetscBool)(upper[d] <= model->center[d] + NEAR * model->sim->domain->spacing);
+  }
+  uniform->holds = (PetscBool)(model->sim->domain->dim == DIM && IsUniform(model, d, uniform->why));
+  if (uniform->holds) uniform->why[0] = 0;
+}
+
+void ModelFind(Sim sim, SceneModel *found)
+{
+  const Domain domain = sim->domain;
+  Model        model = {.sim = sim}, scale = {.sim = sim};
+  PetscInt     first = 0, last = DIM - 1;
+  PetscReal    g[DIM];
+  char         why[MODEL_WHY];
+
+  *found = (SceneModel){.none = SceneHasFree(sim->scene)      ? "a free body"
+                                : SceneFrameTurns(sim->scene) ? "a frame that rotates"
+                                                              : NULL};
+  for (PetscInt d = 0; d < DIM; d++) model.center[d] = 0.5 * (domain->lower[d] + domain->upper[d]);
+  FindMoments(&model);
+  (void)AtAll(&model, Measure, &scale, why);
+  model.speed = PetscMax(scale.speed, DomainWallSpeed(domain));
+  model.force = scale.force;
+  FindForces(&model, found);
+  if (found->none) return;
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if (domain->face[d][0] == FACE_SYMMETRY && !IsMirror(&model, d, why)) {
+      model.folded[d] = PETSC_TRUE; /* a half already, unless its middle is a mirror, too */
+      model.center[d] = domain->lower[d];
+    }
+  SceneAcceleration(sim->scene, model.center, g);
+  for (PetscInt d = 0; d < DIM; d++)
+    if (g[d] != 0 && Norm(g) == PetscAbsReal(g[d])) first = last = d;
+  for (PetscInt u = last; u >= first && domain->dim == DIM; u--) {
+    FindRevolution(&model, u, found);
+    if (found->revolution[u].holds) break;
+  }
+  for (PetscInt d = domain->rings; d < domain->dim; d++) FindMirror(&model, d, found);
+}
+
+PetscBool ModelCheaper(const SceneModel *found)
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    if (found->revolution[d].holds || found->mirror[d].holds || found->uniform[d].holds) return PETSC_TRUE;
+  for (PetscInt f = 0; f < MODEL_FORCES; f++)
+    if (found->force[f].vain) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Name of body or solid s. */
+static const char *MemberName(Sim sim, PetscInt s)
+{
+  return BodyName(Member(&(Model){.sim = sim}, s));
+}
+
+PetscErrorCode ModelPrint(Sim sim, const SceneModel *found)
+{
+  const PetscInt members = SceneCount(sim->scene) + SceneSolidCount(sim->scene);
 
   PetscFunctionBegin;
-  if (model->folded[d]) {
-    PetscCall(PetscPrintf(sim->comm, "  mirror across %c: used already\n", "xyz"[d]));
-  } else {
-    is = IsMirror(model, d, why);
-    if (is) Outside(model, d, names, sizeof(names));
-    model->cheaper = (PetscBool)(model->cheaper || is);
-    PetscCall(PetscPrintf(sim->comm, "  mirror across %c: %s%s\n", "xyz"[d], is ? "yes" : "no: ", is ? names : why));
+  PetscCall(PetscPrintf(sim->comm, "Model\n"));
+  if (found->none) PetscCall(PetscPrintf(sim->comm, "  symmetry: none is looked for with %s\n", found->none));
+  for (PetscInt u = DIM - 1; u >= 0; u--) {
+    const Revolution *r = &found->revolution[u];
+    const PetscInt    a = (u + 1) % DIM, b = (u + 2) % DIM;
+
+    if (r->tried && !r->holds) PetscCall(PetscPrintf(sim->comm, "  revolution about %c: no: %s\n", "xyz"[u], r -> why));
+    if (r->holds)
+      PetscCall(PetscPrintf(sim->comm,
+                            "  revolution about %c: yes, through %c = %.9g, %c = %.9g m; rings take %.2g %% of "
+                            "the particles\n",
+                            "xyz"[u], "xyz"[a], (double)r -> center[a], "xyz"[b], (double)r -> center[b],
+                            (double)(100 * r->particles)));
   }
-  is             = (PetscBool)(sim->domain->dim == DIM && IsUniform(model, d, why));
-  model->cheaper = (PetscBool)(model->cheaper || is);
-  if (is) PetscCall(PetscPrintf(sim->comm, "  uniform along %c: yes\n", "xyz"[d]));
+  for (PetscInt d = sim->domain->rings; d < sim->domain->dim && !found->none; d++) {
+    const Mirror *mirror = &found->mirror[d];
+    PetscBool     first  = PETSC_TRUE;
+
+    PetscCall(PetscPrintf(sim->comm, "  mirror across %c: %s%s", "xyz"[d],
+                          mirror -> used            ? "used already"
+                                    : mirror->holds ? "yes"
+                                                    : "no: ",
+                          mirror->why));
+    for (PetscInt s = 0; s < members; s++) {
+      if (!mirror->gone[s]) continue;
+      PetscCall(PetscPrintf(sim->comm, "%s%s", first ? "; without " : ",", MemberName(sim, s)));
+      first = PETSC_FALSE;
+    }
+    PetscCall(PetscPrintf(sim->comm, "\n"));
+    if (found->uniform[d].holds) PetscCall(PetscPrintf(sim->comm, "  uniform along %c: yes\n", "xyz"[d]));
+  }
+  for (PetscInt f = 0; f < MODEL_FORCES; f++)
+    if (found->force[f].vain)
+      PetscCall(PetscPrintf(sim->comm, "  %s: cannot matter: %s\n", found->force[f].name, found->force[f].why));
+  PetscCall(PetscPrintf(sim->comm, ModelCheaper(found) ? "  make reduce SCENE=my.opts writes the cheaper scene\n"
+                                                       : "  nothing cheaper than the scene as it is\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ModelPrint(Sim sim)
+/* {direction: a letter, "holds", "why"}, left open. */
+static void WriteFinding(Json *json, const char key[], PetscInt d, PetscBool holds, const char why[])
 {
-  const Domain domain = sim->domain;
-  Model        model = {.sim = sim}, scale = {.sim = sim, .least_force = PETSC_MAX_REAL};
-  PetscReal    g[DIM];
-  PetscInt     first = 0, last = DIM - 1;
-  PetscBool    found = PETSC_FALSE;
-  char         why[WHY_LENGTH];
+  const char letter[2] = {"xyz"[d], 0};
 
-  PetscFunctionBegin;
-  for (PetscInt d = 0; d < DIM; d++) model.center[d] = 0.5 * (domain->lower[d] + domain->upper[d]);
-  (void)AtAll(&model, Measure, &scale, why);
-  model.speed       = scale.speed;
-  model.force       = scale.force;
-  model.least_force = scale.least_force;
-  PetscCall(PetscPrintf(sim->comm, "Model\n"));
-  if (SceneHasFree(sim->scene) || SceneFrameTurns(sim->scene)) {
-    PetscCall(PetscPrintf(sim->comm, "  symmetry: none is looked for with %s\n",
-                          SceneHasFree(sim->scene) ? "a free body" : "a frame that rotates"));
-  } else {
-    for (PetscInt d = 0; d < domain->dim; d++)
-      if (domain->face[d][0] == FACE_SYMMETRY && !IsMirror(&model, d, why)) {
-        model.folded[d] = PETSC_TRUE; /* a half already, unless its middle is a mirror, too */
-        model.center[d] = domain->lower[d];
-      }
-    SceneAcceleration(sim->scene, model.center, g);
-    for (PetscInt d = 0; d < DIM; d++)
-      if (g[d] != 0 && Norm(g) == PetscAbsReal(g[d])) first = last = d;
-    for (PetscInt u = last; u >= first && domain->dim == DIM && !found; u--)
-      PetscCall(PrintRevolution(&model, u, &found));
-    for (PetscInt d = domain->rings; d < domain->dim; d++) PetscCall(PrintMirror(&model, d));
+  JsonObject(json, NULL);
+  JsonText(json, key, letter);
+  JsonBool(json, "holds", holds);
+  JsonText(json, "why", why);
+}
+
+void ModelJson(Sim sim, const SceneModel *found, Json *json)
+{
+  const PetscInt members = SceneCount(sim->scene) + SceneSolidCount(sim->scene);
+
+  JsonObject(json, "model");
+  JsonText(json, "not_looked_for", found->none);
+  JsonArray(json, "revolution");
+  for (PetscInt u = 0; u < DIM; u++) {
+    if (!found->revolution[u].tried) continue;
+    WriteFinding(json, "about", u, found->revolution[u].holds, found->revolution[u].why);
+    JsonReals(json, "center", DIM, found->revolution[u].center);
+    JsonReal(json, "particles", found->revolution[u].particles);
+    JsonEnd(json);
   }
-  PetscCall(PrintForces(&model));
-  PetscCall(PetscPrintf(sim->comm, model.cheaper ? "  make reduce SCENE=my.opts writes the cheaper scene\n"
-                                                 : "  nothing cheaper than the scene as it is\n"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  JsonEnd(json);
+  JsonArray(json, "mirrors");
+  for (PetscInt d = sim->domain->rings; d < sim->domain->dim && !found->none; d++) {
+    WriteFinding(json, "across", d, found->mirror[d].holds, found->mirror[d].why);
+    JsonBool(json, "used", found->mirror[d].used);
+    JsonArray(json, "gone");
+    for (PetscInt s = 0; s < members; s++)
+      if (found->mirror[d].gone[s]) JsonText(json, NULL, MemberName(sim, s));
+    JsonEnd(json);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+  JsonArray(json, "uniform");
+  for (PetscInt d = 0; sim->domain->dim == DIM && d < DIM && !found->none; d++) {
+    WriteFinding(json, "along", d, found->uniform[d].holds, found->uniform[d].why);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+  JsonArray(json, "forces");
+  for (PetscInt f = 0; f < MODEL_FORCES; f++) {
+    JsonObject(json, NULL);
+    JsonText(json, "name", found->force[f].name);
+    JsonBool(json, "acts", found->force[f].acts);
+    JsonBool(json, "vain", found->force[f].vain);
+    JsonText(json, "why", found->force[f].vain ? found->force[f].why : "");
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+  JsonEnd(json);
 }

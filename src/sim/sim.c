@@ -40,6 +40,10 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
                              "print which models hold for the scene (rings, mirrors, a plane; without tension, "
                              "viscosity or gravity), and stop",
                              "ModelPrint", sim->model, &sim->model, NULL));
+  PetscCall(PetscOptionsString("-scene_json",
+                               "write what the program knows about the scene into a file (options/scene_json.md), as "
+                               "each run does into its folder, and stop",
+                               "SceneFileWrite", sim->scene_json, sim->scene_json, sizeof(sim->scene_json), NULL));
   PetscCall(OptionReal("-progress_interval",
                        "wall-clock time between progress lines (s); 0: none but the summary at the end", "[0, inf)",
                        &sim->progress_interval));
@@ -171,7 +175,14 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   if (*stop) PetscCall(RefusalsHelp(comm));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE, OwnNames));
   if (!*stop && sim->model) {
-    PetscCall(ModelPrint(sim));
+    SceneModel model;
+
+    ModelFind(sim, &model);
+    PetscCall(ModelPrint(sim, &model));
+    *stop = PETSC_TRUE;
+  }
+  if (!*stop && sim->scene_json[0]) {
+    PetscCall(SceneFileWrite(sim, sim->scene_json));
     *stop = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,6 +225,7 @@ PetscErrorCode SimSetUp(Sim sim)
     char path[PETSC_MAX_PATH_LEN];
 
     PetscCall(OutputSetUp(sim->output, restarting ? sim->restart : NULL, &sim->state));
+    PetscCall(SceneFileWrite(sim, NULL));
     PetscCall(PetscSNPrintf(path, sizeof(path), "%s/" JOURNAL_FILE, OutputFolder(sim->output)));
     PetscCall(JournalOpen(sim->comm, path));
   }

@@ -28,6 +28,7 @@ struct _p_Sim {
   PetscInt    monitor_lines;
   PetscBool   monitor_csv, monitor_draw;
   char        dump[PETSC_MAX_PATH_LEN];
+  char        scene_json[PETSC_MAX_PATH_LEN];
   char        restart[PETSC_MAX_PATH_LEN];
 };
 
@@ -86,9 +87,44 @@ PetscErrorCode TrySteps(Sim sim, StepTimes *times);
    bounds of the time step give the run's. A restart, and a run of a given number of steps, have no rehearsal.
    Collective. */
 PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run);
-/* ModelPrint - prints which models hold for the scene: rings, mirrors, a plane; and whether tension, viscosity and
-   gravity can matter. Collective. */
-PetscErrorCode ModelPrint(Sim sim);
+/* The models that hold for a scene. 'why' says why one does not. */
+#define MODEL_WHY 160
+enum { MODEL_TENSION, MODEL_VISCOSITY, MODEL_GRAVITY, MODEL_FORCES };
+typedef struct {
+  PetscBool tried, holds;
+  char      why[MODEL_WHY];
+  PetscReal center[DIM], particles; /* m, on the axis; share of the particles that rings take, 1 */
+} Revolution;
+typedef struct {
+  PetscBool used, holds; /* used: the scene is a half already */
+  char      why[MODEL_WHY];
+  PetscBool gone[2 * SCENE_MAX_BODIES]; /* of the bodies, then the solids: the upper half does not have it */
+} Mirror;
+typedef struct {
+  PetscBool holds;
+  char      why[MODEL_WHY];
+} Uniform;
+typedef struct {
+  const char *name;
+  PetscBool   acts, vain; /* vain: it cannot matter, as 'why' says */
+  const char *why;
+} ForceFound;
+typedef struct {
+  const char *none; /* symmetry is not looked for with this; NULL: it is */
+  Revolution  revolution[DIM];
+  Mirror      mirror[DIM];
+  Uniform     uniform[DIM]; /* along: a plane */
+  ForceFound  force[MODEL_FORCES];
+} SceneModel;
+/* ModelFind - finds the models that hold for the scene. ModelCheaper - whether one is cheaper than the scene as it is.
+   ModelJson - writes them into the open object of scene.json. Not collective. ModelPrint - prints them. Collective. */
+void           ModelFind(Sim sim, SceneModel *found);
+PetscBool      ModelCheaper(const SceneModel *found);
+void           ModelJson(Sim sim, const SceneModel *found, Json *json);
+PetscErrorCode ModelPrint(Sim sim, const SceneModel *found);
+/* SceneFileWrite - writes scene.json, what the program knows about the scene (options/scene_json.md), into a file, or
+   with path NULL into the run folder, where the particles are known. Collective. */
+PetscErrorCode SceneFileWrite(Sim sim, const char path[]);
 /* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
  */
 PetscErrorCode Relax(Sim sim);

@@ -95,6 +95,9 @@ PetscErrorCode StepperSetScheme(Stepper stepper, const char name[]);
    -sound_mach, -sound_cfl, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
+/* StepperJson - writes the scheme, and if a step has been chosen its bounds, into the open object of scene.json. Not
+   collective. */
+void StepperJson(Stepper stepper, PetscBool chosen, Json *json);
 /* StepperPrepare - sets the solver up at the present state, so that it reads all its options. Collective. */
 PetscErrorCode StepperPrepare(Stepper stepper);
 /* StepperAdvance - makes one accepted step, at most to the time 'end' (s). Rolls back and halves the step as often as

@@ -224,6 +224,36 @@ PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale)
   return PetscMax(BoundByViscosity(&stepper->viscous, &bounds, step), limits->min);
 }
 
+void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
+{
+  const TimeStepLimits *limits = &stepper->limits;
+  const StepBounds     *b      = &stepper->bounds;
+  const PetscReal       none   = PETSC_MAX_REAL;
+  const struct {
+    const char *name;
+    PetscReal   bound;
+  } rows[] = {
+    {"speed", b->speed},
+    {"force", b->force},
+    {"surface_tension", b->tension},
+    {"viscosity", stepper->viscous.implicit ? none : b->viscosity},
+    {"implicit_viscosity",
+     stepper->viscous.implicit && stepper->viscous.ratio > 0 ? stepper->viscous.ratio * b->viscosity_flow : none},
+    {"time_step_max", limits->max > 0 ? limits->max : none},
+    {"time_step", limits->fixed > 0 ? limits->fixed : none},
+  };
+  PetscInt least = 0;
+
+  JsonText(json, "scheme", stepper->scheme_type);
+  JsonObject(json, "step");
+  for (PetscInt k = 0; k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(rows) && chosen; k++) {
+    JsonReal(json, rows[k].name, rows[k].bound);
+    if (rows[k].bound < rows[least].bound || rows[k].bound == limits->fixed) least = k;
+  }
+  if (chosen) JsonText(json, "binds", rows[least].bound < none ? rows[least].name : NULL);
+  JsonEnd(json);
+}
+
 StepBounds StepperBounds(Stepper stepper)
 {
   return stepper->bounds;

@@ -130,36 +130,71 @@ static PetscErrorCode Warn(const ContactAngle *contact, const char what[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints one angle, or the receding and the advancing angle; first: nothing was printed before. */
-static PetscErrorCode ViewAngle(const ContactAngle *contact, const char where[], PetscBool *first, PetscViewer viewer)
+static PetscBool Angles(const ContactAngle *contact, PetscReal angle[2])
 {
-  const PetscReal degrees = 180 / PETSC_PI, receding = degrees * acos(contact->cosine + contact->hysteresis_force),
-                  advancing = degrees * acos(contact->cosine - contact->hysteresis_force);
-
-  PetscFunctionBegin;
-  PetscCall(
-    PetscViewerASCIIPrintf(viewer, "%s %s %.4g", *first ? "Contact angles in degrees:" : ",", where, (double)receding));
-  if (contact->hysteresis_force > 0) PetscCall(PetscViewerASCIIPrintf(viewer, " to %.4g", (double)advancing));
-  *first = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (contact->angle == 0) return PETSC_FALSE;
+  angle[0] = 180 / PETSC_PI * acos(contact->cosine + contact->hysteresis_force);
+  angle[1] = 180 / PETSC_PI * acos(contact->cosine - contact->hysteresis_force);
+  return PETSC_TRUE;
 }
 
-static PetscErrorCode ViewAngles(Tension tension, PetscViewer viewer)
+PetscBool TensionFaceAngles(Tension tension, PetscInt d, PetscInt side, PetscReal angle[2])
+{
+  return (PetscBool)(tension->active && tension->face[d][side] == FACE_WALL && d < tension->dim &&
+                     Angles(&tension->contact[d][side], angle));
+}
+
+PetscBool TensionSolidAngles(Tension tension, PetscInt s, PetscReal angle[2])
+{
+  return (PetscBool)(tension->active && s < tension->solid.count && Angles(&tension->solid.angle[s], angle));
+}
+
+/* The wall or solid with a contact angle of number k: its name, and its angles; false: there is none. *name NULL: no
+   wall, no solid of this number. */
+static PetscBool AnglesOf(Tension tension, PetscInt k, const char **name, PetscReal angle[2])
 {
   const SolidContact *solid = &tension->solid;
-  PetscBool           first = PETSC_TRUE;
+  const PetscInt      faces = 2 * tension->dim;
+
+  *name = k < faces                  ? FaceNames[k / 2][k % 2]
+          : k - faces < solid->count ? BodyName(SceneSolid(solid->scene, k - faces))
+                                     : NULL;
+  if (!*name) return PETSC_FALSE;
+  return k < faces ? TensionFaceAngles(tension, k / 2, k % 2, angle) : TensionSolidAngles(tension, k - faces, angle);
+}
+
+void ContactJson(Tension tension, Json *json)
+{
+  PetscReal   angle[2];
+  const char *name;
+
+  JsonArray(json, "contact_angles");
+  for (PetscInt k = 0; AnglesOf(tension, k, &name, angle) || name; k++) {
+    if (!AnglesOf(tension, k, &name, angle)) continue;
+    JsonObject(json, NULL);
+    JsonText(json, "name", name);
+    JsonReal(json, "receding", angle[0]);
+    JsonReal(json, "advancing", angle[1]);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+}
+
+/* Prints one angle, or the receding and the advancing angle, of each. */
+static PetscErrorCode ViewAngles(Tension tension, PetscViewer viewer)
+{
+  PetscReal   angle[2];
+  const char *name;
+  PetscBool   first = PETSC_TRUE;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < 2 * tension->dim; f++) {
-    char face[8];
-
-    if (tension->face[f / 2][f % 2] != FACE_WALL) continue;
-    PetscCall(PetscSNPrintf(face, sizeof(face), "%c%s", "xyz"[f / 2], f % 2 ? "max" : "min"));
-    PetscCall(ViewAngle(&tension->contact[f / 2][f % 2], face, &first, viewer));
+  for (PetscInt k = 0; AnglesOf(tension, k, &name, angle) || name; k++) {
+    if (!AnglesOf(tension, k, &name, angle)) continue;
+    PetscCall(
+      PetscViewerASCIIPrintf(viewer, "%s %s %.4g", first ? "Contact angles in degrees:" : ",", name, (double)angle[0]));
+    if (angle[1] > angle[0]) PetscCall(PetscViewerASCIIPrintf(viewer, " to %.4g", (double)angle[1]));
+    first = PETSC_FALSE;
   }
-  for (PetscInt s = 0; s < solid->count; s++)
-    if (solid->angle[s].angle > 0)
-      PetscCall(ViewAngle(&solid->angle[s], BodyName(SceneSolid(solid->scene, s)), &first, viewer));
   if (!first) PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -76,6 +76,11 @@ PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObjec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const char *LineLaw(Tension tension)
+{
+  return Laws[tension->line.law];
+}
+
 PetscBool TensionHasLaw(Tension tension)
 {
   return (PetscBool)(tension->line.law != LAW_STATIC);

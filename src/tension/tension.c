@@ -150,6 +150,15 @@ PetscErrorCode TensionView(Tension tension, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void TensionJson(Tension tension, Json *json)
+{
+  JsonObject(json, "tension");
+  JsonText(json, "model", tension->active ? tension->type : TENSION_NONE);
+  JsonText(json, "contact_law", LineLaw(tension));
+  ContactJson(tension, json);
+  JsonEnd(json);
+}
+
 PetscErrorCode TensionDestroy(Tension *tension)
 {
   PetscFunctionBegin;

@@ -53,9 +53,15 @@ PetscBool      TensionHasAngles(Tension tension);
 /* TensionHasLaw - whether the angle of a contact line depends on its speed (-wall_contact_law). TensionMoveLines - then
    the change of FIELD_LINE in dt (s), after TensionApply. TensionFastestLine - the largest capillary number mu U/sigma
    of a contact line on this rank, at the last TensionApply; 0 unless the liquid meets a wall. Not collective. */
-PetscBool      TensionHasLaw(Tension tension);
-void           TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt);
-PetscReal      TensionFastestLine(Tension tension);
+PetscBool TensionHasLaw(Tension tension);
+void      TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt);
+PetscReal TensionFastestLine(Tension tension);
+/* TensionFaceAngles, TensionSolidAngles - the receding and the advancing contact angle (degrees) of a face or a solid;
+   false: it has none. TensionJson - writes the model and all angles into the open object of scene.json. Not
+   collective. */
+PetscBool      TensionFaceAngles(Tension tension, PetscInt d, PetscInt side, PetscReal angle[2]);
+PetscBool      TensionSolidAngles(Tension tension, PetscInt solid, PetscReal angle[2]);
+void           TensionJson(Tension tension, Json *json);
 PetscErrorCode TensionView(Tension tension, PetscViewer viewer);
 PetscErrorCode TensionDestroy(Tension *tension);
 

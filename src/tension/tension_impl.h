@@ -203,8 +203,12 @@ static inline void TensionScales(Tension tension, Kernel kernel, PetscReal *scal
    wall. Collective. */
 PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene);
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+/* LineLaw - the name of the law of the angles of lines that move. Not collective. */
+const char *LineLaw(Tension tension);
 /* ContactView - prints the angles of walls and solids, and warns of angles that look like radians. Collective. */
 PetscErrorCode ContactView(Tension tension, PetscViewer viewer);
+/* ContactJson - writes the angles into the open object. Not collective. */
+void ContactJson(Tension tension, Json *json);
 /* ContactFindSolids - finds mirror, normal and index of SolidContact, ghosts too. ContactFindMeeting - finds meeting,
    from normals ([n_total][3]) and depths ([n_total], m) of the particles near the free surface. ContactRestore -
    returns the work arrays of ContactFindSolids. Collective. */

@@ -1,0 +1,148 @@
+/* The bodies, solids and forces of scene.json (options/scene_json.md). Numbers have the names of their options. */
+#include "scene_impl.h"
+
+#define MOMENTS_MOST 64
+
+static void WriteRows(Json *json, Body body, const OptionRow rows[], const void *data)
+{
+  for (const OptionRow *row = rows; row && row->name; row++) {
+    const char          *key     = row->name + 1;
+    const void          *value   = (const char *)data + row->offset;
+    const OptionNumbers *numbers = (const OptionNumbers *)value;
+
+    if (row->kind == ROW_REAL)
+      JsonReal(json, key, *(const PetscReal *)value);
+    else if (row->kind == ROW_INT)
+      JsonInt(json, key, *(const PetscInt *)value);
+    else if (row->kind == ROW_BOOL)
+      JsonBool(json, key, *(const PetscBool *)value);
+    else if (row->kind == ROW_FILE)
+      JsonText(json, key, ((const OptionFile *)value)->path);
+    else if (row->kind == ROW_NUMBERS)
+      JsonReals(json, key, numbers->count, numbers->value);
+    else
+      JsonReals(json, key, body->domain->dim, (const PetscReal *)value);
+  }
+}
+
+/* A type and its numbers as an object. */
+static void WriteChoice(Json *json, const char key[], Body body, const char type[], const BodyChoice *choice,
+                        const void *data)
+{
+  JsonObject(json, key);
+  JsonText(json, "type", type);
+  JsonObject(json, "numbers");
+  WriteRows(json, body, choice->options, data);
+  JsonEnd(json);
+  JsonEnd(json);
+}
+
+/* What every shape has: name, shape, bounds. */
+static void WriteShape(Json *json, Body body)
+{
+  const PetscInt dim = body->domain->dim;
+  PetscReal      lower[DIM], upper[DIM];
+
+  BodyBounds(body, lower, upper);
+  JsonText(json, "name", body->name);
+  WriteChoice(json, "shape", body, body->shape_type, &body->shape->choice, body->shape_data);
+  JsonReals(json, "lower", dim, lower);
+  JsonReals(json, "upper", dim, upper);
+}
+
+static void WriteShapes(Json *json, const char key[], PetscInt n, const Body body[])
+{
+  JsonArray(json, key);
+  for (PetscInt k = 0; k < n; k++) {
+    JsonObject(json, NULL);
+    WriteShape(json, body[k]);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+}
+
+static void WriteNumbers(Json *json, Scene scene, PetscInt b)
+{
+  BodyNumbers numbers;
+
+  SceneNumbers(scene, b, &numbers);
+  JsonReal(json, "spacings", numbers.length / scene->domain->spacing);
+  JsonArray(json, "dimensionless");
+  for (PetscInt k = 0; k < SCENE_NUMBERS; k++) {
+    if (PetscIsNanReal(numbers.number[k].value)) continue;
+    JsonObject(json, NULL);
+    JsonText(json, "name", numbers.number[k].name);
+    JsonReal(json, "value", numbers.number[k].value);
+    JsonReal(json, "length", numbers.length);
+    JsonReal(json, "speed", numbers.speed);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+}
+
+static void WriteBody(Json *json, Scene scene, PetscInt b)
+{
+  const Body body = scene->body[b];
+
+  JsonObject(json, NULL);
+  WriteShape(json, body);
+  WriteShapes(json, "holes", body->holes, body->hole);
+  JsonReal(json, "density", body->material.density);
+  JsonReal(json, "tension", body->material.tension);
+  JsonReal(json, "viscosity", body->material.viscosity);
+  WriteChoice(json, "viscosity_model", body, body->viscosity_type, &body->viscosity->choice, body->viscosity_data);
+  JsonInt(json, "liquid", scene->liquid[b]);
+  JsonReals(json, "velocity", scene->domain->dim, body->uniform);
+  WriteChoice(json, "velocity_field", body, body->velocity_type, &body->velocity->choice, body->velocity_data);
+  JsonObject(json, "emitter");
+  if (body->emitter) WriteRows(json, body, BodyTypeEmitter()->options, body->emitter);
+  JsonEnd(json);
+  WriteNumbers(json, scene, b);
+  JsonEnd(json);
+}
+
+static void WriteSolid(Json *json, Body body, PetscReal start, PetscReal end)
+{
+  PetscReal      moment[MOMENTS_MOST];
+  const PetscInt moments = BodyMoments(body, start, end, MOMENTS_MOST, moment);
+
+  JsonObject(json, NULL);
+  WriteShape(json, body);
+  WriteShapes(json, "holes", body->holes, body->hole);
+  JsonBool(json, "free", (PetscBool)(body->free != NULL));
+  JsonBool(json, "driven", (PetscBool)(body->motion && !body->free));
+  JsonObject(json, "motion");
+  if (body->motion) WriteRows(json, body, MotionOptions, body->motion);
+  if (body->free) WriteRows(json, body, FreeOptions, body->free);
+  JsonEnd(json);
+  JsonReals(json, "moments", moments, moment);
+  JsonEnd(json);
+}
+
+static void WriteForces(Json *json, Scene scene)
+{
+  const PetscInt dim = scene->domain->dim;
+
+  JsonObject(json, "forces");
+  JsonReals(json, "gravity", dim, scene->gravity);
+  JsonReals(json, "gravity_amplitude", dim, scene->amplitude);
+  JsonReal(json, "gravity_frequency", scene->angular_frequency / (2 * PETSC_PI));
+  JsonReal(json, "gravity_phase", scene->phase);
+  JsonReal(json, "central_force_rate", scene->central_rate);
+  JsonReals(json, "frame_rotation_rate", DIM, scene->frame_rate);
+  JsonReals(json, "frame_rotation_center", DIM, scene->frame_center);
+  JsonEnd(json);
+}
+
+void SceneJson(Scene scene, PetscReal start, PetscReal end, Json *json)
+{
+  WriteForces(json, scene);
+  JsonReal(json, "interface_tension", scene->interface_tension);
+  JsonArray(json, "bodies");
+  for (PetscInt b = 0; b < scene->count; b++) WriteBody(json, scene, b);
+  JsonEnd(json);
+  JsonArray(json, "solids");
+  for (PetscInt b = 0; b < scene->solids; b++) WriteSolid(json, scene->solid[b], start, end);
+  JsonEnd(json);
+  WriteShapes(json, "regions", scene->fine_regions, scene->fine);
+}

@@ -1,0 +1,50 @@
+/* The times at which a scene is looked at if what holds at the start may not hold later. */
+#include "scene_impl.h"
+
+#define EIGHTHS 8 /* of a period: where it and its rate are extreme, and between */
+
+void MomentAdd(Moments *moments, PetscReal time)
+{
+  for (PetscInt k = 0; k < moments->n; k++)
+    if (moments->time[k] == time) return;
+  if (time >= moments->start && time <= moments->end && moments->n < moments->most) moments->time[moments->n++] = time;
+}
+
+void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
+{
+  for (PetscInt k = 0; k < EIGHTHS && frequency > 0; k++)
+    MomentAdd(moments, PetscMax(start, moments->start) + k / (EIGHTHS * frequency));
+}
+
+/* Whether the body depends on the time; adds its moments. */
+static PetscBool Add(Body body, Moments *moments)
+{
+  if (body->motion) MotionMoments(body, moments);
+  if (body->emitter) EmitterMoments(body, moments);
+  return (PetscBool)(body->motion || body->emitter);
+}
+
+PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[])
+{
+  Moments moments = {.start = start, .end = end, .most = most, .time = moment};
+
+  (void)Add(body, &moments);
+  (void)PetscSortReal(moments.n, moment);
+  return moments.n;
+}
+
+PetscInt SceneMoments(Scene scene, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[])
+{
+  Moments   moments = {.start = start, .end = end, .most = most, .time = moment};
+  PetscBool any     = (PetscBool)(Norm(scene->amplitude) > 0);
+
+  if (any) MomentPeriod(&moments, scene->angular_frequency / (2 * PETSC_PI), start);
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (Add(scene->body[b], &moments)) any = PETSC_TRUE;
+  for (PetscInt b = 0; b < scene->solids; b++)
+    if (Add(scene->solid[b], &moments)) any = PETSC_TRUE;
+  if (!any) return 0;
+  MomentAdd(&moments, start);
+  (void)PetscSortReal(moments.n, moment);
+  return moments.n;
+}

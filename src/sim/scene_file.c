@@ -1,0 +1,50 @@
+/* scene.json: what the program knows about a scene, for programs. Each part writes its own. */
+#include "sim_impl.h"
+#include <errno.h>
+#include <string.h>
+
+/* The text, to be freed with free. Rank 0 only. */
+static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
+{
+  size_t     length;
+  Json       json = {.file = open_memstream(text, &length)};
+  SceneModel model;
+
+  PetscFunctionBegin;
+  PetscCheck(json.file, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
+  ModelFind(sim, &model);
+  JsonObject(&json, NULL);
+  JsonText(&json, "version", ISPH_VERSION);
+  JsonReal(&json, "time_start", sim->state.time);
+  JsonReal(&json, "time_end", sim->time_end);
+  DomainJson(sim->domain, &json);
+  SceneJson(sim->scene, sim->state.time, sim->time_end, &json);
+  TensionJson(sim->tension, &json);
+  StepperJson(sim->stepper, particles, &json);
+  ModelJson(sim, &model, &json);
+  JsonEnd(&json);
+  PetscCheck(!ferror(json.file) && !fclose(json.file), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep scene.json");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneFileWrite(Sim sim, const char path[])
+{
+  PetscMPIInt rank;
+  char       *text  = NULL;
+  int         error = 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
+  if (!rank) PetscCall(MakeText(sim, (PetscBool)!path, &text));
+  if (!path) PetscCall(OutputText(sim->output, OUTPUT_SCENE, text));
+  if (path && !rank) {
+    FILE *file = fopen(path, "w");
+
+    if (!file || fputs(text, file) < 0) error = errno;
+    if (file && fclose(file) && !error) error = errno;
+  }
+  free(text);
+  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
+  PetscCheckUser(!error, sim->comm, "cannot write the scene file %s: %s", path, strerror(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
