@@ -1,22 +1,7 @@
 /* The times at which a scene is looked at if what holds at the start may not hold later. */
 #include "scene_impl.h"
 
-#define EIGHTHS 8 /* of a period: where it and its rate are extreme, and between */
-
-void MomentAdd(Moments *moments, PetscReal time)
-{
-  for (PetscInt k = 0; k < moments->n; k++)
-    if (moments->time[k] == time) return;
-  if (time >= moments->start && time <= moments->end && moments->n < moments->most) moments->time[moments->n++] = time;
-}
-
-void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
-{
-  for (PetscInt k = 0; k < EIGHTHS && frequency > 0; k++)
-    MomentAdd(moments, PetscMax(start, moments->start) + k / (EIGHTHS * frequency));
-}
-
-/* Whether the body depends on the time; adds its moments. */
+/* Adds the moments of a body or solid; whether it depends on the time. */
 static PetscBool Add(Body body, Moments *moments)
 {
   if (body->motion) MotionMoments(body, moments);

@@ -113,18 +113,31 @@ const BodyChoice *ShapeWave(void);
 const BodyChoice *BodyTypeLiquid(void);
 const BodyChoice *BodyTypeEmitter(void);
 
-/* Moments of SceneMoments. MomentAdd - adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the
-   eighths of the first period of an oscillation with this frequency (Hz; 0: none) from a time (s). MotionMoments,
-   EmitterMoments - add those of a solid's motion and of an emitter. Not collective. */
+/* Moments of SceneMoments. MotionMoments, EmitterMoments - add those of a solid's motion and of an emitter. MomentAdd -
+   adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the eighths of the first period of an
+   oscillation with this frequency (Hz; 0: none) from a time (s): where it and its rate are extreme, and between. Not
+   collective. */
 typedef struct {
   PetscReal  start, end; /* s, of the run */
   PetscInt   most, n;
   PetscReal *time; /* [n] s */
 } Moments;
-void MomentAdd(Moments *moments, PetscReal time);
-void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start);
 void MotionMoments(Body body, Moments *moments);
 void EmitterMoments(Body body, Moments *moments);
+
+static inline void MomentAdd(Moments *moments, PetscReal time)
+{
+  for (PetscInt k = 0; k < moments->n; k++)
+    if (moments->time[k] == time) return;
+  if (time >= moments->start && time <= moments->end && moments->n < moments->most) moments->time[moments->n++] = time;
+}
+
+static inline void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
+{
+  for (PetscInt k = 0; k < 8 && frequency > 0; k++)
+    MomentAdd(moments, PetscMax(start, moments->start) + k / (8 * frequency));
+}
+
 /* DistanceNormal - the unit normal n from differences of a signed distance around x (m); zero where these vanish.
    which: passed on to the distance. SceneOwnDistance is one of these functions. */
 typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);

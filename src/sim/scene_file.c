@@ -6,15 +6,18 @@
 /* The text, to be freed with free. Rank 0 only. */
 static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
 {
-  size_t     length;
-  Json       json = {.file = open_memstream(text, &length)};
-  SceneModel model;
+  size_t      length;
+  Json        json = {.file = open_memstream(text, &length)};
+  SceneModel  model;
+  PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCheck(json.file, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
+  PetscCallMPI(MPI_Comm_size(sim->comm, &ranks));
   ModelFind(sim, &model);
   JsonObject(&json, NULL);
   JsonText(&json, "version", ISPH_VERSION);
+  JsonInt(&json, "ranks", ranks);
   JsonReal(&json, "time_start", sim->state.time);
   JsonReal(&json, "time_end", sim->time_end);
   DomainJson(sim->domain, &json);

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""scene.json: its keys and options/scene_json.md say the same; the file of a run and that of -scene_json do; its numbers
-are those of the scene; symbols that need escapes."""
+"""scene.json: its keys and options/scene_json.md say the same; the file of a run and that of -scene_json do; its
+numbers are those of the scene; signs that need escapes."""
 import json
 import math
 import os
@@ -21,7 +21,8 @@ SCENES = (
     FLAT + "-spacing_coarse 0.2 -fine r -r_shape sphere -r_radius 0.3",
     FLAT + "-a_tension 0.07 -box_ymin wall -wall_contact_angle 60 -wall_contact_hysteresis 20 -a_velocity 0,-1",
     FLAT + "-bodies a,b -b_type emitter -b_velocity 0,-1 -b_lower -0.3,0.6 -b_upper 0.3,0.9 -a_viscosity_model carreau "
-    "-a_viscosity_time 1 -a_viscosity_exponent 0.5 -a_velocity_type rotation -a_rotation_rate 1 -gravity 0,0 -frame_rotation_rate 1",
+    "-a_viscosity_time 1 -a_viscosity_exponent 0.5 -a_velocity_type rotation -a_rotation_rate 1 -gravity 0,0 "
+    "-frame_rotation_rate 1",
     "-spacing 0.2 -box_lower -1,-1,-1 -box_upper 1,1,1 -box_x periodic -time_end 1e-3 -bodies a -a_shape sphere "
     "-a_radius 0.5 -a_center 0,0,0.1 -a_velocity 0,0,-1",
 )
@@ -86,7 +87,8 @@ solid, drop, ball = files[1]["solids"][0], files[3], files[5]
 runs.check(sorted(solid["holes"][0]) == ["lower", "name", "shape", "upper"], "a_hole", str(solid["holes"]))
 runs.check(solid["driven"] and not solid["free"] and solid["motion"]["oscillation_amplitude"] == [0.1, 0] and
            any(math.isclose(t, 0.25e-3) for t in solid["moments"]), "a_solid_that_moves", str(solid))
-runs.check(math.isclose(solid["lower"][0], 0.5) and solid["shape"]["numbers"]["radius"] == 0.2, "bounds", str(solid["lower"]))
+runs.check(math.isclose(solid["lower"][0], 0.5) and solid["shape"]["numbers"]["radius"] == 0.2, "bounds",
+           str(solid["lower"]))
 numbers = {n["name"]: n for n in drop["bodies"][0]["dimensionless"]}
 for name, value in (("Re", 1e6), ("We", 1000 / 0.07), ("Fr", 1 / 9.81), ("Bo", 9810 / 0.07), ("Ca", 1e-3 / 0.07),
                     ("Oh", 1e-3 / math.sqrt(1000 * 0.07))):
@@ -98,7 +100,8 @@ runs.check_within(angles["ymin"]["receding"], 50 - 1e-9, 50 + 1e-9, "receding")
 runs.check_within(angles["ymin"]["advancing"], 70 - 1e-9, 70 + 1e-9, "advancing")
 runs.check(all(a["holds"] == (a["across"] != "z") for a in ball["model"]["mirrors"]), "mirrors",
            str(ball["model"]["mirrors"]))
-runs.check(math.isclose(files[4]["bodies"][1]["emitter"]["interval"], 0.3) and files[4]["bodies"][0]["emitter"] == {}, "emitter")
+liquid, jet = files[4]["bodies"]
+runs.check(math.isclose(jet["emitter"]["interval"], 0.3) and liquid["emitter"] == {}, "emitter", str(jet))
 runs.check(files[4]["model"]["not_looked_for"] == "a frame that rotates", "not_looked_for")
 table = runs.scratch('a "quoted" \\ name.csv')
 with open(table, "w", encoding="utf-8") as text:
