@@ -3,6 +3,29 @@
 #include <errno.h>
 #include <string.h>
 
+/* A ColumnVisitor. */
+static PetscErrorCode WriteColumn(void *context, const char file[], const Column *column, const ColumnWords *words)
+{
+  Json *json = (Json *)context;
+
+  PetscFunctionBegin;
+  JsonObject(json, NULL);
+  JsonText(json, "file", file);
+  JsonText(json, "name", column->name);
+  JsonText(json, "head", words->head);
+  JsonText(json, "unit", words->unit);
+  JsonText(json, "counts", words->counts);
+  JsonText(json, "of", words->of);
+  JsonText(json, "whose", words->whose);
+  JsonText(json, "direction", words->direction);
+  JsonText(json, "extent", words->extent);
+  JsonArray(json, "needs");
+  for (PetscInt k = 0; words->needs[k]; k++) JsonText(json, NULL, words->needs[k]);
+  JsonEnd(json);
+  JsonEnd(json);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The text, to be freed with free. Rank 0 only. */
 static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
 {
@@ -25,6 +48,9 @@ static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
   TensionJson(sim->tension, &json);
   StepperJson(sim->stepper, particles, &json);
   ModelJson(sim, &model, &json);
+  JsonArray(&json, "columns");
+  PetscCall(OutputEachColumn(sim->output, WriteColumn, &json));
+  JsonEnd(&json);
   JsonEnd(&json);
   PetscCheck(!ferror(json.file) && !fclose(json.file), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep scene.json");
   PetscFunctionReturn(PETSC_SUCCESS);
