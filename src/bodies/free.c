@@ -1,4 +1,4 @@
-/* Free bodies in a step. Pressure and bodies' velocities are solved together (pressure/coupling.c):
+/* Free bodies in a step. Pressure and bodies' velocities are solved together (coupling.c):
 
      U* = U + dt/M (M g + viscous force + excess)      the velocity that their dummy particles have in the projection
      U' = U* + dt/M times the force of the equation
@@ -8,21 +8,21 @@
    from the liquid near the body (OperatorsWallForce) is exact, but noisy, and unstable for a light body. So the body
    gets the excess of this force over that of the equation later, spread over the time in which density errors are
    corrected. The momentum of body and liquid together is conserved. */
-#include "stepper_impl.h"
+#include "bodies_impl.h"
 
 /* F and the torque about the centre (N, N m) on each body, after StepKick: the momentum that the liquid loses to its
    dummy particles; zero without liquid in their reach. In a periodic box a single body takes up all momentum that the
    liquid loses, to the last digit. */
 static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
 {
-  Cloud            cloud = stepper->cloud;
+  Cloud            cloud = StepperCloud(stepper);
   const PetscReal *v = cloud->field[FIELD_VELOCITY_NEW], *v_star = cloud->field[FIELD_VELOCITY_STAR];
   PetscBool        alone = (PetscBool)(SceneSolidCount(cloud->scene) == 1);
   PetscReal       *each;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
-  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(stepper->pressure), each));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), each));
   PetscCall(FreeSum(cloud, each, cloud->solid_normal, force));
   PetscCall(CloudRestoreWork(cloud, &each));
   for (PetscInt d = 0; d < cloud->domain->dim; d++)
@@ -36,9 +36,9 @@ static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
 }
 
 /* Adds the impulse of the body force in dt (s) to 'impulse' (N s, N m s). */
-static void AddWeight(Scene scene, Body solid, PetscReal dt, PetscReal impulse[FREE_MOTIONS])
+static void AddWeight(Scene scene, Body solid, PetscReal dt, PetscReal impulse[RIGID_MOTIONS])
 {
-  PetscReal center[DIM], motion[FREE_MOTIONS], g[DIM];
+  PetscReal center[DIM], motion[RIGID_MOTIONS], g[DIM];
 
   FreeMotion(solid, center, motion);
   SceneAcceleration(scene, center, g);
@@ -47,21 +47,21 @@ static void AddWeight(Scene scene, Body solid, PetscReal dt, PetscReal impulse[F
 
 static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 {
-  Cloud cloud = stepper->cloud;
+  Cloud cloud = StepperCloud(stepper);
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
-    PetscReal  center[DIM], motion[FREE_MOTIONS], impulse[FREE_MOTIONS], change[FREE_MOTIONS], *force, *excess;
+    PetscReal  center[DIM], motion[RIGID_MOTIONS], impulse[RIGID_MOTIONS], change[RIGID_MOTIONS], *force, *excess;
 
     if (BodyMass(solid) == 0) continue;
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, motion);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++)
-      impulse[k] = dt * (FreeDataOf(stepper)->drag[FREE_MOTIONS * b + k] + excess[k]);
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++)
+      impulse[k] = dt * (FreeDataOf(stepper)->drag[RIGID_MOTIONS * b + k] + excess[k]);
     AddWeight(cloud->scene, solid, dt, impulse);
     FreeResponse(solid, impulse, change);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++) motion[k] += change[k];
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] += change[k];
     FreeSetVelocities(cloud, b, motion, cloud->field[FIELD_VELOCITY_STAR]);
   }
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
@@ -71,56 +71,70 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 /* The share of a body's excess that the body gets in a step. */
 static PetscReal ExcessShare(Stepper stepper, PetscReal dt)
 {
-  return 1 - PetscExpReal(-dt / PressureRelaxationTime(stepper->pressure));
+  return 1 - PetscExpReal(-dt / PressureRelaxationTime(StepperPressure(stepper)));
 }
 
-/* Adds the impulses of WallGuard to the excess of free bodies. */
-static PetscErrorCode Guard(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial)
+static PetscErrorCode Push(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM])
 {
-  const Scene     scene = stepper->cloud->scene;
-  const PetscReal share = ExcessShare(stepper, dt) / dt;
+  const Body body = SceneSolid(StepperCloud(stepper)->scene, solid);
 
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
+  if (BodyMass(body) > 0) FreeAddForce(body, x, momentum, NULL, FreeDataOf(stepper)->impulse + RIGID_MOTIONS * solid);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the impulses of the particles that were kept out to the excess of free bodies. */
+static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  const Scene     scene   = StepperCloud(stepper)->scene;
+  const PetscInt  solids  = SceneSolidCount(scene);
+  const PetscReal share   = ExcessShare(stepper, dt) / dt;
+  PetscReal      *impulse = FreeDataOf(stepper)->impulse;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, impulse, (PetscMPIInt)(RIGID_MOTIONS * solids), MPIU_REAL, MPIU_SUM,
+                             StepperCloud(stepper)->comm));
+  for (PetscInt b = 0; b < solids; b++) {
     PetscReal *force, *excess;
 
     if (BodyMass(SceneSolid(scene, b)) == 0) continue;
     FreeForces(SceneSolid(scene, b), &force, &excess);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++) excess[k] += share * impulse[FREE_MOTIONS * b + k];
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) excess[k] += share * impulse[RIGID_MOTIONS * b + k];
   }
+  PetscCall(PetscArrayzero(impulse, RIGID_MOTIONS * solids));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sets the new velocities of free bodies; adds their work on the fluid to the trial. */
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
-  Cloud           cloud = stepper->cloud;
+  Cloud           cloud = StepperCloud(stepper);
   const PetscReal share = ExcessShare(stepper, dt);
-  PetscReal   equation[FREE_MOTIONS * SCENE_MAX_BODIES], *pair_sum = equation, balance[FREE_MOTIONS * SCENE_MAX_BODIES];
+  PetscReal equation[RIGID_MOTIONS * SCENE_MAX_BODIES], *pair_sum = equation, balance[RIGID_MOTIONS * SCENE_MAX_BODIES];
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
-  PetscCall(PressureFreeForces(stepper->pressure, equation));
+  PetscCall(CouplingForces(FreeDataOf(stepper), StepperPressure(stepper), equation));
   PetscCall(Balance(stepper, dt, balance));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
-    PetscReal  center[DIM], before[FREE_MOTIONS], after[FREE_MOTIONS], impulse[FREE_MOTIONS], *force, *excess;
+    PetscReal  center[DIM], before[RIGID_MOTIONS], after[RIGID_MOTIONS], impulse[RIGID_MOTIONS], *force, *excess;
 
     if (BodyMass(solid) == 0) continue;
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, before);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) {
       force[k]   = pair_sum[k] + excess[k];
-      impulse[k] = dt * (FreeDataOf(stepper)->drag[FREE_MOTIONS * b + k] + force[k]);
-      excess[k] += share * (balance[FREE_MOTIONS * b + k] - force[k]);
+      impulse[k] = dt * (FreeDataOf(stepper)->drag[RIGID_MOTIONS * b + k] + force[k]);
+      excess[k] += share * (balance[RIGID_MOTIONS * b + k] - force[k]);
     }
     AddWeight(cloud->scene, solid, dt, impulse);
-    FreePush(solid, stepper->time + 0.5 * dt, impulse);
+    FreePush(solid, StepperTime(stepper) + 0.5 * dt, impulse);
     FreeMotion(solid, center, after);
-    for (PetscInt k = 0; k < FREE_MOTIONS && !rank; k++)
+    for (PetscInt k = 0; k < RIGID_MOTIONS && !rank; k++)
       trial->sum[SUM_SOLID_WORK] -= 0.5 * dt * force[k] * (before[k] + after[k]);
-    pair_sum += FREE_MOTIONS;
+    pair_sum += RIGID_MOTIONS;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,7 +150,7 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   if (!SceneHasFree(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++) {
     const Body solid = SceneSolid(scene, b);
-    PetscReal  center[DIM], motion[FREE_MOTIONS];
+    PetscReal  center[DIM], motion[RIGID_MOTIONS];
 
     if (BodyMass(solid) == 0) continue;
     FreeMotion(solid, center, motion);
@@ -152,16 +166,45 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
 
 static PetscBool On(Stepper stepper)
 {
-  return SceneHasFree(stepper->cloud->scene);
+  return SceneHasFree(StepperCloud(stepper)->scene);
 }
 
-const StepHooks FreeHooks = {.name      = FREE_EDGE,
-                             .on        = On,
-                             .data_size = sizeof(FreeData),
-                             .hold      = FreeViscousHold,
-                             .follow    = FreeViscousFollow,
-                             .drag      = FreeViscousDrag,
-                             .predict   = Predict,
-                             .kick      = Kick,
-                             .guard     = Guard,
-                             .report    = Report};
+/* The numbers of free body k, see FreeNumbers. */
+static PetscReal *Numbers(Scene scene, PetscInt k, PetscInt *width)
+{
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0 && k-- == 0) return FreeNumbers(SceneSolid(scene, b), width);
+  return NULL;
+}
+
+static PetscErrorCode Create(Stepper stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(CouplingCreate(FreeDataOf(stepper), StepperCloud(stepper), StepperPressure(stepper)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Destroy(Stepper stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(CouplingDestroy(FreeDataOf(stepper)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const Edge FreeEdge = {.name      = FREE_EDGE,
+                       .on        = On,
+                       .create    = Create,
+                       .destroy   = Destroy,
+                       .data_size = sizeof(FreeData),
+                       .table     = {"free_bodies",
+                                     "of each solid with a mass: time, shift, turn, velocity, rate, spin, "
+                                         "force, excess",
+                                     Numbers},
+                       .report    = Report,
+                       .hold      = FreeViscousHold,
+                       .follow    = FreeViscousFollow,
+                       .drag      = FreeViscousDrag,
+                       .predict   = Predict,
+                       .kick      = Kick,
+                       .push      = Push,
+                       .guard     = Guard};

@@ -5,11 +5,11 @@
      U = U_0 + dt/M (f - C U),
 
    which each application of the liquid's operator solves for its f. */
-#include "stepper_impl.h"
+#include "bodies_impl.h"
 
-void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[])
+void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[RIGID_MOTIONS], PetscReal velocity[])
 {
-  PetscReal center[DIM], now[FREE_MOTIONS];
+  PetscReal center[DIM], now[RIGID_MOTIONS];
 
   FreeMotion(SceneSolid(cloud->scene, solid), center, now);
   for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
@@ -27,29 +27,29 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
   const PetscInt solids = SceneSolidCount(cloud->scene);
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(sum, FREE_MOTIONS * solids));
+  PetscCall(PetscArrayzero(sum, RIGID_MOTIONS * solids));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
 
     if (!cloud->integer[INT_LAYER][b] || solid < 0 || BodyMass(SceneSolid(cloud->scene, solid)) == 0) continue;
     FreeAddForce(SceneSolid(cloud->scene, solid), cloud->field[FIELD_POSITION] + DIM * b, each + DIM * b,
-                 normal ? normal + DIM * b : NULL, sum + FREE_MOTIONS * solid);
+                 normal ? normal + DIM * b : NULL, sum + RIGID_MOTIONS * solid);
   }
   PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(FREE_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
+    MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(RIGID_MOTIONS * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* drag[solids][FREE_MOTIONS]: viscous force and torque (N, N m) on each free solid at these velocities ([n_total][3],
+/* drag[solids][RIGID_MOTIONS]: viscous force and torque (N, N m) on each free solid at these velocities ([n_total][3],
    m/s); 0 for other solids. */
 static PetscErrorCode Drag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
 {
-  Cloud      cloud = stepper->cloud;
+  Cloud      cloud = StepperCloud(stepper);
   PetscReal *each;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
-  PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, each));
+  PetscCall(OperatorsWallDrag(cloud, StepperViscosity(stepper), velocity, each));
   PetscCall(FreeSum(cloud, each, NULL, drag));
   PetscCall(CloudRestoreWork(cloud, &each));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -58,14 +58,14 @@ static PetscErrorCode Drag(Stepper stepper, const PetscReal velocity[], PetscRea
 /* The inverse of 1 + dt/M C of each body; C is the drag at each unit motion of the body. */
 PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
 {
-  Cloud          cloud  = stepper->cloud;
+  Cloud          cloud  = StepperCloud(stepper);
   const PetscInt solids = SceneSolidCount(cloud->scene);
-  PetscReal     *u, drag[FREE_MOTIONS * SCENE_MAX_BODIES];
+  PetscReal     *u, drag[RIGID_MOTIONS * SCENE_MAX_BODIES];
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &u));
-  for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
-    PetscReal motion[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  for (PetscInt k = 0; k < RIGID_MOTIONS; k++) {
+    PetscReal motion[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0};
 
     motion[k] = 1;
     PetscCall(PetscArrayzero(u, DIM * cloud->n_total));
@@ -74,11 +74,11 @@ PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
     PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
     PetscCall(Drag(stepper, u, drag));
     for (PetscInt b = 0; b < solids; b++) {
-      PetscReal *matrix = FreeDataOf(stepper)->follow + FREE_MOTIONS * FREE_MOTIONS * b, change[FREE_MOTIONS];
+      PetscReal *matrix = FreeDataOf(stepper)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, change[RIGID_MOTIONS];
 
       if (BodyMass(SceneSolid(cloud->scene, b)) == 0) continue;
-      FreeResponse(SceneSolid(cloud->scene, b), drag + FREE_MOTIONS * b, change);
-      for (PetscInt i = 0; i < FREE_MOTIONS; i++) matrix[FREE_MOTIONS * i + k] = (i == k) - dt * change[i];
+      FreeResponse(SceneSolid(cloud->scene, b), drag + RIGID_MOTIONS * b, change);
+      for (PetscInt i = 0; i < RIGID_MOTIONS; i++) matrix[RIGID_MOTIONS * i + k] = (i == k) - dt * change[i];
     }
   }
   PetscCall(CloudRestoreWork(cloud, &u));
@@ -86,30 +86,30 @@ PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
 }
 
 /* x = A^-1 x by elimination; A is the identity plus the product of two positive matrices, and needs no pivots. */
-static void Solve(const PetscReal A[FREE_MOTIONS * FREE_MOTIONS], PetscReal x[FREE_MOTIONS])
+static void Solve(const PetscReal A[RIGID_MOTIONS * RIGID_MOTIONS], PetscReal x[RIGID_MOTIONS])
 {
-  PetscReal m[FREE_MOTIONS][FREE_MOTIONS];
+  PetscReal m[RIGID_MOTIONS][RIGID_MOTIONS];
 
-  for (PetscInt i = 0; i < FREE_MOTIONS; i++)
-    for (PetscInt j = 0; j < FREE_MOTIONS; j++) m[i][j] = A[FREE_MOTIONS * i + j];
-  for (PetscInt k = 0; k < FREE_MOTIONS; k++)
-    for (PetscInt i = k + 1; i < FREE_MOTIONS; i++) {
+  for (PetscInt i = 0; i < RIGID_MOTIONS; i++)
+    for (PetscInt j = 0; j < RIGID_MOTIONS; j++) m[i][j] = A[RIGID_MOTIONS * i + j];
+  for (PetscInt k = 0; k < RIGID_MOTIONS; k++)
+    for (PetscInt i = k + 1; i < RIGID_MOTIONS; i++) {
       const PetscReal factor = m[i][k] / m[k][k];
 
-      for (PetscInt j = k; j < FREE_MOTIONS; j++) m[i][j] -= factor * m[k][j];
+      for (PetscInt j = k; j < RIGID_MOTIONS; j++) m[i][j] -= factor * m[k][j];
       x[i] -= factor * x[k];
     }
-  for (PetscInt i = FREE_MOTIONS - 1; i >= 0; i--) {
-    for (PetscInt j = i + 1; j < FREE_MOTIONS; j++) x[i] -= m[i][j] * x[j];
+  for (PetscInt i = RIGID_MOTIONS - 1; i >= 0; i--) {
+    for (PetscInt j = i + 1; j < RIGID_MOTIONS; j++) x[i] -= m[i][j] * x[j];
     x[i] /= m[i][i];
   }
 }
 
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[])
 {
-  Cloud           cloud              = stepper->cloud;
-  const PetscReal rest[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
-  PetscReal       drag[FREE_MOTIONS * SCENE_MAX_BODIES];
+  Cloud           cloud               = StepperCloud(stepper);
+  const PetscReal rest[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  PetscReal       drag[RIGID_MOTIONS * SCENE_MAX_BODIES];
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
@@ -118,20 +118,20 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
   PetscCall(Drag(stepper, u, drag));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
-    PetscReal  center[DIM], start[FREE_MOTIONS], impulse[FREE_MOTIONS], motion[FREE_MOTIONS], change[FREE_MOTIONS],
+    PetscReal  center[DIM], start[RIGID_MOTIONS], impulse[RIGID_MOTIONS], motion[RIGID_MOTIONS], change[RIGID_MOTIONS],
       g[DIM], *force, *excess;
 
     if (BodyMass(solid) == 0) continue;
     FreeMotion(solid, center, start);
     FreeForces(solid, &force, &excess);
     SceneAcceleration(cloud->scene, center, g);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++) {
-      impulse[k] = dt * drag[FREE_MOTIONS * b + k];
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) {
+      impulse[k] = dt * drag[RIGID_MOTIONS * b + k];
       if (own) impulse[k] += dt * (force[k] + (k < DIM ? BodyMass(solid) * g[k] : 0));
     }
     FreeResponse(solid, impulse, change);
-    for (PetscInt k = 0; k < FREE_MOTIONS; k++) motion[k] = (own ? start[k] : 0) + change[k];
-    Solve(FreeDataOf(stepper)->follow + FREE_MOTIONS * FREE_MOTIONS * b, motion);
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] = (own ? start[k] : 0) + change[k];
+    Solve(FreeDataOf(stepper)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, motion);
     FreeSetVelocities(cloud, b, motion, u);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

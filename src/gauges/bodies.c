@@ -56,7 +56,7 @@ static PetscErrorCode Measure_Bodies(Gauges gauges, const void *data, PetscReal 
   PetscFunctionBegin;
   for (PetscInt k = 0, b; (b = FreeBody(gauges->cloud->scene, k)) >= 0; k++) {
     const Body solid = SceneSolid(gauges->cloud->scene, b);
-    PetscReal  center[DIM], motion[FREE_MOTIONS], angle[DIM];
+    PetscReal  center[DIM], motion[RIGID_MOTIONS], angle[DIM];
 
     FreeMotion(solid, center, motion);
     FreeTurned(solid, angle);

@@ -169,7 +169,7 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
 
 /* The part of a velocity of b normal to the wall is n (n.u), so that this is a sum of (B r_ab . n) n.u. */
 void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
-                              PetscReal slope[FREE_MOTIONS])
+                              PetscReal slope[RIGID_MOTIONS])
 {
   const PetscBool  dummy = (PetscBool)(cloud->integer[INT_LAYER][a] > 0);
   const PetscReal *x = cloud->field[FIELD_POSITION], *B = cloud->field[FIELD_CORRECTION] + 6 * a;
@@ -177,7 +177,7 @@ void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const Pets
   PairRow          row;
 
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  for (PetscInt k = 0; k < FREE_MOTIONS; k++) slope[k] = 0;
+  for (PetscInt k = 0; k < RIGID_MOTIONS; k++) slope[k] = 0;
   PairRowLoadFactors(cloud, a, &row);
   for (PetscInt k = 0; k < row.n; k++) {
     const PetscInt   b = row.index[k], of = dummy ? a : b;

@@ -109,10 +109,10 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
  */
 PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const PetscReal velocity[], PetscReal drag[]);
 /* OperatorsSolidDivergence - slope[]: derivatives of the divergence (1/s, OperatorsDivergence) of the owned particle a
-   by the velocities of a solid (FREE_MOTIONS, about 'center', m). a is fluid, or a dummy particle of the solid. body:
+   by the velocities of a solid (RIGID_MOTIONS, about 'center', m). a is fluid, or a dummy particle of the solid. body:
    of the solid's dummy particles. Not collective. */
 void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
-                              PetscReal slope[FREE_MOTIONS]);
+                              PetscReal slope[RIGID_MOTIONS]);
 /* OperatorsWallForce - force[] ([n_total][3]): the pressure force (N; N/m in two dimensions) of this rank's fluid on
    each dummy particle, ghosts too: -sum V_a V_b (p_a + p_b) grad W over the fluid a, the reaction to the force of
    Adami, Hu and Adams (2012) on the fluid. For rings, the radial component is the sum all around. corrected: the

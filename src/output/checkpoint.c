@@ -7,7 +7,6 @@
 
 #define CHECKPOINT_FORMAT  "isph checkpoint"
 #define CHECKPOINT_VERSION 4
-#define FREE_BODIES        "free_bodies"
 #define SCENE              "scene_identity" /* older files have "scene", whose lines cannot be compared with these */
 #define HEAD_TEXT          65536            /* bytes of a text: the most that HDF5 keeps in an attribute */
 
@@ -100,42 +99,39 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the numbers of all free bodies, a row for each, or reads them into the scene. *good becomes false if a number
-   is not finite. Does nothing without free bodies. */
-static PetscErrorCode FreeBodies(Output output, H5File *h5, PetscBool write, PetscBool *good)
+/* Writes the numbers that an edge of the step keeps in the scene, or reads them into it. *good becomes false if a
+   number is not finite. */
+static PetscErrorCode TablePutGet(Output output, H5File *h5, const NumberTable *table, PetscBool write, PetscBool *good)
 {
   const Scene scene = output->cloud->scene;
   Rows        rows  = {.n = 0, .start = 0, .total = 0, .width = 0};
   PetscReal  *all, *own;
 
   PetscFunctionBegin;
-  if (!SceneHasFree(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
-    if (BodyMass(SceneSolid(scene, b)) > 0) {
-      (void)FreeNumbers(SceneSolid(scene, b), &rows.width);
-      rows.total++;
-    }
+  while (table->row(scene, rows.total, &rows.width)) rows.total++;
+  if (!rows.total) PetscFunctionReturn(PETSC_SUCCESS);
   rows.n = output->rank ? 0 : rows.total;
   PetscCall(PetscCalloc1(rows.total * rows.width, &all));
   if (!write) {
-    PetscCall(H5FileRead(h5, FREE_BODIES, H5T_NATIVE_DOUBLE, &rows, all));
+    PetscCall(H5FileRead(h5, table->name, H5T_NATIVE_DOUBLE, &rows, all));
     PetscCallMPI(MPI_Bcast(all, (PetscMPIInt)(rows.total * rows.width), MPIU_REAL, 0, output->comm));
   }
-  for (PetscInt b = 0, k = 0; b < SceneSolidCount(scene); b++) {
-    if (BodyMass(SceneSolid(scene, b)) == 0) continue;
-    own = FreeNumbers(SceneSolid(scene, b), &rows.width);
-    for (PetscInt i = 0; i < rows.width; i++, k++) {
-      if (write)
-        all[k] = own[i];
-      else
-        own[i] = all[k];
-      *good = (PetscBool)(*good && !PetscIsInfOrNanReal(own[i]));
-    }
+  for (PetscInt k = 0; k < rows.total; k++) {
+    own = table->row(scene, k, &rows.width);
+    PetscCall(PetscArraycpy(write ? all + rows.width * k : own, write ? own : all + rows.width * k, rows.width));
+    for (PetscInt i = 0; i < rows.width; i++) *good = (PetscBool)(*good && !PetscIsInfOrNanReal(own[i]));
   }
-  if (write)
-    PetscCall(H5FileWrite(h5, FREE_BODIES, H5T_NATIVE_DOUBLE, &rows, all, "SI",
-                          "of each solid with a mass: time, shift, turn, velocity, rate, spin, force, excess"));
+  if (write) PetscCall(H5FileWrite(h5, table->name, H5T_NATIVE_DOUBLE, &rows, all, "SI", table->meaning));
   PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Tables(Output output, H5File *h5, PetscBool write, PetscBool *good)
+{
+  const NumberTable *table;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; (table = StepperTable(k)); k++) PetscCall(TablePutGet(output, h5, table, write, good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,7 +188,7 @@ static PetscErrorCode Write(Output output, const StepState *state, const char na
   HeadPut(&h5, &head, scene, output->options ? output->options : "");
   free(scene);
   PetscCall(FieldsPut(output, &h5, &arrays, rows));
-  PetscCall(FreeBodies(output, &h5, PETSC_TRUE, &good));
+  PetscCall(Tables(output, &h5, PETSC_TRUE, &good));
   PetscCall(H5FileClose(&h5, &failed));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   if (!failed) PetscCall(FileSeal(output->comm, path, &failed));
@@ -446,7 +442,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(RestartSceneCheck(output, file, texts->scene));
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
-  PetscCall(FreeBodies(output, &h5, PETSC_FALSE, &good));
+  PetscCall(Tables(output, &h5, PETSC_FALSE, &good));
   external = h5.external;
   PetscCall(H5FileClose(&h5, &failed));
   PetscCheckUser(!external, output->comm,

@@ -262,8 +262,8 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The product of both operators, without and with free bodies. If the pressure is known up to a constant, a constant
-   moves no body: the component along the constant, from rounding and disorder in the bodies' forces, is removed. */
+/* The product of both operators, without and with the terms of low rank. If the pressure is known up to a constant, a
+   constant moves nothing: the component along the constant, from rounding and disorder in these terms, is removed. */
 static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
 {
   Pressure           pressure;
@@ -277,7 +277,8 @@ static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
   PetscCall(VecGetArrayWrite(y, &sum));
   PetscCall(PressureMultiply(pressure, p, sum));
   if (A == pressure->coupled) {
-    PetscCall(CouplingAdd(pressure, p, sum));
+    for (PetscInt k = 0; k < pressure->low_ranks; k++)
+      PetscCall(pressure->low_rank[k].term->add(pressure->low_rank[k].context, pressure, p, sum));
     PetscCall(MatGetNullSpace(A, &constant));
   }
   PetscCall(VecRestoreArrayWrite(y, &sum));
@@ -319,8 +320,9 @@ PetscErrorCode OperatorSetUp(Pressure pressure)
   PetscCall(FindFreeSurface(pressure));
   PetscCall(SetWeights(pressure));
   PetscCall(SetDiagonal(pressure));
-  PetscCall(CouplingSetUp(pressure));
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    PetscCall(pressure->low_rank[k].term->set_up(pressure->low_rank[k].context, pressure));
   if (!pressure->operator) PetscCall(CreateShell(pressure, &pressure->operator));
-  if (!pressure->coupled && pressure->couplings) PetscCall(CreateShell(pressure, &pressure->coupled));
+  if (!pressure->coupled && pressure->low_ranks) PetscCall(CreateShell(pressure, &pressure->coupled));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -217,7 +217,27 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PetscFree(p->weight_sum));
   PetscCall(PetscFree(p->parent_row));
   PetscCall(ColumnsReset(&p->columns));
-  PetscCall(CouplingReset(p));
   PetscCall(PetscFree(*pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *context)
+{
+  PetscFunctionBegin;
+  PetscCheck(pressure->low_ranks < LOW_RANKS_MOST, pressure->cloud->comm, PETSC_ERR_PLIB, "Too many terms of low rank");
+  pressure->low_rank[pressure->low_ranks].term      = term;
+  pressure->low_rank[pressure->low_ranks++].context = context;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt PressureRow(Pressure pressure, PetscInt a)
+{
+  const PetscInt row = a < pressure->cloud->n_rows ? a : ParentRow(pressure, a);
+
+  return pressure->pair_diagonal[row] == 0 ? -1 : row;
+}
+
+PetscReal PressureRowScale(Pressure pressure)
+{
+  return pressure->row_scale;
 }

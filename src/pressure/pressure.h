@@ -92,9 +92,20 @@ PetscBool PressureTakesDivergence(Pressure pressure);
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
 /* PressureRelaxationTime - the time (s) in which density errors are corrected. Not collective. */
 PetscReal PressureRelaxationTime(Pressure pressure);
-/* PressureFreeForces - force and torque [free bodies][FREE_MOTIONS] (N, N m) of the cloud's pressure on each free body,
-   as in the equation; in the order of -solids. Collective. */
-PetscErrorCode PressureFreeForces(Pressure pressure, PetscReal force[]);
+/* Something that the pressures move and whose motion changes the divergence of some rows, as a body that floats does.
+   With c the divergence of the rows, times their masses, for each unit motion and M the inertia, the operator gets the
+   term L = c M^-1 c^T of low rank, symmetric and positive; the preconditioner is that of the operator without it. */
+typedef struct {
+  PetscErrorCode (*set_up)(void *context, Pressure pressure); /* before a solve, at the positions of the cloud */
+  PetscErrorCode (*add)(void *context, Pressure pressure, const PetscScalar p[], PetscScalar y[]); /* y += L p */
+} LowRank;
+
+/* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureRow - the
+   local row of owned particle a, that of its parent for a deeper wall particle; -1: it has no pairs. PressureRowScale -
+   the masses (kg) of the rows count times this (1/kg). Not collective. */
+PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *context);
+PetscInt       PressureRow(Pressure pressure, PetscInt a);
+PetscReal      PressureRowScale(Pressure pressure);
 /* PressureDensity - the density by which the operators divide, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
 /* PressureLattice - properties of a full lattice. diagonal: Lambda_0 of Nair & Tomar, the diagonal of Eq. (8) for V =

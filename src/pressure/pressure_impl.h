@@ -35,6 +35,8 @@ typedef struct {
   PetscInt *child_first, *child; /* deeper wall particles of row r: child[child_first[r] .. child_first[r + 1]) */
 } Columns;
 
+#define LOW_RANKS_MOST 4 /* terms of PressureAddLowRank */
+
 struct _p_Pressure {
   Cloud            cloud; /* borrowed */
   char             source_type[TYPE_LENGTH], closure_type[TYPE_LENGTH], gradient_type[TYPE_LENGTH];
@@ -88,15 +90,18 @@ struct _p_Pressure {
   PetscInt *parent_row;             /* [n_owned - n_rows] local row of the parent of deeper wall particles */
   Columns   columns;
 
-  /* free bodies, coupling.c */
-  PetscInt            couplings;
-  struct _p_Coupling *coupling; /* [couplings]; NULL: none, or not yet made */
+  /* PressureAddLowRank */
+  PetscInt low_ranks;
+  struct {
+    const LowRank *term;
+    void          *context;
+  } low_rank[LOW_RANKS_MOST];
 
   /* the matrix */
   char        mat_type[TYPE_LENGTH];
   PetscBool   assembled;   /* the preconditioner needs entries: A is a matrix, not the operator */
   Mat         operator, A; /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from 'operator' or a store */
-  Mat         coupled;     /* the operator with free bodies, as a MATSHELL; NULL without */
+  Mat         coupled;     /* the operator with the terms of low rank, as a MATSHELL; NULL without */
   MatrixStore store[2];
   PetscInt current, kept; /* store of this step's matrix; store of the preconditioner's, KEPT_NONE or KEPT_OPERATOR */
 
@@ -125,10 +130,10 @@ static inline PetscInt ParentRow(Pressure pressure, PetscInt a)
 
 /* RowsNumber - numbers the rows if the cloud's layout is new. Collective. */
 PetscErrorCode RowsNumber(Pressure pressure);
-/* EquationOf - the operator of a step's equation: with free bodies, or without. Not collective. */
+/* EquationOf - the operator of a step's equation, with the terms of low rank. Not collective. */
 static inline Mat EquationOf(Pressure pressure)
 {
-  return pressure->couplings ? pressure->coupled : pressure->operator;
+  return pressure->low_ranks ? pressure->coupled : pressure->operator;
 }
 
 /* MatrixStarts - turns the numbers of entries of the n rows, start[1 .. n], into the starts of the rows and the end of
@@ -142,12 +147,6 @@ PetscErrorCode ColumnsReset(Columns *columns);
 /* OperatorSetUp - computes the weights of the pairs, their sums and the closure's additions at the positions of the
    cloud; creates the operator at first. Collective. */
 PetscErrorCode OperatorSetUp(Pressure pressure);
-
-/* CouplingSetUp - computes how free bodies act on the rows, after OperatorSetUp. Collective. CouplingAdd - adds the
-   effect of the bodies, driven by the pressures p ([n_rows], Pa), to the product y ([n_rows]). Collective. */
-PetscErrorCode CouplingSetUp(Pressure pressure);
-PetscErrorCode CouplingAdd(Pressure pressure, const PetscScalar p[], PetscScalar y[]);
-PetscErrorCode CouplingReset(Pressure pressure);
 /* InterfaceSetUp - gives wall particles, ghosts too, the liquid that they touch and its pressure jump; after
    RowsNumber. Collective. InterfaceAdd - adds the contribution of the jumps to the right-hand side ([n_rows]), after
    OperatorSetUp. InterfaceSum - adds to 'sum' the jumps between particle a and its neighbours of the other liquid,

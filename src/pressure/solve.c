@@ -37,7 +37,7 @@ static PetscErrorCode CheckViews(Pressure pressure)
   const struct {
     const char *option;
     PetscBool   entries;
-  } views[] = {{"-ksp_view_mat", (PetscBool)(pressure->assembled && !SceneHasFree(pressure->cloud->scene))},
+  } views[] = {{"-ksp_view_mat", (PetscBool)(pressure->assembled && !pressure->low_ranks)},
                {"-ksp_view_pmat", pressure->assembled}};
   PetscBool set;
 
@@ -47,7 +47,7 @@ static PetscErrorCode CheckViews(Pressure pressure)
     PetscCheckUser(
       !set || views[k].entries, pressure->cloud->comm,
       "%s has nothing to show: the matrix is a sum of pairs without entries; with -mat_type aij %s shows them",
-      views[k].option, SceneHasFree(pressure->cloud->scene) ? "-ksp_view_pmat" : "it");
+      views[k].option, pressure->low_ranks ? "-ksp_view_pmat" : "it");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -100,7 +100,7 @@ static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
     }
   }
   PetscCall(KSPSetReusePreconditioner(pressure->solver.ksp, (PetscBool)!renew));
-  PetscCall(KSPSetOperators(pressure->solver.ksp, pressure->couplings ? pressure->coupled : pressure->A,
+  PetscCall(KSPSetOperators(pressure->solver.ksp, pressure->low_ranks ? pressure->coupled : pressure->A,
                             pressure->assembled ? pressure->store[pressure->kept].A : pressure->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -298,7 +298,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(OperatorSetUp(pressure));
   PetscCall(SetNullSpace(pressure, pressure->operator));
-  if (pressure->couplings) PetscCall(SetNullSpace(pressure, pressure->coupled));
+  if (pressure->low_ranks) PetscCall(SetNullSpace(pressure, pressure->coupled));
   pressure->A = pressure->operator;
   if (entries || pressure->assembled) {
     pressure->current = pressure->kept == 0 ? 1 : 0;
@@ -325,7 +325,7 @@ PetscErrorCode PressureSetUp(Pressure pressure, PetscReal dt)
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
   PetscCall(LocateRows(pressure));
-  PetscCall(KSPSetOperators(pressure->solver.ksp, pressure->couplings ? pressure->coupled : pressure->A, pressure->A));
+  PetscCall(KSPSetOperators(pressure->solver.ksp, pressure->low_ranks ? pressure->coupled : pressure->A, pressure->A));
   SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUp(pressure->solver.ksp));
   SolverTry(pressure->cloud->comm, PRESSURE_EQUATION, KSPSetUpOnBlocks(pressure->solver.ksp));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,11 +16,11 @@
 
 /* The state that a checkpoint stores; PetscReal only, see FreeNumbers. */
 typedef struct {
-  PetscReal time;                                      /* t_0, s */
-  PetscReal shift[DIM], turn[DIM][DIM];                /* translation, m, and rotation matrix */
-  PetscReal velocity[DIM], rate[DIM];                  /* m/s, rad/s */
-  PetscReal spin[DIM];                                 /* angular momentum about the centre, kg m2/s */
-  PetscReal force[FREE_MOTIONS], excess[FREE_MOTIONS]; /* see FreeForces */
+  PetscReal time;                                        /* t_0, s */
+  PetscReal shift[DIM], turn[DIM][DIM];                  /* translation, m, and rotation matrix */
+  PetscReal velocity[DIM], rate[DIM];                    /* m/s, rad/s */
+  PetscReal spin[DIM];                                   /* angular momentum about the centre, kg m2/s */
+  PetscReal force[RIGID_MOTIONS], excess[RIGID_MOTIONS]; /* see FreeForces */
 } FreeState;
 
 struct _p_Free {
@@ -270,7 +270,7 @@ void FreeSetTime(Body body, const PetscReal shift[DIM], PetscReal turn[DIM][DIM]
 
 /* --- forces; the solid must be free --- */
 
-void FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS])
+void FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[RIGID_MOTIONS])
 {
   const struct _p_Free *f = solid->free;
   const FreeState      *s = &f->now;
@@ -282,7 +282,7 @@ void FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS
   }
 }
 
-void FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal change[FREE_MOTIONS])
+void FreeResponse(Body solid, const PetscReal impulse[RIGID_MOTIONS], PetscReal change[RIGID_MOTIONS])
 {
   const struct _p_Free *f = solid->free;
 
@@ -292,7 +292,7 @@ void FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal c
   }
 }
 
-void FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS])
+void FreePush(Body solid, PetscReal time, const PetscReal impulse[RIGID_MOTIONS])
 {
   struct _p_Free *f = solid->free;
   FreeState      *s = &f->now;
@@ -320,7 +320,7 @@ void FreeForces(Body solid, PetscReal **force, PetscReal **excess)
 }
 
 void FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
-                  PetscReal sum[FREE_MOTIONS])
+                  PetscReal sum[RIGID_MOTIONS])
 {
   PetscReal arm[DIM], acting[DIM], torque[DIM];
 
@@ -379,7 +379,7 @@ void SceneFreeze(Scene scene, PetscBool frozen)
       struct _p_Free *f = scene->solid[b]->free;
 
       f->frozen = frozen;
-      for (PetscInt k = 0; k < FREE_MOTIONS && !frozen; k++) f->now.force[k] = f->now.excess[k] = 0;
+      for (PetscInt k = 0; k < RIGID_MOTIONS && !frozen; k++) f->now.force[k] = f->now.excess[k] = 0;
     }
 }
 

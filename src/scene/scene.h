@@ -62,7 +62,7 @@ typedef struct {
   PetscReal tension;   /* sigma, N/m */
 } Material;
 
-#define FREE_MOTIONS (2 * DIM) /* numbers of the velocity and the angular velocity of a free body */
+#define RIGID_MOTIONS (2 * DIM) /* numbers of the velocity and the angular velocity of a rigid body */
 
 typedef struct _p_Body  *Body;
 typedef struct _p_Scene *Scene;
@@ -143,12 +143,12 @@ PetscReal SceneSolidSpeed(Scene scene);
    a step. SceneRestore - returns to the saved states. */
 PetscBool  SceneHasFree(Scene scene);
 PetscReal  BodyMass(Body solid);
-void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[FREE_MOTIONS]);
-void       FreeResponse(Body solid, const PetscReal impulse[FREE_MOTIONS], PetscReal change[FREE_MOTIONS]);
-void       FreePush(Body solid, PetscReal time, const PetscReal impulse[FREE_MOTIONS]);
+void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[RIGID_MOTIONS]);
+void       FreeResponse(Body solid, const PetscReal impulse[RIGID_MOTIONS], PetscReal change[RIGID_MOTIONS]);
+void       FreePush(Body solid, PetscReal time, const PetscReal impulse[RIGID_MOTIONS]);
 void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
 void       FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
-                        PetscReal sum[FREE_MOTIONS]);
+                        PetscReal sum[RIGID_MOTIONS]);
 void       FreeTurned(Body solid, PetscReal angle[DIM]);
 PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);

@@ -19,4 +19,4 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const StepHooks ContactHooks = {.name = "contact_line", .on = On, .kick = Kick};
+const Edge ContactEdge = {.name = "contact_line", .on = On, .kick = Kick};

@@ -27,4 +27,4 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const StepHooks EmitterHooks = {.name = "emitters", .on = On, .hold = Hold};
+const Edge EmitterEdge = {.name = "emitters", .on = On, .hold = Hold};

@@ -21,9 +21,12 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, PetscReal distance
   }
 }
 
-/* The same for solids: moves particles out along the normal. A free body receives the momentum that it stops. */
-static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[])
+/* The same for solids: moves particles out along the normal. */
+static PetscErrorCode GuardSolids(Stepper stepper, PetscReal distance, PetscReal x[], PetscReal v[])
 {
+  const Cloud cloud = stepper->cloud;
+
+  PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscInt        solid = 0;
     const PetscReal deep  = distance - SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
@@ -39,13 +42,14 @@ static void GuardSolids(Cloud cloud, PetscReal distance, PetscReal x[], PetscRea
       v[DIM * a + d] -= inwards * n[d];
       taken[d] = cloud->volume[a] * cloud->rest_density[a] * inwards * n[d];
     }
-    if (BodyMass(SceneSolid(cloud->scene, solid)) > 0)
-      FreeAddForce(SceneSolid(cloud->scene, solid), x + DIM * a, taken, NULL, impulse + FREE_MOTIONS * solid);
+    StepHook(stepper, push, solid, x + DIM * a, taken);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[])
+PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], PetscReal v[])
 {
+  const Cloud  cloud  = stepper->cloud;
   const Domain domain = cloud->domain;
 
   PetscFunctionBegin;
@@ -53,10 +57,6 @@ PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscRe
     for (PetscInt side = 0; side < 2; side++)
       if (domain->face[d][side] == FACE_WALL || domain->face[d][side] == FACE_SYMMETRY)
         GuardFace(cloud, d, side, distance, x, v);
-  PetscCall(PetscArrayzero(impulse, FREE_MOTIONS * SceneSolidCount(cloud->scene)));
-  if (SceneSolidCount(cloud->scene)) GuardSolids(cloud, distance, x, v, impulse);
-  if (SceneHasFree(cloud->scene))
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, impulse, (PetscMPIInt)(FREE_MOTIONS * SceneSolidCount(cloud->scene)),
-                               MPIU_REAL, MPIU_SUM, cloud->comm));
+  if (SceneSolidCount(cloud->scene)) PetscCall(GuardSolids(stepper, distance, x, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,15 +2,22 @@
 #include "stepper_impl.h"
 #include <string.h>
 
-const StepHooks *const StepEdges[] = {&MovingHooks, &ContactHooks, &FreeHooks, &EmitterHooks, &ResamplingHooks, NULL};
+const Edge *const StepEdges[] = {&MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge, &ResamplingEdge, NULL};
 
 PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
 {
   PetscInt n = NumbersList(StateRows, state, 0, list);
 
-  for (const StepHooks *const *edge = StepEdges; *edge; edge++)
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
     n = NumbersList((*edge)->numbers, StepEdgeNumbers(StepEdges, state, (*edge)->name), n, list);
   return n;
+}
+
+const NumberTable *StepperTable(PetscInt k)
+{
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    if ((*edge)->table.name && k-- == 0) return &(*edge)->table;
+  return NULL;
 }
 
 PetscReal StepperEnergy(const StepState *state, EnergyPart part)
@@ -34,7 +41,7 @@ PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copi
 {
   PetscFunctionBegin;
   text[0] = 0;
-  for (const StepHooks *const *edge = StepEdges; *edge; edge++) {
+  for (const Edge *const *edge = StepEdges; *edge; edge++) {
     const size_t used = strlen(text);
 
     if ((*edge)->report)

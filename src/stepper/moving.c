@@ -126,4 +126,4 @@ static PetscBool On(Stepper stepper)
   return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallSpeed(cloud->domain) != 0);
 }
 
-const StepHooks MovingHooks = {.name = "moving", .on = On, .check = Check, .drift = Drift, .drag = Drag, .kick = Kick};
+const Edge MovingEdge = {.name = "moving", .on = On, .check = Check, .drift = Drift, .drag = Drag, .kick = Kick};

@@ -68,10 +68,10 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const StepHooks ResamplingHooks = {.name        = NAME,
-                                   .data_size   = sizeof(Resampling),
-                                   .number_size = sizeof(Resampled),
-                                   .numbers     = rows,
-                                   .report      = Report,
-                                   .options     = Options,
-                                   .commit      = Commit};
+const Edge ResamplingEdge = {.name        = NAME,
+                             .data_size   = sizeof(Resampling),
+                             .number_size = sizeof(Resampled),
+                             .numbers     = rows,
+                             .report      = Report,
+                             .options     = Options,
+                             .commit      = Commit};

@@ -58,26 +58,51 @@ PetscErrorCode StepEdgesCreate(Stepper stepper)
   size_t data = 0, numbers = 0;
 
   PetscFunctionBegin;
-  for (const StepHooks *const *edge = stepper->edges; *edge; edge++) {
+  for (const Edge *const *edge = stepper->edges; *edge; edge++) {
     data += Room((*edge)->data_size);
     numbers += Room((*edge)->number_size);
   }
   PetscCheck(numbers <= sizeof(((StepState *)NULL)->edge), stepper->cloud->comm, PETSC_ERR_PLIB,
              "The edges of a step have more numbers than StepState has room for");
   PetscCall(PetscCalloc1(data, (char **)&stepper->edge_data));
+  for (const Edge *const *edge = stepper->edges; *edge; edge++)
+    if ((*edge)->create) PetscCall((*edge)->create(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StepEdgesDestroy(Stepper stepper)
+{
+  PetscFunctionBegin;
+  for (const Edge *const *edge = stepper->edges; *edge; edge++)
+    if ((*edge)->destroy) PetscCall((*edge)->destroy(stepper));
+  PetscCall(PetscFree(stepper->edge_data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Cloud StepperCloud(Stepper stepper)
+{
+  return stepper->cloud;
+}
+
+Pressure StepperPressure(Stepper stepper)
+{
+  return stepper->pressure;
+}
+
+PetscReal StepperTime(Stepper stepper)
+{
+  return stepper->time;
 }
 
 void *StepEdgeData(Stepper stepper, const char name[])
 {
   char *at = (char *)stepper->edge_data;
 
-  for (const StepHooks *const *edge = stepper->edges; strcmp((*edge)->name, name); edge++)
-    at += Room((*edge)->data_size);
+  for (const Edge *const *edge = stepper->edges; strcmp((*edge)->name, name); edge++) at += Room((*edge)->data_size);
   return at;
 }
 
-void *StepEdgeNumbers(const StepHooks *const edges[], const StepState *state, const char name[])
+void *StepEdgeNumbers(const Edge *const edges[], const StepState *state, const char name[])
 {
   char *at = (char *)state->edge;
 

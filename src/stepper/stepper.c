@@ -167,7 +167,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(SetSchemeFromOptions(s));
   PetscCall(SetViscosityFromOptions(s));
   PetscCall(TimeStepSetFromOptions(s));
-  for (const StepHooks *const *edge = s->edges; *edge; edge++)
+  for (const Edge *const *edge = s->edges; *edge; edge++)
     if ((*edge)->options) PetscCall((*edge)->options(s));
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
@@ -218,7 +218,7 @@ PetscErrorCode StepperDestroy(Stepper *stepper)
   PetscFunctionBegin;
   if ((*stepper)->ops.destroy) PetscCall((*stepper)->ops.destroy(*stepper));
   PetscCall(ViscousDestroy(*stepper));
-  PetscCall(PetscFree((*stepper)->edge_data));
+  PetscCall(StepEdgesDestroy(*stepper));
   PetscCall(PetscFree(*stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -65,18 +65,27 @@ typedef struct {
 
 #define NUMBERS_MOST 64 /* of a list */
 
+/* Rows of numbers that an edge of a step keeps in the scene, for checkpoints: their name there, what they are, and row
+   k of the given width, NULL: there are only k. */
+typedef struct {
+  const char *name, *meaning;
+  PetscReal *(*row)(Scene scene, PetscInt k, PetscInt *width);
+} NumberTable;
+
 /* NumbersList - appends the numbers of a struct, by the rows of its table (NULL: none), to a list of n; returns how
    many the list has. StateNumbers - lists the numbers of a state, those of the edges last; returns how many.
    StepperEnergy - the sum of a part of the energy, J. StepperOutsideWork - energy that the fluid got from outside so
-   far, J: from solids that move, shaking and emitters, less the energy that left through open faces. StepperReport -
-   lines (LF at the end of each) about what the edges of a step have done so far; text: at most 'length' bytes; copies:
-   of the liquid in the whole scene (GaugeTotals); joule: the unit of energies. Not collective. */
-PetscInt       NumbersList(const NumberRow rows[], const void *of, PetscInt n, Number list[NUMBERS_MOST]);
-PetscInt       StateNumbers(const StepState *state, Number list[NUMBERS_MOST]);
-PetscReal      StepperEnergy(const StepState *state, EnergyPart part);
-PetscReal      StepperOutsideWork(const StepState *state);
-PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copies, const char joule[], char text[],
-                             size_t length);
+   far, J: from solids that move, shaking and emitters, less the energy that left through open faces. StepperTable -
+   table k of the edges; NULL: there are only k. StepperReport - lines (LF at the end of each) about what the edges of a
+   step have done so far; text: at most 'length' bytes; copies: of the liquid in the whole scene (GaugeTotals); joule:
+   the unit of energies. Not collective. */
+PetscInt           NumbersList(const NumberRow rows[], const void *of, PetscInt n, Number list[NUMBERS_MOST]);
+PetscInt           StateNumbers(const StepState *state, Number list[NUMBERS_MOST]);
+PetscReal          StepperEnergy(const StepState *state, EnergyPart part);
+PetscReal          StepperOutsideWork(const StepState *state);
+const NumberTable *StepperTable(PetscInt k);
+PetscErrorCode     StepperReport(Scene scene, const StepState *state, PetscReal copies, const char joule[], char text[],
+                                 size_t length);
 
 #define SCHEME_DENSITY_INVARIANT "density_invariant" /* the paper as printed, but for surface tension */
 #define SCHEME_CONSISTENT        "consistent" /* corrected divergence, relaxed surface-corrected density, shifting */

@@ -2,50 +2,7 @@
 #ifndef ISPH_STEPPER_IMPL_H
 #define ISPH_STEPPER_IMPL_H
 
-#include "../operators/operators.h"
-#include "stepper.h"
-
-#define LIQUID_SUMS 3
-
-/* Sums over the fluid, and largest values, in a trial of a step; of this rank until TrialReduce, then of all ranks.
-   "Inside" are the particles that are neither on nor near the free surface. */
-typedef enum {
-  SUM_INSIDE,         /* particles inside */
-  SUM_DENSITY,        /* rho/rho_0 inside */
-  SUM_DENSITY2,       /* (rho/rho_0 - 1)^2 inside */
-  SUM_DIVERGENCE2,    /* (div v)^2 inside, 1/s2; with 'diagnose' only */
-  SUM_SURFACE_ENERGY, /* sigma times the area of the free surface, J */
-  SUM_VISCOUS_WORK,   /* J */
-  SUM_FRICTION_WORK,  /* the part of it done by walls and solids that move, J */
-  SUM_TENSION_WORK,   /* J */
-  SUM_SOLID_WORK,     /* J */
-  SUM_SHAKING_WORK,   /* J */
-  SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
-  SUM_AREA,           /* area of this surface, m2 */
-  SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
-  SUM_LIQUIDS, /* inflow, area, capillary area of the whole surface of each of two liquids, less the part of the gas */
-  SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
-  SUM_KINETIC,       /* kinetic energy, J */
-  SUM_UNDERRESOLVED, /* particles of viscous liquid with neighbours along a line at most */
-  SUM_MASS,          /* kg */
-  SUM_COUNT
-} TrialSum;
-typedef enum {
-  LARGEST_DISPLACEMENT, /* m, over the particle's size */
-  LARGEST_DENSITY,      /* rho/rho_0 */
-  LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
-  LARGEST_LINE,         /* capillary number of a contact line */
-  LARGEST_COUNT
-} TrialLargest;
-
-/* The result of a trial of a step. The cloud has the new state (positions, velocities, pressure), not yet committed. */
-typedef struct {
-  PetscBool      diagnose; /* input: measure the divergence of the velocity, too */
-  PressureResult pressure;
-  SolverReport   viscous; /* of the implicit viscosity, if the step has one */
-  PetscReal      sum[SUM_COUNT], largest[LARGEST_COUNT];
-  PetscInt       lost; /* particles that left through open faces, after acceptance */
-} StepTrial;
+#include "edge.h"
 
 /* TrialFailed - whether a solver failed, so that the rest of the step is useless. */
 static inline PetscBool TrialFailed(const StepTrial *trial)
@@ -66,43 +23,6 @@ typedef struct {
   const char *advice;  /* what else to try when smaller steps do not help */
   PetscBool   at_once; /* corrects all density errors in each step, unless the source is a divergence */
 } SchemeOps;
-
-/* What an edge adds to a step, in one file of its own and one line of hooks.c. A hook is called if 'on' says that the
-   run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' and 'report' are
-   collective. */
-typedef struct {
-  const char *name;
-  PetscBool (*on)(Stepper stepper);
-  size_t           data_size;   /* bytes of its data in the stepper, zero at the start: StepEdgeData */
-  size_t           number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
-  const NumberRow *numbers;     /* their rows */
-  /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
-  PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
-                           size_t length);
-  /* opens its options blocks; called whether the edge is on or not */
-  PetscErrorCode (*options)(Stepper stepper);
-  /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
-  PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
-  /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
-     (s); *moved: a position or velocity changed */
-  PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
-  /* before implicit viscosity: calls ViscousHold for liquid with a given velocity; prepares 'follow' */
-  PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
-  /* during implicit viscosity, with the velocities u of the liquid ([n_total][3], m/s): sets u of boundaries that
-     follow the liquid. own: they have their velocity at the start and the other forces on them, as the right side of
-     the equation needs; else neither, as its matrix needs */
-  PetscErrorCode (*follow)(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
-  /* after viscosity has acted, at these velocities ([n_total][3], m/s) */
-  PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
-  /* after all forces but the pressure: sets FIELD_VELOCITY_STAR of boundaries, ghosts too */
-  PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
-  /* after the pressure has made FIELD_VELOCITY_NEW */
-  PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
-  /* at the end of the step; impulse: see WallGuard */
-  PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, const PetscReal impulse[], StepTrial *trial);
-  /* after the step has been accepted */
-  PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
-} StepHooks;
 
 #define VISCOUS_EQUATION "viscous" /* for SolverTry and SolverExplain */
 
@@ -140,30 +60,30 @@ typedef struct {
 } TrialLimits;
 
 struct _p_Stepper {
-  Cloud                   cloud;    /* borrowed */
-  Tension                 tension;  /* borrowed */
-  Pressure                pressure; /* borrowed */
-  char                    scheme_type[64];
-  SchemeOps               ops;
-  void                   *scheme;    /* data of the scheme */
-  const StepHooks *const *edges;     /* StepEdges */
-  void                   *edge_data; /* StepEdgeData */
-  TimeStepLimits          limits;
-  TrialLimits             trial;
-  StepBounds              bounds;  /* of the last step size chosen */
-  PetscReal               fastest; /* m/s, largest speed of the liquid when the bounds were found */
-  Viscosity               viscosity;
-  Viscous                 viscous;
-  PetscReal               guard;              /* spacings that particles keep from walls */
-  PetscReal               density_ratio_max;  /* largest ratio of the densities of two bodies */
-  PetscReal               reference_velocity; /* m/s */
-  PetscBool               relaxing;           /* StepperSetRelaxation: no body force */
-  PetscReal               damping;            /* factor on the velocities in each step of a relaxation */
-  PetscReal               relaxation_step;    /* s; 0: as in the run */
-  PetscReal               time;               /* s, at the start of the step */
-  PetscBool               first;              /* the step is the first of a run */
-  PetscInt                underresolved;      /* StepperUnderresolved */
-  PetscReal               fastest_line;       /* StepperFastestLine */
+  Cloud              cloud;    /* borrowed */
+  Tension            tension;  /* borrowed */
+  Pressure           pressure; /* borrowed */
+  char               scheme_type[64];
+  SchemeOps          ops;
+  void              *scheme;    /* data of the scheme */
+  const Edge *const *edges;     /* StepEdges */
+  void              *edge_data; /* StepEdgeData */
+  TimeStepLimits     limits;
+  TrialLimits        trial;
+  StepBounds         bounds;  /* of the last step size chosen */
+  PetscReal          fastest; /* m/s, largest speed of the liquid when the bounds were found */
+  Viscosity          viscosity;
+  Viscous            viscous;
+  PetscReal          guard;              /* spacings that particles keep from walls */
+  PetscReal          density_ratio_max;  /* largest ratio of the densities of two bodies */
+  PetscReal          reference_velocity; /* m/s */
+  PetscBool          relaxing;           /* StepperSetRelaxation: no body force */
+  PetscReal          damping;            /* factor on the velocities in each step of a relaxation */
+  PetscReal          relaxation_step;    /* s; 0: as in the run */
+  PetscReal          time;               /* s, at the start of the step */
+  PetscBool          first;              /* the step is the first of a run */
+  PetscInt           underresolved;      /* StepperUnderresolved */
+  PetscReal          fastest_line;       /* StepperFastestLine */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
@@ -221,31 +141,31 @@ PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[]
 PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial);
 
 /* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: moves a particle closer than 'distance' (m)
-   to a wall face or solid back to this distance and removes its velocity into the wall; mirrors a particle that crossed
-   a symmetry face back. 'distance' is for the finest particles; it grows with the size. The Neumann condition of the
-   pressure makes walls impermeable to first order only; this is the remainder. impulse[solids][FREE_MOTIONS]: the
-   momentum (N s) and angular momentum (N m s) that free bodies thereby receive, over all ranks. Collective. */
-PetscErrorCode WallGuard(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal v[], PetscReal impulse[]);
+   to a wall face or solid back to this distance and removes its velocity into the wall, whose momentum the edges get by
+   the hook 'push'; mirrors a particle that crossed a symmetry face back. 'distance' is for the finest particles; it
+   grows with the size. The Neumann condition of the pressure makes walls impermeable to first order only; this is the
+   remainder. Not collective. */
+PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], PetscReal v[]);
 
 /* --- hooks.c --- */
 
-extern const StepHooks        MovingHooks, ContactHooks, FreeHooks, EmitterHooks, ResamplingHooks;
-extern const StepHooks *const StepEdges[]; /* in the order in which they are called; NULL at the end */
+extern const Edge        MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge; /* FreeEdge: bodies/ */
+extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
 /* --- state.c --- */
 
 extern const NumberRow StateRows[]; /* of the numbers of a StepState, without those of edges */
 
-/* StepEdgesCreate - the data of all edges. StepEdgeData - those of an edge, by its name. StepEdgeNumbers - the numbers
-   of an edge in a state. Not collective. */
+/* StepEdgesCreate, StepEdgesDestroy - of the data of all edges. StepEdgeNumbers - the numbers of an edge in a state, by
+   its name. Not collective. */
 PetscErrorCode StepEdgesCreate(Stepper stepper);
-void          *StepEdgeData(Stepper stepper, const char name[]);
-void          *StepEdgeNumbers(const StepHooks *const edges[], const StepState *state, const char name[]);
+PetscErrorCode StepEdgesDestroy(Stepper stepper);
+void          *StepEdgeNumbers(const Edge *const edges[], const StepState *state, const char name[]);
 
 /* StepHook - calls a hook of all edges; further arguments are those of the hook after the stepper. */
 #define StepHook(stepper, hook, ...)                                                                                   \
   do {                                                                                                                 \
-    for (const StepHooks *const *edge_ = (stepper)->edges; *edge_; edge_++)                                            \
+    for (const Edge *const *edge_ = (stepper)->edges; *edge_; edge_++)                                                 \
       if ((*edge_)->hook && (!(*edge_)->on || (*edge_)->on(stepper)))                                                  \
         PetscCall((*edge_)->hook((stepper), __VA_ARGS__));                                                             \
   } while (0)
@@ -254,31 +174,6 @@ void          *StepEdgeNumbers(const StepHooks *const edges[], const StepState *
 
 /* SolidsMove - the hook 'drift' of solids that move and of their dummy particles. Not collective. */
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
-
-/* --- free.c, free_viscous.c --- */
-
-#define FREE_EDGE "free" /* the name of FreeHooks */
-
-/* Its data. */
-typedef struct {
-  PetscReal drag[FREE_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
-  PetscReal follow[FREE_MOTIONS * FREE_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */
-} FreeData;
-
-static inline FreeData *FreeDataOf(Stepper stepper)
-{
-  return (FreeData *)StepEdgeData(stepper, FREE_EDGE);
-}
-
-/* FreeSetVelocities - sets velocity ([n_owned][3], m/s) of the dummy particles of a free solid, by its index, to that
-   of a motion. Not collective. FreeSum - sum[solids][FREE_MOTIONS]: force and torque on each free solid, over all
-   ranks, from the forces each ([n_total][3], N) on dummy particles; 0 for other solids. normal ([n_total][3]): see
-   FreeAddForce, or NULL. FreeViscousHold, FreeViscousFollow, FreeViscousDrag - the hooks. Collective. */
-void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[FREE_MOTIONS], PetscReal velocity[]);
-PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[]);
-PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
-PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
-PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
 
 /* --- forces.c --- */
 

@@ -94,16 +94,15 @@ PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[]
 
 PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], StepTrial *trial)
 {
-  Cloud      cloud = stepper->cloud;
-  PetscReal *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0,
-            impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
+  Cloud           cloud = stepper->cloud;
+  PetscReal      *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0;
   const PetscReal end   = stepper->time + dt;
   PetscBool       moved = PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   StepHook(stepper, drift, stepper->time + 0.5 * dt, end, end, &moved);
-  PetscCall(WallGuard(cloud, stepper->guard * cloud->domain->spacing, r_new, v_new, impulse));
+  PetscCall(WallGuard(stepper, stepper->guard * cloud->domain->spacing, r_new, v_new));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal step[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
                                  r_new[3 * a + 2] - from[3 * a + 2]};
@@ -115,7 +114,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY], v_new, DIM * cloud->n_fluid));
   ShakingWork(cloud, 0.5 * dt, trial);
-  StepHook(stepper, guard, dt, impulse, trial);
+  StepHook(stepper, guard, dt, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,13 +5,13 @@ set -u
 cd "${LINT_ROOT:-$(dirname "$0")/../..}" || exit 1
 declare -A floor=(
   [base]=0 [twolevel]=1 [solver]=1 [kernel]=1 [domain]=1 [scene]=1 [storage]=1 [particles]=2 [neighbors]=3 [operators]=4
-  [tension]=5 [pressure]=5 [resampling]=5 [stepper]=6 [packing]=6 [spectrum]=6 [gauges]=6 [output]=7 [sim]=8
+  [tension]=5 [pressure]=5 [resampling]=5 [stepper]=6 [packing]=6 [spectrum]=6 [gauges]=6 [bodies]=7 [output]=7 [sim]=8
 )
 allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
 # The headers a folder shows to the others; what it has besides is its own.
 declare -A public=([neighbors]=cloud.h)
 # Second public headers.
-extra=" neighbors/pairs.h neighbors/sorted_cells.h base/simd.h base/json.h "
+extra=" neighbors/pairs.h neighbors/sorted_cells.h base/simd.h base/json.h stepper/edge.h "
 bad=0
 fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
 
@@ -55,11 +55,10 @@ done < <(find src -name '*.h' | sort)
 core="base domain kernel particles neighbors operators pressure twolevel solver storage stepper"
 edge='\b(SceneHasFree|Free[A-Z]\w*\(|SceneEmits|BodyEmi\w+|BodyHolds|Resampl\w+|Gauges?[A-Z]|Spectrum'
 edge+='|Tension(Hold|Sticks))'
-# Files that do: free bodies in the equation of the pressure, in viscosity and at walls, liquid that emitters hold.
-known=" pressure/coupling.c pressure/source.c pressure/solve.c stepper/trial.c stepper/time_step.c stepper/guard.c"
-known+=" stepper/free_viscous.c "
+# Files that do: of liquid that emitters hold.
+known=" pressure/source.c stepper/trial.c stepper/time_step.c "
 while IFS= read -r file; do
-  grep -q '^const StepHooks ' "$file" && continue # the file of an edge, or their list
+  grep -q '^const Edge ' "$file" && continue # the file of an edge, or their list
   named=$(grep -noE "$edge" "$file" | head -1)
   if [[ "$known" == *" ${file#src/} "* ]]; then
     [ -n "$named" ] || fail "${file#src/} names no edge any more: take it from the list in tests/lint/layers.sh"

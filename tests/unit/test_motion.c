@@ -248,9 +248,9 @@ static PetscErrorCode TestMotion(void)
  */
 static PetscErrorCode TestFree(void)
 {
-  const PetscReal dt = 1e-3, push[FREE_MOTIONS] = {1.2, 0, 2.4, 0, 0.5, 0}, none[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
-  PetscReal       center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], x[DIM], high[DIM], v[DIM], kinetic, time = 0,
-                                                                                                         error = 0;
+  const PetscReal dt = 1e-3, push[RIGID_MOTIONS] = {1.2, 0, 2.4, 0, 0.5, 0}, none[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  PetscReal center[DIM], motion[RIGID_MOTIONS], change[RIGID_MOTIONS], x[DIM], high[DIM], v[DIM], kinetic, time = 0,
+                                                                                                           error = 0;
   PetscInt   count;
   PetscReal *numbers;
   Domain     domain;
@@ -324,7 +324,7 @@ static PetscErrorCode TestFree(void)
 /* Moves a free body that no torque acts on to a time (s) in steps. */
 static void Spin(Scene scene, PetscReal end, PetscInt steps)
 {
-  const PetscReal none[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+  const PetscReal none[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0};
 
   for (PetscInt k = 1; k <= steps; k++) {
     SceneMoveSolids(scene, end * (PetscReal)k / (PetscReal)steps);
@@ -349,7 +349,7 @@ static PetscErrorCode TestTilted(void)
 {
   const PetscReal n[DIM] = {1. / 3, 2. / 3, -2. / 3}, rate[DIM] = {3, -1, 2}, end = 0.4, A = 2 * (0.0225 + 1. / 12),
                   C = 0.09, along = Dot(n, rate);
-  PetscReal center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], L[DIM], x[DIM], due[DIM], turn[DIM],
+  PetscReal center[DIM], motion[RIGID_MOTIONS], change[RIGID_MOTIONS], L[DIM], x[DIM], due[DIM], turn[DIM],
     error = 0, angle, energy = 0;
   Domain domain;
   Scene  scene;
@@ -361,7 +361,7 @@ static PetscErrorCode TestTilted(void)
                  &domain, &scene));
   solid = SceneSolid(scene, 0);
   for (PetscInt e = 0; e < DIM; e++) {
-    PetscReal impulse[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0};
+    PetscReal impulse[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0};
 
     impulse[DIM + e] = 1;
     FreeResponse(solid, impulse, change);
@@ -395,10 +395,11 @@ static PetscErrorCode TestTilted(void)
    which sense it has turned. */
 static PetscErrorCode TestTorque(void)
 {
-  const PetscReal force[DIM] = {2, -1, 3}, arm[DIM] = {0.1, 0.2, -0.1}, due[FREE_MOTIONS] = {2, -1, 3, 0.5, -0.5, -0.5},
-                  normal[DIM] = {0, 0, 1}, push[FREE_MOTIONS] = {0, 0, 0, 6, 6, 6};
-  PetscReal center[DIM], motion[FREE_MOTIONS], change[FREE_MOTIONS], sum[FREE_MOTIONS] = {0, 0, 0, 0, 0, 0}, x[DIM],
-                                                                     angle[DIM], error = 0;
+  const PetscReal force[DIM] = {2, -1, 3}, arm[DIM] = {0.1, 0.2, -0.1},
+                  due[RIGID_MOTIONS] = {2, -1, 3, 0.5, -0.5, -0.5}, normal[DIM] = {0, 0, 1},
+                  push[RIGID_MOTIONS] = {0, 0, 0, 6, 6, 6};
+  PetscReal center[DIM], motion[RIGID_MOTIONS], change[RIGID_MOTIONS], sum[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0}, x[DIM],
+                                                                       angle[DIM], error = 0;
   Domain domain;
   Scene  scene;
   Body   solid;
@@ -418,9 +419,9 @@ static PetscErrorCode TestTorque(void)
         "turned_by_0.3");
   for (PetscInt d = 0; d < DIM; d++) x[d] = center[d] + arm[d];
   FreeAddForce(solid, x, force, NULL, sum);
-  for (PetscInt k = 0; k < FREE_MOTIONS; k++) error = PetscMax(error, PetscAbsReal(sum[k] - due[k]));
+  for (PetscInt k = 0; k < RIGID_MOTIONS; k++) error = PetscMax(error, PetscAbsReal(sum[k] - due[k]));
   CHECK_CLOSE(error, 0, 1e-12, "torque_about_the_centre");
-  for (PetscInt k = 0; k < FREE_MOTIONS; k++) sum[k] = 0;
+  for (PetscInt k = 0; k < RIGID_MOTIONS; k++) sum[k] = 0;
   FreeAddForce(solid, x, force, normal, sum); /* only the normal part (0.2 3, -0.1 3, 0) turns */
   CHECK(PetscAbsReal(sum[DIM] - 0.6) < 1e-12 && PetscAbsReal(sum[DIM + 1] + 0.3) < 1e-12 &&
           PetscAbsReal(sum[DIM + 2]) < 1e-12 && sum[0] == 2,

@@ -289,7 +289,7 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 /* A random walk of the fluid, as a step of the program goes: begin, move, ghosts and lists anew, commit. */
 static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 {
-  PetscReal impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
+  PetscReal impulse[RIGID_MOTIONS * SCENE_MAX_BODIES];
   Cloud     cloud = s->cloud;
   PetscReal width = STEP_WIDTH * s->domain->spacing;
 

@@ -262,7 +262,7 @@ typedef struct {
 
 static PetscErrorCode TestGuard(void)
 {
-  PetscReal impulse[FREE_MOTIONS * SCENE_MAX_BODIES];
+  PetscReal impulse[RIGID_MOTIONS * SCENE_MAX_BODIES];
   /* walls at x = 0 and 4, mirrors at y = 0 and 4, a solid disc of 0.5 m about (2, 2) */
   static const Guarded cases[] = {
     {{0.01, 1, -1, 3}, {0.025, 1, 0, 3}}, {{0.01, 1, 1, 3}, {0.025, 1, 1, 3}},

@@ -1,0 +1,101 @@
+/* What acts in a step besides the liquid and its pressure: bodies, sources, contact lines. An edge is a record, which
+   the stepper walks; it includes this header and is listed in hooks.c. */
+#ifndef ISPH_EDGE_H
+#define ISPH_EDGE_H
+
+#include "stepper.h"
+
+#define LIQUID_SUMS 3
+
+/* Sums over the fluid, and largest values, in a trial of a step; of this rank until TrialReduce, then of all ranks.
+   "Inside" are the particles that are neither on nor near the free surface. */
+typedef enum {
+  SUM_INSIDE,         /* particles inside */
+  SUM_DENSITY,        /* rho/rho_0 inside */
+  SUM_DENSITY2,       /* (rho/rho_0 - 1)^2 inside */
+  SUM_DIVERGENCE2,    /* (div v)^2 inside, 1/s2; with 'diagnose' only */
+  SUM_SURFACE_ENERGY, /* sigma times the area of the free surface, J */
+  SUM_VISCOUS_WORK,   /* J */
+  SUM_FRICTION_WORK,  /* the part of it done by walls and solids that move, J */
+  SUM_TENSION_WORK,   /* J */
+  SUM_SOLID_WORK,     /* J */
+  SUM_SHAKING_WORK,   /* J */
+  SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
+  SUM_AREA,           /* area of this surface, m2 */
+  SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
+  SUM_LIQUIDS, /* inflow, area, capillary area of the whole surface of each of two liquids, less the part of the gas */
+  SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
+  SUM_KINETIC,       /* kinetic energy, J */
+  SUM_UNDERRESOLVED, /* particles of viscous liquid with neighbours along a line at most */
+  SUM_MASS,          /* kg */
+  SUM_COUNT
+} TrialSum;
+typedef enum {
+  LARGEST_DISPLACEMENT, /* m, over the particle's size */
+  LARGEST_DENSITY,      /* rho/rho_0 */
+  LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
+  LARGEST_LINE,         /* capillary number of a contact line */
+  LARGEST_COUNT
+} TrialLargest;
+
+/* The result of a trial of a step. The cloud has the new state (positions, velocities, pressure), not yet committed. */
+typedef struct {
+  PetscBool      diagnose; /* input: measure the divergence of the velocity, too */
+  PressureResult pressure;
+  SolverReport   viscous; /* of the implicit viscosity, if the step has one */
+  PetscReal      sum[SUM_COUNT], largest[LARGEST_COUNT];
+  PetscInt       lost; /* particles that left through open faces, after acceptance */
+} StepTrial;
+
+/* What an edge adds to a step, in a folder or file of its own and one line of hooks.c. A hook is called if 'on' says
+   that the run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' and
+   'report' are collective. */
+typedef struct {
+  const char *name;
+  PetscBool (*on)(Stepper stepper);
+  /* when the stepper is made and destroyed, whether it is on or not; its data are zero before and freed after */
+  PetscErrorCode (*create)(Stepper stepper);
+  PetscErrorCode (*destroy)(Stepper stepper);
+  size_t           data_size;   /* bytes of its data in the stepper, zero at the start: StepEdgeData */
+  size_t           number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
+  const NumberRow *numbers;     /* their rows */
+  NumberTable      table;       /* numbers that it keeps in the scene; no name: none */
+  /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
+  PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
+                           size_t length);
+  /* opens its options blocks; called whether the edge is on or not */
+  PetscErrorCode (*options)(Stepper stepper);
+  /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
+  PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
+  /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
+     (s); *moved: a position or velocity changed */
+  PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
+  /* before implicit viscosity: calls ViscousHold for liquid with a given velocity; prepares 'follow' */
+  PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
+  /* during implicit viscosity, with the velocities u of the liquid ([n_total][3], m/s): sets u of boundaries that
+     follow the liquid. own: they have their velocity at the start and the other forces on them, as the right side of
+     the equation needs; else neither, as its matrix needs */
+  PetscErrorCode (*follow)(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
+  /* after viscosity has acted, at these velocities ([n_total][3], m/s) */
+  PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
+  /* after all forces but the pressure: sets FIELD_VELOCITY_STAR of boundaries, ghosts too */
+  PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
+  /* after the pressure has made FIELD_VELOCITY_NEW */
+  PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  /* at the end of the step, for each particle that is kept out of a solid: x (m), and the momentum (N s) that it loses.
+     Not collective. */
+  PetscErrorCode (*push)(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM]);
+  /* after all of these */
+  PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  /* after the step has been accepted */
+  PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
+} Edge;
+
+/* StepEdgeData - the data of an edge, by its name, in a stepper. StepperCloud, StepperPressure - those of
+   StepperCreate. StepperTime - at the start of the step, s. Not collective. */
+void     *StepEdgeData(Stepper stepper, const char name[]);
+Cloud     StepperCloud(Stepper stepper);
+Pressure  StepperPressure(Stepper stepper);
+PetscReal StepperTime(Stepper stepper);
+
+#endif
