@@ -260,9 +260,21 @@ typedef struct {
   PetscReal before[4], after[4];
 } Guarded;
 
+/* An edge that adds up what the guard takes, over the mass of a particle. */
+static PetscReal taken[DIM];
+
+static PetscErrorCode AddPush(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    taken[d] += momentum[d] / (stepper->cloud->volume[0] * stepper->cloud->rest_density[0]);
+  return PETSC_SUCCESS;
+}
+
 static PetscErrorCode TestGuard(void)
 {
-  PetscReal impulse[RIGID_MOTIONS * SCENE_MAX_BODIES];
+  static const Edge        adds    = {.name = "adds", .push = AddPush};
+  static const Edge *const edges[] = {&adds, NULL};
+  struct _p_Stepper        stepper = {.edges = edges};
   /* walls at x = 0 and 4, mirrors at y = 0 and 4, a solid disc of 0.5 m about (2, 2) */
   static const Guarded cases[] = {
     {{0.01, 1, -1, 3}, {0.025, 1, 0, 3}}, {{0.01, 1, 1, 3}, {0.025, 1, 1, 3}},
@@ -293,7 +305,10 @@ static PetscErrorCode TestGuard(void)
       x[DIM * a + d] = c->before[d];
       v[DIM * a + d] = c->before[2 + d];
     }
-  PetscCall(WallGuard(s.cloud, 0.025, x, v, impulse));
+  stepper.cloud = s.cloud;
+  PetscCall(WallGuard(&stepper, 0.025, x, v));
+  CHECK_CLOSE(SetupSum(taken[0]), -1, 1e-9, "guard_takes_momentum_x");
+  CHECK_CLOSE(SetupSum(taken[1]), 1, 1e-9, "guard_takes_momentum_y");
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
     for (PetscInt d = 0; d < 2; d++) {
       const Guarded  *c = &cases[s.cloud->integer[INT_ID][a]];
