@@ -6,7 +6,7 @@
 #                       a minute; BASE=HEAD~3: of the changes since then
 #   make test           all tests, ten minutes on two cores; ONLY=tension: those with this in their names; JOBS=1: one a time
 #   make test-ci        the same with the compiler's sanitizers besides; make test-long: what takes hours, too
-#   make lint           format, floors, circles, tables, the figures that documents quote
+#   make lint           format, floors, circles, tables, figures that documents quote; where each feature is named
 #   make verify         the cases against exact solutions: a table; CASE=couette: one case; verify-long: all of them
 #   make pictures       of a run: RUN=output/my FLAGS="--color speed"; film, mesh, report: other views of it
 #   make tradeoff       what each choice costs in a scene of your own: SCENE=my.opts GAUGES=a,b
@@ -155,7 +155,7 @@ test-long: programs
 	$(TESTS) --long
 
 lint: programs
-	@$(PYTHON) tests/run.py --only lint/
+	@$(PYTHON) tests/lint/features.py --print; $(PYTHON) tests/run.py --only lint/
 
 programs:
 	@$(MAKE) -s --no-print-directory -j"$$JOBS" $(PROGRAMS)

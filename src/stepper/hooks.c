@@ -2,6 +2,7 @@
 #include "stepper_impl.h"
 #include <string.h>
 
+extern const Edge MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge;
 const Edge *const StepEdges[] = {&MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge, &ResamplingEdge, NULL};
 
 PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])

@@ -149,7 +149,6 @@ PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], Pet
 
 /* --- hooks.c --- */
 
-extern const Edge        MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge; /* FreeEdge: bodies/ */
 extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
 /* --- state.c --- */

@@ -51,22 +51,6 @@ while IFS= read -r header; do
     fail "$header is neither the header of its folder, ${folder}_impl.h nor that of a file beside it"
 done < <(find src -name '*.h' | sort)
 
-# The core names no edge: an edge registers itself (in a step: src/stepper/hooks.c), or looks at the core from above.
-core="base domain kernel particles neighbors operators pressure twolevel solver storage stepper"
-edge='\b(SceneHasFree|Free[A-Z]\w*\(|SceneEmits|BodyEmi\w+|BodyHolds|Resampl\w+|Gauges?[A-Z]|Spectrum'
-edge+='|Tension(Hold|Sticks))'
-# Files that do: of liquid that emitters hold.
-known=" pressure/source.c stepper/trial.c stepper/time_step.c "
-while IFS= read -r file; do
-  grep -q '^const Edge ' "$file" && continue # the file of an edge, or their list
-  named=$(grep -noE "$edge" "$file" | head -1)
-  if [[ "$known" == *" ${file#src/} "* ]]; then
-    [ -n "$named" ] || fail "${file#src/} names no edge any more: take it from the list in tests/lint/layers.sh"
-  elif [ -n "$named" ]; then
-    fail "$file:${named/:/ names the edge }, which the core must not"
-  fi
-done < <(for name in $core; do ls src/"$name"/*.c; done 2>/dev/null)
-
 [ "$count" -gt 0 ] || fail "no include was found under src/"
 [ "$bad" = 0 ] && echo "ok layers ($count includes)"
 [ "$bad" = 0 ]
