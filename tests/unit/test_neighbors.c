@@ -289,9 +289,10 @@ static PetscErrorCode CompareParity(Cloud cloud, PetscInt *wrong)
 /* A random walk of the fluid, as a step of the program goes: begin, move, ghosts and lists anew, commit. */
 static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 {
-  PetscReal impulse[RIGID_MOTIONS * SCENE_MAX_BODIES];
-  Cloud     cloud = s->cloud;
-  PetscReal width = STEP_WIDTH * s->domain->spacing;
+  static const Edge *const none[]  = {NULL};
+  Cloud                    cloud   = s->cloud;
+  struct _p_Stepper        stepper = {.cloud = cloud, .edges = none};
+  PetscReal                width   = STEP_WIDTH * s->domain->spacing;
 
   PetscFunctionBegin;
   PetscCall(CloudBegin(cloud));
@@ -305,8 +306,7 @@ static PetscErrorCode Walk(Setup *s, PetscInt step, PetscInt *lost)
 
       cloud->field[FIELD_POSITION][DIM * a + d] += width * (0.7 * drift + 0.3 * noise);
     }
-  PetscCall(
-    WallGuard(cloud, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY], impulse));
+  PetscCall(WallGuard(&stepper, 0.25 * s->domain->spacing, cloud->field[FIELD_POSITION], cloud->field[FIELD_VELOCITY]));
   PetscCall(CloudMoved(cloud));
   PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
