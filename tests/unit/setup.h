@@ -56,8 +56,8 @@ static inline PetscErrorCode SetupPack(const char options[], Setup *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SetupFill - n fluid particles of the first body at x ([n][3], m, the same on every rank), ids 0 .. n-1, and 'layers'
-   layers of wall particles behind them and in solids. */
+/* SetupFill - n fluid particles of the first body and of size 1 at x ([n][3], m, the same on every rank), ids 0 .. n-1,
+   and 'layers' layers of wall particles behind them and in solids. */
 static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const PetscReal x[], PetscInt layers, Setup *s)
 {
   ParticleArrays arrays;
@@ -71,7 +71,12 @@ static inline PetscErrorCode SetupFill(const char options[], PetscInt n, const P
   PetscCall(ParticlesAppend(s->particles, rank ? 0 : n));
   PetscCall(ParticlesOpen(s->particles, &arrays));
   PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
-  for (PetscInt a = 0; a < arrays.n; a++) arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
+    if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][a] = 1;
+    if (arrays.real[FIELD_VOLUME])
+      arrays.real[FIELD_VOLUME][a] = s->domain->volume * DomainRingLength(s->domain, x + DIM * a, 1);
+  }
   PetscCall(ParticlesClose(s->particles, &arrays));
   if (layers) {
     dummies.cloud = s->cloud;
