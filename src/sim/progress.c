@@ -1,6 +1,8 @@
 #include "sim_impl.h"
 #include <unistd.h>
 
+#define DOUBT_LENGTH 512 /* bytes of a sentence */
+
 PetscErrorCode ProgressStart(Sim sim, Progress *progress)
 {
   PetscFunctionBegin;
@@ -34,18 +36,16 @@ static PetscErrorCode SayUnderresolved(Sim sim, Progress *progress)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Says once that a contact line moves so fast that its angle at rest does not describe it. */
-static PetscErrorCode SayFastLine(Sim sim, Progress *progress)
+/* Says what an edge of the step finds doubtful about it. */
+static PetscErrorCode SayDoubt(Sim sim)
 {
-  const PetscReal Ca = StepperFastestLine(sim->stepper);
+  char text[DOUBT_LENGTH];
 
   PetscFunctionBegin;
-  if (progress->fast_line || Ca < TENSION_FAST_LINE || TensionHasLaw(sim->tension)) PetscFunctionReturn(PETSC_SUCCESS);
-  progress->fast_line = PETSC_TRUE;
-  PetscCall(PetscPrintf(sim->comm,
-                        "%st = %8.3f ms: a contact line moves at the capillary number %.2g with the angle of a line at "
-                        "rest, so liquid spreads too far and recedes too slowly; -wall_contact_law has other angles\n",
-                        isatty(STDOUT_FILENO) ? "\n" : "", (double)sim->state.time * 1e3, (double)Ca));
+  PetscCall(StepperDoubt(sim->stepper, text, sizeof(text)));
+  if (text[0])
+    PetscCall(PetscPrintf(sim->comm, "%st = %8.3f ms: %s\n", isatty(STDOUT_FILENO) ? "\n" : "",
+                          (double)sim->state.time * 1e3, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,7 +60,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
   PetscFunctionBegin;
   progress->iterations += state->iterations;
   PetscCall(SayUnderresolved(sim, progress));
-  PetscCall(SayFastLine(sim, progress));
+  PetscCall(SayDoubt(sim));
   PetscCall(ProgressDue(sim->comm, last, &due));
   if (due)
     PetscCall(ProgressPrint(sim->comm, Done(sim, progress),

@@ -37,8 +37,7 @@ typedef struct {
   double    started; /* s, on the program's clock */
   PetscReal start_time;
   PetscInt  start_step, iterations;
-  PetscBool underresolved; /* the line on underresolved liquid was printed ... */
-  PetscBool fast_line;     /* ... and that on contact lines that move */
+  PetscBool underresolved; /* the line on underresolved liquid was printed */
 } Progress;
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);

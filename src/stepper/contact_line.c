@@ -2,6 +2,13 @@
    whose angle depends on its speed: its capillary number follows the velocity. */
 #include "stepper_impl.h"
 
+#define NAME "contact_line"
+
+typedef struct {
+  PetscReal fastest; /* largest capillary number of a line in the step, of this rank */
+  PetscBool said;    /* by Doubt */
+} Line;
+
 static PetscBool On(Stepper stepper)
 {
   return (PetscBool)(TensionReach(stepper->tension) > 0);
@@ -12,11 +19,29 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   Cloud cloud = stepper->cloud;
 
   PetscFunctionBegin;
-  trial->largest[LARGEST_LINE] = TensionFastestLine(stepper->tension);
+  ((Line *)StepEdgeData(stepper, NAME))->fastest = TensionFastestLine(stepper->tension);
   if (TensionHasLaw(stepper->tension)) TensionMoveLines(stepper->tension, cloud, dt);
   PetscCall(TensionApplyHysteresis(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW],
                                    &trial->sum[SUM_TENSION_WORK]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge ContactEdge = {.name = "contact_line", .on = On, .kick = Kick};
+/* A line that moves so fast that its angle at rest does not describe it. */
+static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+{
+  Line     *line = (Line *)StepEdgeData(stepper, NAME);
+  PetscReal Ca;
+
+  PetscFunctionBegin;
+  if (line->said || TensionHasLaw(stepper->tension)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, stepper->cloud->comm));
+  if (Ca < TENSION_FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
+  line->said = PETSC_TRUE;
+  PetscCall(PetscSNPrintf(text, length,
+                          "a contact line moves at the capillary number %.2g with the angle of a line at rest, so "
+                          "liquid spreads too far and recedes too slowly; -wall_contact_law has other angles",
+                          (double)Ca));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const Edge ContactEdge = {.name = NAME, .data_size = sizeof(Line), .on = On, .kick = Kick, .doubt = Doubt};

@@ -34,7 +34,6 @@ typedef enum {
   LARGEST_DISPLACEMENT, /* m, over the particle's size */
   LARGEST_DENSITY,      /* rho/rho_0 */
   LARGEST_BROKEN,       /* 1 if a position is not a number, else 0 */
-  LARGEST_LINE,         /* capillary number of a contact line */
   LARGEST_COUNT
 } TrialLargest;
 
@@ -63,6 +62,8 @@ typedef struct {
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
   PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
                            size_t length);
+  /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
+  PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
   /* opens its options blocks; called whether the edge is on or not */
   PetscErrorCode (*options)(Stepper stepper);
   /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */

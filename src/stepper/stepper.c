@@ -233,9 +233,13 @@ PetscInt StepperUnderresolved(Stepper stepper)
   return stepper->underresolved;
 }
 
-PetscReal StepperFastestLine(Stepper stepper)
+PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length)
 {
-  return stepper->fastest_line;
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (const Edge *const *edge = stepper->edges; *edge && !text[0]; edge++)
+    if ((*edge)->doubt && (!(*edge)->on || (*edge)->on(stepper))) PetscCall((*edge)->doubt(stepper, text, length));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Stores a viscosity that varies in the swarm, after a search: the first step uses it as that of the step before. */
@@ -362,7 +366,6 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
   stepper->underresolved = (PetscInt)trial.sum[SUM_UNDERRESOLVED];
-  stepper->fastest_line  = trial.largest[LARGEST_LINE];
   StepHook(stepper, commit, &trial, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

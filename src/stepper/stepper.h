@@ -147,8 +147,9 @@ StepBounds StepperBounds(Stepper stepper);
 /* StepperUnderresolved - number of particles of viscous liquid whose neighbours in the last step lay along a line at
    most: a sheet or thread is one particle thick there and tears. Not collective. */
 PetscInt StepperUnderresolved(Stepper stepper);
-/* StepperFastestLine - the largest capillary number of a contact line in the last step. Not collective. */
-PetscReal StepperFastestLine(Stepper stepper);
+/* StepperDoubt - what an edge says about the last step, in a sentence of at most 'length' bytes; mostly empty.
+   Collective. */
+PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length);
 /* StepperSteadyStep - the step (s) that StepperBounds and the options allow, without the limit on its growth; with
    implicit viscosity if that is faster. scale (1): for the same flow with a spacing so many times as large. Not
    collective. */

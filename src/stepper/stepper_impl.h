@@ -83,7 +83,6 @@ struct _p_Stepper {
   PetscReal          time;               /* s, at the start of the step */
   PetscBool          first;              /* the step is the first of a run */
   PetscInt           underresolved;      /* StepperUnderresolved */
-  PetscReal          fastest_line;       /* StepperFastestLine */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
