@@ -31,6 +31,9 @@ PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
 PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
 
+/* SolidsMove - the hook 'drift' of solids that move and of their dummy particles. Not collective. */
+PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
+
 /* CouplingCreate - couples the free solids to the equation of the pressure, if there are any. CouplingForces - force
    and torque [couplings][RIGID_MOTIONS] (N, N m) of the cloud's pressure on each free solid, as in the equation.
    Collective. */

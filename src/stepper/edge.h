@@ -93,10 +93,13 @@ typedef struct {
 } Edge;
 
 /* StepEdgeData - the data of an edge, by its name, in a stepper. StepperCloud, StepperPressure - those of
-   StepperCreate. StepperTime - at the start of the step, s. Not collective. */
+   StepperCreate. StepperTime - at the start of the step, s. StepperDamping - the factor on velocities in each step of a
+   relaxation; 1 in a run. StepperNumbers - the numbers of an edge in a state. Not collective. */
 void     *StepEdgeData(Stepper stepper, const char name[]);
+void     *StepperNumbers(Stepper stepper, const StepState *state, const char name[]);
 Cloud     StepperCloud(Stepper stepper);
 Pressure  StepperPressure(Stepper stepper);
 PetscReal StepperTime(Stepper stepper);
+PetscReal StepperDamping(Stepper stepper);
 
 #endif

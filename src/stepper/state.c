@@ -109,3 +109,13 @@ void *StepEdgeNumbers(const Edge *const edges[], const StepState *state, const c
   for (; strcmp((*edges)->name, name); edges++) at += Room((*edges)->number_size);
   return at;
 }
+
+PetscReal StepperDamping(Stepper stepper)
+{
+  return stepper->damping;
+}
+
+void *StepperNumbers(Stepper stepper, const StepState *state, const char name[])
+{
+  return StepEdgeNumbers(stepper->edges, state, name);
+}

@@ -168,11 +168,6 @@ void          *StepEdgeNumbers(const Edge *const edges[], const StepState *state
         PetscCall((*edge_)->hook((stepper), __VA_ARGS__));                                                             \
   } while (0)
 
-/* --- moving.c --- */
-
-/* SolidsMove - the hook 'drift' of solids that move and of their dummy particles. Not collective. */
-PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
-
 /* --- forces.c --- */
 
 /* ShakingWork - adds to the trial the work of the oscillating part of gravity with FIELD_VELOCITY in a time (s). Not

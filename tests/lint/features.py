@@ -17,11 +17,11 @@ ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(
 FEATURES = {
     "free bodies": (("bodies/", "scene/free.c", "gauges/bodies.c"),
                     r"Free(?!Surface)[A-Z]\w*|SceneHasFree|BodyMass|Coupling[A-Z]\w*|GaugeBodies", 4),
-    "solids that move": (("stepper/moving.c", "scene/motion.c"),
+    "solids that move": (("bodies/", "scene/motion.c", "scene/rotation.c"),
                          r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 7),
     "emitters": (("stepper/emitters.c", "packing/emit.c", "scene/emitter.c"),
                  r"SceneEmits|BodyEmi\w+|BodyHolds|PackingEmit\w*|SimEmit|Emitter\w*|emitter|inflow_energy", 7),
-    "resampling": (("resampling/", "stepper/resample.c"), r"Resampl\w+|TargetF\w+|TargetIs\w+", 2),
+    "resampling": (("resampling/",), r"Resampl\w+|TargetF\w+|TargetIs\w+", 2),
     "following": (("resampling/target.c", "resampling/walls.c", "resampling/smooth.c", "scene/spacing.c"),
                   r"domain->follow|Follow[A-Z]\w*|SceneTarget\w*|ResampleWalls", 8),
     "graded spacing": (("scene/spacing.c", "packing/graded.c", "neighbors/levels.c"),

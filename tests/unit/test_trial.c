@@ -1,5 +1,6 @@
 /* The size of the time step, what a trial of a step measures and refuses, the guards at walls, the work of the forces:
    against the formulas, from states that are set by hand. Runs on any number of ranks. */
+#include "../../src/bodies/bodies_impl.h"
 #include "../../src/pressure/pressure_impl.h"
 #include "../../src/stepper/stepper_impl.h"
 #include "refuse.h"

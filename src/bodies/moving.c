@@ -1,7 +1,7 @@
 /* Solids and walls that move. In a step from t to t + dt their dummy particles are, like the liquid, at their positions
    at t + dt/2, with their velocities at t + dt, the time of the liquid's new velocity. At the end of the step they move
    to their positions at t + dt. Positions depend on the time alone. */
-#include "stepper_impl.h"
+#include "bodies_impl.h"
 
 /* The moving solid of a dummy particle, or NULL. */
 static Body MovingSolid(Scene scene, PetscInt body)
@@ -31,8 +31,8 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
 static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 {
   PetscFunctionBegin;
-  if (!SceneSolidsMove(stepper->cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SolidsMove(stepper->cloud, from, to, end));
+  if (!SceneSolidsMove(StepperCloud(stepper)->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SolidsMove(StepperCloud(stepper), from, to, end));
   *moved = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -50,9 +50,9 @@ static const char *Inside(Scene scene, Body solid, PetscReal spacing, const Pets
 /* Refuses a step in which a solid would leave the box or enter another solid. */
 static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t length)
 {
-  const Cloud     cloud  = stepper->cloud;
+  const Cloud     cloud  = StepperCloud(stepper);
   const Domain    domain = cloud->domain;
-  const PetscReal from = stepper->time, to = from + dt;
+  const PetscReal from = StepperTime(stepper), to = from + dt;
   const Scene     scene = cloud->scene;
   ParticleArrays  arrays;
   PetscMPIInt     rank, own, first, size;
@@ -88,12 +88,12 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t le
 /* Adds the work of friction done by walls and solids that move. */
 static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
 {
-  Cloud      cloud = stepper->cloud;
+  Cloud      cloud = StepperCloud(stepper);
   PetscReal *drag;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &drag));
-  PetscCall(OperatorsWallDrag(cloud, &stepper->viscosity, velocity, drag));
+  PetscCall(OperatorsWallDrag(cloud, StepperViscosity(stepper), velocity, drag));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++)
     if (cloud->integer[INT_LAYER][b]) trial->sum[SUM_FRICTION_WORK] -= dt * Dot(drag + DIM * b, velocity + DIM * b);
   PetscCall(CloudRestoreWork(cloud, &drag));
@@ -103,12 +103,12 @@ static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal veloci
 /* Adds the work of the pressure of solids that move. */
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
-  const Cloud cloud = stepper->cloud;
+  const Cloud cloud = StepperCloud(stepper);
   PetscReal  *force;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &force));
-  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(stepper->pressure), force));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), force));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
 
@@ -121,7 +121,7 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 
 static PetscBool On(Stepper stepper)
 {
-  const Cloud cloud = stepper->cloud;
+  const Cloud cloud = StepperCloud(stepper);
 
   return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallSpeed(cloud->domain) != 0);
 }

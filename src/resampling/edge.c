@@ -1,6 +1,6 @@
 /* Joining and splitting of particles after a step. */
-#include "../resampling/resampling.h"
-#include "stepper_impl.h"
+#include "../stepper/edge.h"
+#include "resampling.h"
 
 #define NAME "resampling"
 
@@ -20,7 +20,7 @@ static const NumberRow rows[] = {
 static PetscErrorCode Options(Stepper stepper)
 {
   PetscFunctionBegin;
-  PetscCall(ResamplingSetFromOptions(stepper->cloud, (Resampling *)StepEdgeData(stepper, NAME)));
+  PetscCall(ResamplingSetFromOptions(StepperCloud(stepper), (Resampling *)StepEdgeData(stepper, NAME)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,15 +39,15 @@ static PetscErrorCode LargestShare(Cloud cloud, PetscReal *share)
 static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
 {
   const Resampling *resampling = (const Resampling *)StepEdgeData(stepper, NAME);
-  Resampled        *so_far     = (Resampled *)StepEdgeNumbers(stepper->edges, state, NAME);
+  Resampled        *so_far     = (Resampled *)StepperNumbers(stepper, state, NAME);
   PetscReal         largest;
   ResamplingReport  report;
 
   PetscFunctionBegin;
-  if (trial->lost > 0 || stepper->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(LargestShare(stepper->cloud, &largest));
+  if (trial->lost > 0 || StepperDamping(stepper) < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LargestShare(StepperCloud(stepper), &largest));
   if (!ResamplingDue(resampling, state->step, largest)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Resample(stepper->cloud, resampling, &report));
+  PetscCall(Resample(StepperCloud(stepper), resampling, &report));
   so_far->loss += report.energy;
   so_far->joined += report.joined;
   so_far->split += report.split;
