@@ -101,4 +101,5 @@ def completion():
                          " ".join(dict.fromkeys(bodies)))
 
 
-print(completion() if "--completion" in sys.argv[1:] else page())
+if __name__ == "__main__":
+    print(completion() if "--completion" in sys.argv[1:] else page())

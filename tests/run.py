@@ -37,7 +37,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TABLE = os.path.join(ROOT, "tests", "table.txt")
 OUTPUT = os.path.join(ROOT, "output", "tests")
 UNITS = os.path.join("output", "build", "tests", "unit")
-FOLDERS = ("docs", "answers", "input", "parallel", "restart", "faults", "extremes", "solvers", "verify", "lint")
+FOLDERS = ("docs", "answers", "input", "parallel", "restart", "faults", "extremes", "solvers", "relations", "verify",
+           "lint")
 SETS = ("check", "test", "long")
 TIMEOUT = float(os.environ.get("TEST_TIMEOUT", 600))  # s a job may take; of the set `long` 7200
 QUICK = 10.0  # s: --changed takes no longer jobs but those of files that changed

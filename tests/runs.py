@@ -111,6 +111,18 @@ def fields(path):
                 if isinstance(file[name], h5py.Dataset) and len(file[name]) == len(order) and name != "counts"}
 
 
+def unlike(a, b):
+    """The names of the fields in which two files differ in a bit."""
+    return [k for k in a if k not in b or not np.array_equal(a[k], b[k], equal_nan=a[k].dtype.kind == "f")]
+
+
+def unlike_lines(whole, rest):
+    """(step, column) of lines of a series that are not in the whole one too, but for the clock."""
+    lines = {int(line["step"]): line for line in whole}
+    return [(int(line["step"]), c) for line in rest for c in whole.dtype.names if c != "wall_time" and (
+        int(line["step"]) not in lines or not np.array_equal(line[c], lines[int(line["step"])][c], equal_nan=True))]
+
+
 def head(path):
     """The attributes of a snapshot or checkpoint."""
     with h5py.File(path, "r") as file:

@@ -44,7 +44,7 @@ typedef struct _p_Cloud {
                                  particles that serve larger liquid (CloudWeighs) less than 1; 1 for others */
   PetscReal  size_most;       /* 1; largest size on all ranks at all times: the largest support over the kernel's */
   PetscReal  volume_most;     /* m^dim, largest volume of a particle on all ranks */
-  PetscReal *rest_density;    /* [n_total] rho_0 of the particle's body, kg/m3; of the first body for walls */
+  PetscReal *rest_density;    /* [n_total] rho_0 of the particle's body, kg/m3; walls: see OperatorsMoments */
   PetscReal
     *solid_normal; /* [n_total][3] outward normal at dummy particles of solids, zero elsewhere; NULL without solids */
   /* For two immiscible liquids with interface tension; else NULL. The pressure jumps across their interface by the

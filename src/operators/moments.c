@@ -201,6 +201,35 @@ static void Renormalise(Cloud cloud)
   }
 }
 
+/* Behind a wall is the liquid that is before it: where bodies differ in density, a particle of a wall has the mean of
+   those of its liquid neighbours. One density for all walls, that of some body, would act on the others. */
+static PetscErrorCode WallDensities(Cloud cloud)
+{
+  PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
+  PairRow    row;
+
+  PetscFunctionBegin;
+  if (SceneOneDensity(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    PetscReal sum = 0, filled = 0;
+
+    PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
+    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt  b     = row.index[k];
+      const PetscReal share = cloud->integer[INT_LAYER][b] ? 0 : row.W[k] * cloud->weight[b];
+
+      filled += share;
+      sum += share * rest[b];
+    }
+    if (filled <= 0) continue;
+    rho[a] *= sum / filled / rest[a];
+    rest[a] = sum / filled;
+  }
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
 {
   const Material *liquid = BodyMaterial(SceneBody(cloud->scene, 0));
@@ -217,6 +246,7 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   scales.friction = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
                     scales.scale_f * inverse_h2;
   PetscCall(CloudSearch(cloud, MomentsRow, &scales));
+  PetscCall(WallDensities(cloud));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));
   Renormalise(cloud);
   CloudWrote(cloud, FIELD_CORRECTION); /* stands for all sums of this function */

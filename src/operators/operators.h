@@ -77,7 +77,8 @@ typedef struct {
      FIELD_CORRECTION  B = M^-1, the identity where lambda <= MOMENT_MINIMUM (Randles & Libersky 1996)
    viscosity: NULL, or a viscosity in the form of Cleary. Then the sums also set FIELD_ACCELERATION (m/s2) of the fluid
    to the viscous term without OperatorsViscosityRemainder, for half the cost of OperatorsViscosity. This requires
-   OperatorsOneLiquid, at rest density. */
+   OperatorsOneLiquid, at rest density. Where bodies differ in density, cloud->rest_density of walls becomes that of the
+   liquid before them; FIELD_DENSITY of walls follows. */
 PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity);
 /* OperatorsOneLiquid - whether all bodies have the same density and the same constant viscosity: then all pairs have
    one coefficient. */

@@ -142,6 +142,17 @@ PetscReal PackingEmitted(Packing packing, PetscReal time)
   return count;
 }
 
+PetscReal PackingFillingVolume(Packing packing, PetscInt body)
+{
+  const Domain    domain   = packing->cloud->domain;
+  const Emission *emission = &packing->emission[body];
+  PetscReal       volume   = 0;
+
+  for (PetscInt p = 0; p < emission->n; p++)
+    volume += emission->area * domain->volume * DomainRingLength(domain, emission->x + DIM * p, 1);
+  return volume;
+}
+
 PetscErrorCode EmissionsDestroy(Packing packing)
 {
   PetscFunctionBegin;

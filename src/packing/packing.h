@@ -42,7 +42,11 @@ PetscErrorCode PackingSetVelocities(Packing packing);
 PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted);
 /* PackingEmitted - how many particles emitters have brought up to and at the time (s), after the first PackingEmit. Not
    collective. */
-PetscReal      PackingEmitted(Packing packing, PetscReal time);
+PetscReal PackingEmitted(Packing packing, PetscReal time);
+/* PackingFillingVolume - volume (m3, in two dimensions m2) of the particles of one filling of an emitter, the body of
+   this index, after the first PackingEmit: over that of its shape, it is the emitter's flux over the one of its
+   options. Not collective. */
+PetscReal      PackingFillingVolume(Packing packing, PetscInt body);
 PetscErrorCode PackingDestroy(Packing *packing);
 
 #endif

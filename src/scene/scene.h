@@ -192,7 +192,7 @@ PetscBool BodyContains(Body body, const PetscReal x[DIM]);
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
 /* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m). SceneBodyScales - its
    extents (m), its thickness (m), and the largest initial speed (m/s) and acceleration along each axis (m/s2), both
-   sampled within the bounds. */
+   sampled within the bounds. Boxes of one liquid that are one box, cut in two, have the extents of the whole. */
 typedef struct {
   PetscReal extent[DIM], length, speed, acceleration[DIM];
 } BodyScales;

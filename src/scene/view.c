@@ -1,22 +1,63 @@
 /* SceneView: the bodies with their sizes and dimensionless numbers, and warnings of too coarse a spacing and of wrong
    units. */
 #include "scene_impl.h"
+#include <string.h>
 
-#define BODY_SAMPLES 5   /* points a direction at which a body's velocity and body force are sampled */
-#define ACROSS_MIN   6   /* spacings across a body: fewer hardly resolve its flow */
-#define WAVE_MIN     12  /* spacings a wavelength: fewer hardly resolve the wave */
-#define RIM_SAMPLES  12  /* points a direction at which a solid is looked for */
-#define RIM_NEAR     1.5 /* spacings */
-#define WEBER_DRIPS  4   /* below, liquid drips from a tube instead of leaving as a jet (Clanet and Lasheras 1999) */
-#define BOND_MAX     1e4 /* with a larger Bond number tension cannot matter: a drop of water of a quarter of a metre */
-#define WEBER_MAX    1e7 /* with a larger Weber number the liquid is spray: a likely cause is lengths in mm */
+#define BODY_SAMPLES 5    /* points a direction at which a body's velocity and body force are sampled */
+#define CUT          1e-6 /* spacings between two bodies that are one, cut in two */
+#define ACROSS_MIN   6    /* spacings across a body: fewer hardly resolve its flow */
+#define WAVE_MIN     12   /* spacings a wavelength: fewer hardly resolve the wave */
+#define RIM_SAMPLES  12   /* points a direction at which a solid is looked for */
+#define RIM_NEAR     1.5  /* spacings */
+#define WEBER_DRIPS  4    /* below, liquid drips from a tube instead of leaving as a jet (Clanet and Lasheras 1999) */
+#define BOND_MAX     1e4  /* with a larger Bond number tension cannot matter: a drop of water of a quarter of a metre */
+#define WEBER_MAX    1e7  /* with a larger Weber number the liquid is spray: a likely cause is lengths in mm */
+
+/* Whether a box of liquid continues another, with these bounds (m), of one liquid: then both are one box, whose bounds
+   replace them. */
+static PetscBool Continues(Body one, Body body, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Material *m = &body->material, *own = &one->material;
+  const PetscReal near = CUT * body->domain->spacing;
+  PetscReal       low[DIM], high[DIM];
+  PetscInt        apart = 0, along = 0;
+
+  if (body == one || strcmp(body->shape_type, "box") || BodyEmits(body)) return PETSC_FALSE;
+  if (m->density != own->density || m->viscosity != own->viscosity || m->tension != own->tension) return PETSC_FALSE;
+  BodyBounds(body, low, high);
+  for (PetscInt d = 0; d < DIM; d++) {
+    if (PetscAbsReal(low[d] - lower[d]) <= near && PetscAbsReal(high[d] - upper[d]) <= near) continue;
+    along = d;
+    apart++;
+  }
+  if (apart != 1 || PetscMin(PetscAbsReal(low[along] - upper[along]), PetscAbsReal(high[along] - lower[along])) > near)
+    return PETSC_FALSE;
+  lower[along] = PetscMin(low[along], lower[along]);
+  upper[along] = PetscMax(high[along], upper[along]);
+  return PETSC_TRUE;
+}
+
+/* The bounds (m) of body b, with those of all bodies that it was cut from: a film of two bodies is one film, and its
+   scales are those of one. */
+static void WholeBounds(Scene scene, PetscInt b, PetscReal lower[DIM], PetscReal upper[DIM])
+{
+  const Body one    = SceneBody(scene, b);
+  PetscBool  larger = (PetscBool) !(strcmp(one->shape_type, "box") || BodyEmits(one));
+
+  BodyBounds(one, lower, upper);
+  while (larger) {
+    larger = PETSC_FALSE;
+    for (PetscInt k = 0; k < SceneCount(scene); k++)
+      if (Continues(one, SceneBody(scene, k), lower, upper)) larger = PETSC_TRUE;
+  }
+}
 
 PetscReal SceneBodyThickness(Scene scene, PetscInt b)
 {
   const Domain domain = scene->domain;
   PetscReal    lower[DIM], upper[DIM], least = PETSC_MAX_REAL;
 
-  BodyBounds(SceneBody(scene, b), lower, upper);
+  WholeBounds(scene, b, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscBool mirrored = (PetscBool)((domain->face[d][0] == FACE_SYMMETRY && lower[d] <= domain->lower[d]) ||
                                            (domain->face[d][1] == FACE_SYMMETRY && upper[d] >= domain->upper[d]));
@@ -32,8 +73,9 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
   PetscReal lower[DIM], upper[DIM], g[DIM], v[DIM], x[DIM];
 
   *scales = (BodyScales){.length = SceneBodyThickness(scene, b)};
-  BodyBounds(body, lower, upper);
+  WholeBounds(scene, b, lower, upper);
   for (PetscInt d = 0; d < DIM; d++) scales->extent[d] = upper[d] - lower[d];
+  BodyBounds(body, lower, upper);
   for (PetscInt k = 0; k < BODY_SAMPLES * BODY_SAMPLES * BODY_SAMPLES; k++) {
     const PetscInt at[DIM] = {k % BODY_SAMPLES, (k / BODY_SAMPLES) % BODY_SAMPLES, k / (BODY_SAMPLES * BODY_SAMPLES)};
 

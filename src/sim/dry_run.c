@@ -13,8 +13,6 @@
 #define PICTURE      800.0 /* pixels, the larger side */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
 #define MEGABYTE     1e6
-#define VOLUME_STEP  0.25 /* spacings, of the cells that measure a shape's volume */
-#define VOLUME_CELLS 4e6  /* at most */
 
 /* Okabe and Ito's colours, told apart by colour-blind eyes too */
 static const char *const colors[] = {"#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"};
@@ -24,37 +22,8 @@ PetscBool SimIsDry(Sim sim)
   return sim->dry_run;
 }
 
-/* Volume (m3, m2) of a body's shape in the box, outside solids: midpoints of cells of a quarter of the spacing. */
-static PetscReal ShapeVolume(Sim sim, Body body)
-{
-  const PetscInt dim = sim->domain->dim;
-  PetscReal      lower[DIM], upper[DIM], x[DIM] = {0, 0, 0}, cell = 1, step;
-  PetscReal      inside = 0;
-  PetscInt       n[DIM] = {1, 1, 1};
-
-  BodyBounds(body, lower, upper);
-  for (PetscInt d = 0; d < dim; d++) {
-    lower[d] = PetscMax(lower[d], sim->domain->lower[d]);
-    upper[d] = PetscMin(upper[d], sim->domain->upper[d]);
-    cell *= upper[d] - lower[d];
-  }
-  step = PetscMax(VOLUME_STEP * sim->domain->spacing, PetscPowReal(cell / VOLUME_CELLS, 1.0 / dim));
-  for (PetscInt d = 0; d < dim; d++) {
-    n[d] = PetscMax(1, (PetscInt)PetscCeilReal((upper[d] - lower[d]) / step));
-    cell /= n[d];
-  }
-  for (PetscInt k = 0; k < n[0] * n[1] * n[2]; k++) {
-    PetscInt index[DIM];
-
-    CellCoordinates(n, k, index);
-    for (PetscInt d = 0; d < dim; d++) x[d] = lower[d] + (index[d] + 0.5) * (upper[d] - lower[d]) / n[d];
-    if (BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0)
-      inside += sim->domain->rings ? 2 * PETSC_PI * x[0] : 1;
-  }
-  return cell * inside;
-}
-
-/* Prints the volume of each body's particles against that of its shape: if they differ, choose another spacing. */
+/* Prints the volume of each body's particles, of an emitter one filling's, against that of its shape: if they differ,
+   choose another spacing. */
 static PetscErrorCode PrintBodies(Sim sim)
 {
   PetscInt      *count;
@@ -77,10 +46,11 @@ static PetscErrorCode PrintBodies(Sim sim)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volumes, (PetscMPIInt)bodies, MPIU_REAL, MPI_SUM, sim->comm));
   for (PetscInt b = 0; b < bodies; b++) {
     const Body      body   = SceneBody(sim->scene, b);
-    const PetscReal volume = volumes[b], shape = BodyEmits(body) ? 0 : ShapeVolume(sim, body);
+    const PetscReal volume = BodyEmits(body) ? PackingFillingVolume(sim->packing, b) : volumes[b],
+                    shape  = ShapeVolume(sim, body);
 
-    PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %.4g %s", BodyName(body), count[b],
-                          (double)volume, DomainUnit(sim->domain, "m3")));
+    PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %s%.4g %s", BodyName(body), count[b],
+                          BodyEmits(body) ? "a filling of " : "", (double)volume, DomainUnit(sim->domain, "m3")));
     if (shape > 0) PetscCall(PetscPrintf(sim->comm, ", %+.1f %% of its shape", (double)(100 * (volume / shape - 1))));
     PetscCall(PetscPrintf(sim->comm, "\n"));
   }

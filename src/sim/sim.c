@@ -254,6 +254,7 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
     PetscCall(PetscViewerASCIIPrintf(viewer,
                                      "warning: this scheme corrects that density in the first step, which sets the "
                                      "liquid in motion; use -packing_type poisson or -packing_relaxation_time\n"));
+  PetscCall(EmittersView(sim, viewer));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
   PetscFunctionReturn(PETSC_SUCCESS);

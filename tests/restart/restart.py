@@ -67,18 +67,9 @@ STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
 
-def same(a, b):
-    """The names of the fields in which two files differ in a bit."""
-    return [k for k in a if k not in b or not np.array_equal(a[k], b[k], equal_nan=a[k].dtype.kind == "f")]
-
-
 def compare_series(name, whole, rest):
     """The lines of the continued run stand in the whole one too, but for the clock."""
-    columns = [c for c in whole.dtype.names if c != "wall_time"]
-    lines = {int(line["step"]): line for line in whole}
-    differing = [(int(line["step"]), c) for line in rest for c in columns
-                 if int(line["step"]) not in lines
-                 or not np.array_equal(line[c], lines[int(line["step"])][c], equal_nan=True)]
+    differing = runs.unlike_lines(whole, rest)
     runs.check(len(rest) > 1 and not differing, name, f"{len(rest)} lines, differing: {differing[:5]}")
 
 
@@ -100,13 +91,14 @@ def test(name, scene, spacing, ranks, others):
         b = runs.run(scene + extra + f"-steps_max {STEPS - step} -restart {middle}", label, n)
         again = runs.fields(runs.numbered(b, "checkpoint")[-1])
         if n == ranks:
-            runs.check(not same(final, again), label + "_bitwise", f"differing fields: {same(final, again)}")
+            unlike = runs.unlike(final, again)
+            runs.check(not unlike, label + "_bitwise", f"differing fields: {unlike}")
             heads = runs.head(end), runs.head(runs.numbered(b, "checkpoint")[-1])
             other = [k for k in heads[0] if k not in ("wall_time", "options") and heads[0][k] != heads[1].get(k)]
             runs.check(not other, label + "_head", f"differing: {other}")
             compare_series(label + "_series", runs.series(a), runs.series(b))
             last = [runs.fields(runs.numbered(folder, "snapshot")[-1]) for folder in (a, b)]
-            runs.check(not same(*last), label + "_snapshot", f"differing fields: {same(*last)}")
+            runs.check(not runs.unlike(*last), label + "_snapshot", f"differing fields: {runs.unlike(*last)}")
         else:
             moved = np.abs(final["position"] - again["position"]).max() / spacing
             print(f"{label}: positions differ by {moved:.2e} spacings")
@@ -163,7 +155,7 @@ def clock():
         often = runs.run(scene + end + "-checkpoint_wall_clock 1e-9", f"{name}_often", ranks)
         files = [runs.numbered(folder, "checkpoint") for folder in (without, often)]
         runs.check([len(f) for f in files] == [1, 1], f"clock_{name}_one_is_left", str(files))
-        differing = same(*(runs.fields(f[-1]) for f in files))
+        differing = runs.unlike(*(runs.fields(f[-1]) for f in files))
         runs.check(not differing, f"clock_{name}_changes_nothing", f"differing fields: {differing}")
         compare_series(f"clock_{name}_series", runs.series(without), runs.series(often))
         step, file = killed_by(f"{name}_killed", scene + "-ksp_rtol 1e-12 ", ranks)

@@ -110,6 +110,8 @@ static PetscErrorCode TestParticles(void)
       PetscCall(PackingEmit(packing, time, PETSC_FALSE, &emitted));
       PetscCall(ParticlesGlobalSize(s.particles, &n));
       CHECK(emitted == 20 + 2 * 6 && n == emitted, "fillings of two emitters");
+      CHECK_CLOSE(PackingFillingVolume(packing, 0), 0.2, 1e-12, "volume of a filling of the jet");
+      CHECK_CLOSE(PackingFillingVolume(packing, 1), 0.06, 1e-12, "volume of a filling of the hose");
       PetscCall(ParticlesOpen(s.particles, &arrays));
       twice = SetupSum((PetscReal)Twice(&arrays));
       for (PetscInt a = 0; a < arrays.n; a++) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));

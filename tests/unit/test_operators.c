@@ -585,6 +585,39 @@ static void TestEigenvalue(void)
   CHECK_CLOSE(SymmetricSmallestEigenvalue(3, ring), 1, 1e-7, "eigenvalue_double");
 }
 
+/* Two liquids beside each other on a floor: behind each is its own density, in whichever order they are named. */
+static PetscErrorCode TestWallDensities(void)
+{
+  static const char *const orders[] = {"a,b", "b,a"};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) {
+    char      options[512];
+    PetscReal wrong = 0;
+    PetscInt  seen  = 0;
+    Setup     s;
+
+    PetscCall(PetscSNPrintf(options, sizeof(options),
+                            "-dimension 2 -spacing 0.05 -packing_jitter 0 -box_lower 0,0 -box_upper 2,1 -box_ymin wall "
+                            "-bodies %s -a_upper 1,0.5 -b_lower 1,0 -b_upper 2,0.5 -b_density 600",
+                            orders[k]));
+    PetscCall(SetupPack(options, &s));
+    PetscCall(SetupMoments(&s));
+    for (PetscInt a = s.cloud->n_fluid; a < s.cloud->n_owned; a++) {
+      const PetscReal x = s.cloud->field[FIELD_POSITION][DIM * a], due = x < 1 ? 1000 : 600;
+
+      if (s.cloud->integer[INT_LAYER][a] != 1 || PetscAbsReal(x - 1) < 0.2) continue;
+      seen++;
+      wrong = PetscMax(wrong, PetscAbsReal(s.cloud->rest_density[a] / due - 1));
+    }
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &seen, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+    CHECK(seen > 20, "particles_of_a_wall");
+    CHECK_CLOSE(wrong, 0, 1e-12, "a_wall_has_the_density_of_the_liquid_before_it");
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -597,6 +630,7 @@ int main(int argc, char **argv)
   PetscCall(TestViscosity());
   PetscCall(TestSheets());
   PetscCall(TestNoSlip());
+  PetscCall(TestWallDensities());
   PetscCall(TestTension());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

@@ -471,6 +471,35 @@ static PetscErrorCode TestHelp(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Boxes that are one box have its extent: a film of two layers, and of three. A box that covers half of a film, one of
+   another liquid and an emitter do not count. */
+static PetscErrorCode TestCut(void)
+{
+  static const char *const films[] = {
+    "-bodies a,b -a_upper 1,0 -b_lower -1,0 -b_upper 1,0.5",
+    "-bodies a,c,b -a_upper 1,-0.5 -b_lower -1,-0.5 -b_upper 1,0 -c_lower -1,0 -c_upper 1,0.5",
+    "-bodies a,b -a_upper 1,0 -b_lower -1,0 -b_upper 0,0.5",
+    "-bodies a,b -a_upper 1,0 -b_lower -1,0 -b_upper 1,0.5 -b_density 900",
+    "-bodies a,b -a_upper 1,0 -b_type emitter -b_velocity 0,1 -b_lower -1,0 -b_upper 1,0.5"};
+  const PetscReal high[] = {1.5, 1.5, 1, 1, 1};
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(films); k++) {
+    char       options[512], name[64];
+    BodyScales scales;
+    Domain     domain;
+    Scene      scene;
+
+    PetscCall(PetscSNPrintf(options, sizeof(options), SQUARE "-gravity 0,-10 %s", films[k]));
+    PetscCall(Read(options, &domain, &scene));
+    SceneBodyScales(scene, 0, &scales);
+    PetscCall(PetscSNPrintf(name, sizeof(name), "extent of a cut body, %d", (int)k));
+    CHECK_CLOSE(scales.extent[1], high[k], 1e-12, name);
+    PetscCall(Free(&domain, &scene));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -480,6 +509,7 @@ int main(int argc, char **argv)
   PetscCall(TestWaves());
   PetscCall(TestVelocities());
   PetscCall(TestScene());
+  PetscCall(TestCut());
   PetscCall(TestRefusals());
   PetscCall(TestViscosityModels());
   PetscCall(TestHelp());

@@ -1,27 +1,11 @@
-#!/usr/bin/python3
-"""Small scenes drawn at random from a table of features: each must run to its end, keep its mass to the last particle,
-and keep momentum, angular momentum and energy as far as it is closed. Scene N is always the same one. Combinations
-that the program refuses are not drawn, so that every refusal is a failure.
-
-    tests/verify/random_scenes.py [--part PART] [--show N]      --show prints the options of scene N"""
-import os
+"""Small scenes drawn at random from a table of features, for relations.py. Scene N is always the same one. Combinations
+that the program refuses are not drawn, so that every refusal of one is a failure."""
 import random
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-import numpy as np  # noqa: E402
-import physics  # noqa: E402
-import runs  # noqa: E402
+import numpy as np
 
-SCENES, PARTS = 200, 10  # the first part is of `make test`
-D0, RHO = 0.04, 1000.0   # m, kg/m3; speeds are about 1 m/s, drops have a radius of 5 spacings
-MASS = 1e-12             # of a body that may change: rings and graded particles join and split
-EXACT = 1e-5             # of momentum, over that of all liquid at the speed that the energy at hand can give: where
-#                          every force is between pairs only the implicit viscosity's solver is left, 2e-6 at most
-MOMENTUM = (0.025, 0.04)  # the same else, without and with a body that moves freely: 1.9 and 3.0 % at most
-ANGULAR = 0.02           # of angular momentum, over that momentum times the radius of gyration: 1.2 % at most
-ENERGY = 0.04            # of all that was exchanged or stands in the surface: 2.9 % at most
-COMMON = f"-spacing {D0} -checkpoint_interval 0 -snapshot_double -packing_cache \"\" -time_step_max 0.02 -steps_max "
+SCENES = 200
+D0 = 0.04  # m; speeds are about 1 m/s, drops have a radius of 5 spacings
 
 
 class Scene:
@@ -295,76 +279,3 @@ class Scene:
 
     def text(self):
         return " ".join(f"{name} {value}" for name, value in self.options.items())
-
-
-class Result:
-    """What a run says: shares of mass, momentum, angular momentum and energy that were not kept."""
-
-    def __init__(self, scene, folder):
-        states = list(physics.snapshots(folder))
-        (t0, head, first), (t1, _, last) = states[0], states[-1]
-        self.s = s = runs.series(folder)
-        self.finite = all(np.isfinite(s[n]).all() for n in s.dtype.names) and all(
-            np.isfinite(f[n]).all() for f in (first, last) for n in ("position", "velocity", "pressure", "density"))
-        density = np.array([float(scene.options.get(f"-{name}_density", RHO)) for name in scene.bodies])
-        (m0, x0, v0), (m1, x1, v1) = ((physics.volumes(head, f)[f["body"] >= 0] * density[f["body"][f["body"] >= 0]],
-                                       f["position"][f["body"] >= 0], f["velocity"][f["body"] >= 0])
-                                      for f in (first, last))
-        kinetic, potential, surface = (s[f"{kind}_energy"] for kind in ("kinetic", "potential", "surface"))
-        moved = kinetic.max() + max(abs(s["viscous_work"]) + abs(s["tension_work"]) + abs(s["outside_work"]))
-        # the measured work of tension knows thin sheets, the area of the surface does not; the work of implicit
-        # viscosity is that of one velocity, and long steps have two: energy has appeared if both sums say so
-        work = kinetic + potential - s["viscous_work"] - s["tension_work"] - s["outside_work"]
-        stored = kinetic + potential + surface - s["outside_work"]
-        gain = np.minimum(work - work[0], stored - stored[0])
-        settled = m0.sum() * np.linalg.norm(scene.g) * D0  # a packing may settle by a spacing
-        self.energy = gain.max() / (moved + surface.max() + settled)
-        self.mass = max([abs(m1[last["body"][last["body"] >= 0] == k].sum() /
-                             m0[first["body"][first["body"] >= 0] == k].sum() - 1) for k in range(len(density))])
-        self.count = len(m1) - len(m0)
-        speed = np.sqrt(2 * (moved + surface[0]) / m0.sum())  # what the energy at hand can give
-        w = float(scene.options.get("-central_force_rate", 0))  # under which the centre of mass swings as a whole
-        kept = m0 @ v0 * np.cos(w * (t1 - t0)) - w * (m0 @ x0) * np.sin(w * (t1 - t0))
-        gained = m1 @ v1 - kept - m0.sum() * scene.g * (t1 - t0)
-        if scene.has("solids"):
-            own = float(scene.options["-ball_mass"])
-            v = np.array([s[n] for n in s.dtype.names if n.startswith("ball_velocity_")])
-            gained[:2] += own * (v[:, -1] - v[:, 0] - scene.g[:2] * (t1 - t0))
-        self.momentum = np.abs(gained) / (m0.sum() * speed)
-        c0, c1, u0, u1 = m0 @ x0 / m0.sum(), m1 @ x1 / m1.sum(), m0 @ v0 / m0.sum(), m1 @ v1 / m1.sum()
-        turn = (m1[:, None] * np.cross(x1 - c1, v1 - u1)).sum(axis=0) - (m0[:, None] * np.cross(x0 - c0, v0 - u0)).sum(
-            axis=0)
-        radius = np.sqrt(m0 @ ((x0 - c0)**2).sum(axis=1) / m0.sum())
-        self.angular = np.linalg.norm(turn) / (m0.sum() * speed * radius)
-
-
-def judge(number):
-    """Runs scene 'number' and judges it."""
-    scene = Scene(number)
-    folder = runs.scratch(f"scene_{number}")
-    process = runs.start(f"{COMMON}{scene.steps} {scene.text()} -progress_interval 0 -output_dir {folder}")
-    if not runs.check(process.returncode == 0, f"scene {number} runs", f"{process.stderr.strip()[-300:]}"):
-        return
-    result = Result(scene, folder)
-    runs.check(result.finite, f"scene {number} has numbers only")
-    runs.check(result.mass <= MASS and (scene.rings or result.count == 0), f"scene {number} keeps its mass",
-               f"{result.mass:.2e} of it, {result.count} particles")
-    runs.check_below(result.energy, ENERGY, f"scene {number} gains no energy")
-    if scene.place in ("free", "periodic"):
-        pairwise = scene.conserves() and (not scene.has("a_tension") or scene.has("tension_type"))
-        limit = EXACT if pairwise else MOMENTUM[scene.has("solids")]
-        momentum = result.momentum[1] if scene.rings else result.momentum.max()
-        runs.check_below(momentum, limit, f"scene {number} keeps its momentum")
-    if scene.place == "free" and not (scene.rings or scene.has("solids") or scene.has("viscosity_form")):
-        runs.check_below(result.angular, ANGULAR, f"scene {number} keeps its angular momentum")
-
-
-if __name__ == "__main__":
-    if "--show" in sys.argv:
-        shown = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
-        print(f"{COMMON}{shown.steps} {shown.text()}")
-        sys.exit(0)
-    for part in runs.parts(*(str(k) for k in range(PARTS))):
-        for drawn in range(SCENES // PARTS * int(part), SCENES // PARTS * (int(part) + 1)):
-            judge(drawn)
-    runs.done()

@@ -1,0 +1,527 @@
+#!/usr/bin/python3
+"""Relations that hold for any scene, tried on every option file of cases/ and options/, coarse and for a few steps, and
+on scenes drawn at random (random_scenes.py). A relation changes a scene in a way that must not matter, or that changes
+the result in a known way, and compares both runs. Where it does not apply it says why: by the program's own refusal, or
+by a property of the scene.
+
+    tests/relations/relations.py [--part PART] [--only WORD ...] [--list]
+
+A part is a tenth of the scenes, a number, or a quarter of the tenth that the date of the commit draws: a, b, c, d.
+--only: relations or scenes with one of the words in their names; --list: what holds where, of the last runs."""
+import argparse
+import collections
+import fcntl
+import functools
+import itertools
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zlib
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, ".."), HERE]
+import kept  # noqa: E402
+import numpy as np  # noqa: E402
+import random_scenes  # noqa: E402
+import runs  # noqa: E402
+from scene import CORNERS, Scene, Unfit, coarse, files, mapped, reduce, scaled  # noqa: E402
+
+TENTHS, QUARTERS = 10, "abcd"
+FACTORS = [8, 5.5, 4, 2.75, 2, 1.375, 1]  # spacings over the file's, of which the first is taken that the scene bears
+LEAST = {2: 60, 3: 200}        # particles of liquid that it must have
+STEPS = {2: 10, 3: 6}
+TIGHT = {"ksp_rtol": "1e-12"}  # and of implicit viscosity, where the scene has it:
+TIGHT_VISCOUS = {"viscous_ksp_rtol": "1e-13"}
+CLOSE = 2e-5                   # spacings, of places and of velocities times the time of the run: the weights of pairs
+#                                have 16 bits, and rounding may turn one by 8e-6; what was wrong was 2e-4 and more
+SAME_PLACE = 1e-6              # spacings: a start that differs by more has another packing
+REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine).*)", re.S)
+NUMBERS = itertools.count()  # of folders
+WRONG = "wrong: "  # before a fate
+# What is wrong and not cured: such a relation must still be wrong in its scene, or its row goes.
+KNOWN = {("random/65", "keeps"): "rings of two liquids, 6 spacings wide, lose 2.5 % of their momentum along the axis"}
+OUTPUT = os.path.join(runs.ROOT, "output", "tests", "relations.json")
+
+
+class Run:
+    """A finished run of a scene: its first and last state."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.first, self.last = (self.state(runs.numbered(folder, "snapshot")[k]) for k in (0, -1))
+        self.span = self.last["time"] - self.first["time"]
+
+    @staticmethod
+    def state(path):
+        fields, head = runs.fields(path), runs.head(path)
+        liquid = fields["body"] >= 0
+        return {"time": float(head["time"]), "solids": fields["position"][~liquid],  # that move
+                **{name: fields[name][liquid] for name in ("id", "position", "velocity")}}
+
+    def end(self):
+        """Every field of the last checkpoint."""
+        return runs.fields(runs.numbered(self.folder, "checkpoint")[-1])
+
+
+class Trial:
+    """A scene under test: runs it once for all relations that compare with it as it is."""
+
+    def __init__(self, scene, steps, long=0):
+        """long: steps of the run that shows what is kept."""
+        self.scene, self.steps, self.long = scene, steps, long or 2 * steps
+        self.folder = runs.scratch(f"trial_{next(NUMBERS)}")
+        os.mkdir(self.folder)
+
+    def start(self, scene, more="", ranks=1, steps=None):
+        """The folder of a run; Unfit where the program refuses the scene in a sentence of the table of refusals."""
+        folder = os.path.join(self.folder, str(next(NUMBERS)))
+        words = [*scene.words(), "-steps_max", str(steps or self.steps), "-output_dir", folder, "-progress_interval",
+                 "0", "-series_interval", "0", "-checkpoint_interval", "0", "-snapshot_double", "-packing_cache", "",
+                 *more.split()]
+        done = runs.start(words, ranks)
+        if done.returncode:
+            refused = REFUSED.search(done.stderr)
+            if refused:
+                raise Unfit(" ".join(refused[1].split()))
+            raise RuntimeError(f"code {done.returncode}: {done.stderr.strip()[-300:]}")
+        return folder
+
+    def file(self, name):
+        return os.path.join(self.folder, name)
+
+    def run(self, scene, more="", ranks=1, steps=None):
+        return Run(self.start(scene, more, ranks, steps))
+
+    @functools.cached_property
+    def plain(self):
+        """The scene as it is."""
+        return self.run(self.scene)
+
+    @functools.cached_property
+    def tight(self):
+        """(The scene with a tight solver, to compare to rounding; its run.)"""
+        scene = self.scene.copy(**TIGHT)
+        try:
+            return self.tried(scene.copy(**TIGHT_VISCOUS))
+        except RuntimeError as error:
+            if "viscous_ksp_rtol here" not in str(error):
+                raise
+            return self.tried(scene)
+
+    @functools.cached_property
+    def even(self):
+        """The same with a packing without random displacements, which another place would have otherwise."""
+        if self.scene.options.get("packing_type", "lattice") != "lattice":
+            raise Unfit("-packing_type poisson: its random numbers are of places")
+        return self.tried(self.tight[0].copy(packing_jitter="0"))
+
+    def tried(self, scene):
+        return scene, self.run(scene)
+
+
+def same(one, other):
+    """What differs between two runs to the bit, of the last checkpoint and of the series; nothing: []."""
+    a, b = one.end(), other.end()
+    found = runs.unlike(a, b)
+    s, t = runs.series(one.folder), runs.series(other.folder)
+    if len(s) != len(t):
+        return found + [f"{len(s)} and {len(t)} lines"]
+    return found + [n for n in s.dtype.names if n in t.dtype.names and n != "wall_time" and not np.array_equal(
+        s[n], t[n], equal_nan=True)]
+
+
+def nearest(scene, a, b):
+    """For each point of a the nearest of b, and its distance in spacings; through periodic faces too."""
+    best, index = np.full(len(a), np.inf), np.zeros(len(a), dtype=int)
+    size = np.array([scene.vector("box_upper")[d] - scene.vector("box_lower")[d] for d in range(scene.dim)])
+    wraps = np.array([scene.face("xyz"[d], "min") == "periodic" for d in range(scene.dim)])
+    for first in range(0, len(a), 500):
+        r = a[first:first + 500, None, :scene.dim] - b[None, :, :scene.dim]
+        r -= np.where(wraps, size * np.round(r / size), 0)
+        distance = np.sqrt((r**2).sum(axis=2))
+        index[first:first + 500] = distance.argmin(axis=1)
+        best[first:first + 500] = distance.min(axis=1)
+    return index, best / scene.spacing
+
+
+def close(scene, one, other, seen=None, scale=(1, 1), packing=False, limit=CLOSE):
+    """Holds that 'other', a run of 'scene', is 'one' seen from elsewhere: seen(x, v, time) are its places and
+    velocities. scale: of lengths and times. packing: whether another packing at the start is an excuse."""
+    apart = []
+    for k, state in enumerate(("first", "last")):
+        a, b = getattr(one, state), getattr(other, state)
+        x, v = a["position"][:, :scene.dim] * scale[0], a["velocity"][:, :scene.dim] * scale[0] / scale[1]
+        x, v = seen(x, v, a["time"] - one.first["time"]) if seen else (x, v)
+        if len(x) != len(b["position"]):
+            if k == 0 and packing:
+                raise Unfit("the lattice has another number of points in the bodies there")
+            return [f"{len(x)} and {len(b['position'])} particles at the {state} state"]
+        index, distance = nearest(scene, x, b["position"])
+        if k == 0 and packing and distance.max() > SAME_PLACE:
+            raise Unfit("the lattice lies otherwise there")
+        if k == 0 and packing and len(a["solids"]):
+            x = a["solids"][:, :scene.dim] * scale[0]
+            x = seen(x, x, 0)[0] if seen else x
+            if len(x) != len(b["solids"]) or nearest(scene, x, b["solids"])[1].max() > SAME_PLACE:
+                raise Unfit("the lattice in a solid lies otherwise there")
+        if len(set(index)) < len(index):
+            return [f"at the {state} state {len(index) - len(set(index))} particles have no own counterpart"]
+        speed = np.abs(v - b["velocity"][index, :scene.dim]).max() * other.span / scene.spacing
+        apart.append((distance.max(), speed))
+    worst = max(max(pair) for pair in apart)
+    return [] if worst <= limit else [f"places {apart[1][0]:.2g}, ways {apart[1][1]:.2g} spacings apart, at the start "
+                                      f"{apart[0][0]:.2g}, {apart[0][1]:.2g}; {limit:g} allowed"]
+
+
+# --- the relations: each returns what is wrong ---
+
+def dump(t):
+    """The options that -dump_options writes are the scene."""
+    path = t.file("dump.opts")
+    done = runs.start([*t.scene.words(), "-steps_max", str(t.steps), "-dump_options", path])
+    if done.returncode:
+        return [f"code {done.returncode}: {done.stderr.strip()[-300:]}"]
+    words = Scene(t.scene.name, reduce.read(path))
+    words = words.copy(**{name: None for name in ("steps_max", "packing_cache", "output_dir")})
+    return same(t.plain, t.run(words))
+
+
+def restart(t):
+    """A run continued from a checkpoint in its middle is the run, to the bit."""
+    series = runs.series(t.plain.folder)
+    middle = 0.5 * (series["time"][0] + series["time"][-1]) - series["time"][0]
+    whole = t.run(t.scene, f"-checkpoint_interval {middle!r}")
+    first = runs.numbered(whole.folder, "checkpoint")[0]
+    step = int(runs.head(first)["step"])
+    if step >= t.steps:
+        return [f"no checkpoint before step {step}"]
+    more = f"-checkpoint_interval {middle!r} -restart {first}"
+    rest = Run(t.start(t.scene, more, steps=t.steps - step))
+    heads = [runs.head(runs.numbered(r.folder, "checkpoint")[-1]) for r in (whole, rest)]
+    found = runs.unlike(whole.end(), rest.end()) + [
+        f"attribute {k}" for k in heads[0] if k not in ("wall_time", "options") and not np.array_equal(
+            heads[0][k], heads[1].get(k), equal_nan=isinstance(heads[0][k], float))]
+    return found + runs.unlike_lines(runs.series(whole.folder), runs.series(rest.folder))
+
+
+def ranks(t):
+    """Two or three ranks compute what one does."""
+    start, (scene, one) = "", t.tight
+    if t.scene.options.get("packing_type") == "poisson":  # it ends elsewhere on other ranks: one makes it
+        start = "-restart " + runs.numbered(t.run(scene, steps=1).folder, "checkpoint")[-1]
+        one = t.run(scene, start)
+    n = 2 + zlib.crc32(t.scene.name.encode()) % 2
+    return [f"on {n}: {why}" for why in close(scene, one, t.run(scene, start, ranks=n))]
+
+
+def bodies(t):
+    """The order of bodies and of solids does not matter."""
+    if "bodies_overlap" in t.scene.options:
+        raise Unfit("-bodies_overlap: the first body has the common part")
+    changes = {key: ",".join(reversed(t.scene.names(key))) for key in ("bodies", "solids")
+               if len(t.scene.names(key)) > 1}
+    if not changes:
+        raise Unfit("there is one body and at most one solid")
+    if "interface_tension" in t.scene.options and "interface_bodies" not in t.scene.options:
+        changes["interface_bodies"] = t.scene.names("bodies")[1]
+    scene, one = t.even
+    return close(scene, one, t.run(scene.copy(**changes)))
+
+
+def options(t):
+    """The order of options does not matter, to the bit."""
+    return same(t.plain, t.run(Scene(t.scene.name, dict(reversed(t.scene.options.items())))))
+
+
+def moved(t, matrix, shift):
+    n = t.scene.dim
+    matrix, shift = np.array(matrix, dtype=float)[:n, :n], np.array(shift, dtype=float)[:n]
+    scene, one = t.even
+    scene = mapped(scene, matrix, shift)
+    return close(scene, one, t.run(scene), lambda x, v, _: (x @ matrix.T + shift, v @ matrix.T), packing=True)
+
+
+def shift(t):
+    """A scene at another place is the same there."""
+    way = 16 * t.scene.spacing * np.array([-3, 2, 1])
+    if t.scene.rings:
+        way[0] = 0
+    return moved(t, np.eye(3), way)
+
+
+def mirror(t):
+    """A scene seen in a mirror."""
+    return moved(t, np.diag([1, -1, 1] if t.scene.rings else [-1, 1, 1]), np.zeros(3))
+
+
+def turn(t):
+    """A scene turned by a right angle; in space each axis becomes the next one."""
+    if t.scene.rings:
+        raise Unfit("rings have one axis")
+    return moved(t, [[0, -1], [1, 0]] if t.scene.dim == 2 else [[0, 0, 1], [1, 0, 0], [0, 1, 0]], np.zeros(3))
+
+
+def units(t):
+    """A scene in other units of length, time and mass, powers of two."""
+    length, time, mass = 2.0**4, 2.0**-3, 2.0**6
+    scene, one = t.tight
+    scene = scaled(scene, length, time, mass)
+    ties = "spacing_coarse" in scene.options  # which rounding breaks when a graded packing is spread
+    return close(scene, one, t.run(scene), scale=(length, time), packing=ties)
+
+
+def outputs(t):
+    """What is measured and written does not change the run, to the bit."""
+    more = "-gauge_forces -gauge_droplets -gauge_pinch_off -gauge_spread -snapshot_interval 1e-30 -snapshot_walls "
+    more += f"-gauge_points {middle_of(t.scene)} -gauge_neck {'y' if t.scene.dim == 2 else 'z'}"
+    return same(t.plain, t.run(t.scene, more))
+
+
+def middle_of(scene):
+    return ",".join(repr(float(v)) for v in 0.5 * (scene.vector("box_lower") + scene.vector("box_upper"))[:scene.dim])
+
+
+def clock(t):
+    """Checkpoints by the clock do not change the run, to the bit."""
+    return same(t.plain, t.run(t.scene, "-checkpoint_wall_clock 1e-9"))
+
+
+def half(t):
+    """Half or a quarter of a symmetric scene is the whole."""
+    path, (scene, whole) = t.file("whole.opts"), t.even
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(reduce.as_text(list(scene.options.items())))
+    model = reduce.Model(path, ["-steps_max", str(t.steps)])
+    planes = [letter for letter in model.mirrors if letter != "xyz"[t.scene.dim - 1]]
+    if not planes:
+        raise Unfit("; ".join(model.against) or "there is no mirror")
+    try:
+        lines, _ = reduce.mirrored(reduce.Scene(path, model), planes[:2])
+    except reduce.tables.RunError as error:
+        raise Unfit(str(error)) from error
+    part = Scene(t.scene.name, {k: v for k, v in lines if k != "gauge_multiplicity"})
+    places, images = whole.first["position"], 2**len(planes[:2])
+    for letter in planes[:2]:
+        d = "xyz".index(letter)
+        seen = places.copy()
+        seen[:, d] = 2 * part.vector("box_lower")[d] - seen[:, d]
+        if nearest(scene, seen, places)[1].max() > SAME_PLACE:
+            raise Unfit("the packing of the whole is not symmetric")
+    other = t.run(part)
+    if images * len(other.first["id"]) != len(places):
+        raise Unfit("the lattice of the whole has particles on the mirror")
+    whole, less = (runs.series(r.folder)["kinetic_energy"] for r in (whole, other))
+    apart = np.abs(whole - images * less).max() / max(np.abs(whole).max(), 1e-300)
+    return [] if apart <= 1e-6 else [f"kinetic energies differ by {apart:.2g} of it"]
+
+
+def later(t):
+    """A scene that starts at another time is the same then."""
+    if t.scene.moves():
+        raise Unfit(f"-{t.scene.moves()[0]} is a function of the time")
+    late, changes = 0.125, {}
+    for body in t.scene.names("bodies"):
+        if t.scene.options.get(f"{body}_type") == "emitter":
+            changes[f"{body}_start"] = [t.scene.number(f"{body}_start") + late]
+    if "gravity_amplitude" in t.scene.options:
+        phase = t.scene.number("gravity_phase") - 360 * late * t.scene.number("gravity_frequency")
+        changes["gravity_phase"] = [phase % 360]
+    changes["time_start"] = [t.scene.number("time_start") + late]
+    scene, one = t.tight
+    return close(scene, one, t.run(scene.copy(**changes)))
+
+
+def cut(t):
+    """A body that is cut in two along a plane is the body."""
+    for body in t.scene.names("bodies"):
+        if t.scene.options.get(f"{body}_shape", "box") != "box" or t.scene.options.get(f"{body}_type") == "emitter":
+            continue
+        if "interface_tension" in t.scene.options or f"{body}_holes" in t.scene.options:
+            continue
+        scene, one = t.even
+        scene = scene.explicit()
+        low, high = (scene.vector(f"{body}_{corner}")[:scene.dim] for corner in CORNERS)
+        low, high = np.maximum(low, scene.vector("box_lower")), np.minimum(high, scene.vector("box_upper"))
+        d = scene.dim - 1
+        if high[d] - low[d] < 4 * scene.spacing:
+            continue
+        where = low.copy(), high.copy()
+        where[1][d] = where[0][d] = low[d] + scene.spacing * round(0.5 * (high[d] - low[d]) / scene.spacing)
+        changes = {name.replace(f"{body}_", "upper_half_", 1): value for name, value in scene.options.items()
+                   if name.startswith(f"{body}_")}
+        names = scene.names("bodies")
+        changes["bodies"] = ",".join(names[:names.index(body) + 1] + ["upper_half"] + names[names.index(body) + 1:])
+        changes[f"{body}_upper"], changes["upper_half_lower"] = where[1], where[0]
+        return close(scene, one, t.run(scene.copy(**changes)), packing=True)
+    raise Unfit("no body is a box of four layers, without holes and an interface")
+
+
+def far(t):
+    """A solid far from everything changes nothing."""
+    scene, one = t.tight
+    d, n = scene.spacing, scene.dim
+    low, high = scene.vector("box_lower")[:n], scene.vector("box_upper")[:n]
+    taken = one.end()["position"][:, :n]
+    reach = 12 * d * max(1.0, scene.number("spacing_coarse") / d)
+    for k in range(2**n):
+        corner = np.array([(low, high)[k >> c & 1][c] for c in range(n)])
+        inward = np.sign(0.5 * (low + high) - corner)
+        center = corner + 4 * d * inward
+        if (high - low > 12 * d).all() and np.sqrt(((taken - center)**2).sum(axis=1)).min() > reach:
+            names = scene.names("solids") + ["remote"]
+            remote = dict(remote_shape="box", remote_lower=center - 1.6 * d, remote_upper=center + 1.6 * d)
+            return close(scene, one, t.run(scene.copy(solids=",".join(names), **remote)))
+    raise Unfit("no corner of the box is free")
+
+
+def frame(t):
+    """Liquid that nothing holds falls as the frame does in which it is at rest: but for the gradient's term against
+    pairing, which knows gravity (GradientCorrected)."""
+    scene = t.scene
+    if scene.names("solids") or any(kind in ("wall", "symmetry", "periodic") for kind in scene.faces().values()) or (
+            scene.rings or "central_force_rate" in scene.options or "gravity_amplitude" in scene.options or
+            "frame_rotation_rate" in scene.options or "emitter" in scene.options.values()):
+        raise Unfit("something holds or brings the liquid, or it has an axis")
+    g, dt = scene.vector("gravity")[:scene.dim], float(runs.series(t.plain.folder)["time_step"][1:].min())
+    pull = -g if g.any() else np.array([0.3, -0.5, 0.7])[:scene.dim] * scene.spacing / dt**2 / 400
+    fixed = t.tight[0].copy(pressure_regularization="0", time_step=[dt / 4], pressure_relaxation_time=[50 * dt])
+    other = fixed.copy(gravity=g + pull)
+    if fixed.options.get("scheme", "consistent") != "consistent":
+        raise Unfit("its steps or its speed of sound follow from the scene's speeds")
+    return close(scene, t.run(fixed), t.run(other),
+                 lambda x, v, time: (x + 0.5 * pull * time**2, v + pull * time), limit=1e-6)
+
+
+def keeps(t):
+    """A scene keeps mass, momentum and energy as far as it is closed."""
+    return kept.judge(t.scene, t.start(t.scene, steps=t.long))
+
+
+RELATIONS = {r.__name__: r for r in (dump, restart, ranks, bodies, options, shift, mirror, turn, units, outputs, clock,
+                                     half, later, cut, far, frame, keeps)}
+
+
+def prepared(scene):
+    """A Trial of a file's scene at the coarsest spacing that it bears."""
+    for factor in FACTORS:
+        trial = Trial(coarse(scene, factor), STEPS[scene.dim])
+        try:
+            if len(trial.run(trial.scene, steps=1).first["id"]) >= LEAST[scene.dim] or factor == FACTORS[-1]:
+                return trial
+        except (Unfit, RuntimeError):
+            if factor == FACTORS[-1]:
+                raise
+    raise AssertionError
+
+
+def drawn(number):
+    """A Trial of a random scene."""
+    scene = random_scenes.Scene(number)
+    options = {name[1:]: value for name, value in scene.options.items()}
+    options.update(spacing=str(random_scenes.D0), time_step_max="0.02")
+    return Trial(Scene(f"random/{number}", options), STEPS[scene.dim], scene.steps)
+
+
+def scenes():
+    """{name: function that makes its Trial}."""
+    found = {scene.name: functools.partial(prepared, scene) for scene in files()}
+    found.update({f"random/{k}": functools.partial(drawn, k) for k in range(random_scenes.SCENES)})
+    return found
+
+
+def today():
+    """The tenth that the date of the commit draws."""
+    date = subprocess.run(["git", "-C", runs.ROOT, "log", "-1", "--format=%ct"], stdout=subprocess.PIPE, text=True,
+                          check=False).stdout.strip()
+    return int(date or 0) // 86400 % TENTHS
+
+
+def of_part(name, part):
+    """Whether a scene belongs to a part."""
+    draw = zlib.crc32(name.encode())
+    if part in QUARTERS:
+        return draw % TENTHS == today() and draw // TENTHS % len(QUARTERS) == QUARTERS.index(part)
+    return draw % TENTHS == int(part)
+
+
+def judge(name, make, relations):
+    """Tries the relations on a scene; {relation: '' if it holds, else why it does not apply, or what is wrong}."""
+    fates = {}
+    try:
+        trial = make()
+    except (Unfit, RuntimeError) as error:
+        runs.check(False, f"{name} runs", str(error))
+        return fates
+    for relation, holds in relations.items():
+        try:
+            wrong = "; ".join(holds(trial)[:6])
+        except Unfit as error:
+            fates[relation] = str(error)
+            continue
+        except RuntimeError as error:
+            wrong = str(error)
+        if (name, relation) in KNOWN:
+            runs.check(bool(wrong), f"{name} {relation} is known to be wrong", "it holds now: its row goes")
+        else:
+            runs.check(not wrong, f"{name} {relation}", wrong)
+        fates[relation] = f"{WRONG}{wrong}" if wrong else ""
+    shutil.rmtree(trial.folder, ignore_errors=True)
+    return fates
+
+
+def known():
+    """{scene: {relation: fate}} of the last runs."""
+    try:
+        with open(OUTPUT, encoding="utf-8") as file:
+            return json.load(file)
+    except OSError:
+        return {}
+
+
+def keep(name, fates):
+    """Adds to the fates of a scene; several parts may run at a time."""
+    os.makedirs(os.path.dirname(OUTPUT), exist_ok=True)
+    with open(OUTPUT + ".lock", "w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        table = known()
+        table.setdefault(name, {}).update(fates)
+        with open(OUTPUT, "w", encoding="utf-8") as file:
+            json.dump(table, file, indent=1)
+
+
+def show():
+    """For each relation: in how many scenes it holds and is wrong, and why it does not apply to the others."""
+    table = known()
+    for relation in RELATIONS:
+        fates = [(name, own[relation]) for name, own in table.items() if relation in own]
+        wrong = [name for name, fate in fates if fate.startswith(WRONG)]
+        print(f"{relation}: holds in {sum(not fate for _, fate in fates)} scenes, is wrong in {len(wrong)} {wrong}")
+        why = collections.Counter(fate for _, fate in fates if fate and not fate.startswith(WRONG))
+        for reason, count in why.most_common():
+            print(f"    {count:4}  {reason[:150]}")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--part")
+    parser.add_argument("--parts", action="store_true")
+    parser.add_argument("--only", nargs="*", default=[])
+    parser.add_argument("--list", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.list:
+        return show()
+    chosen = {r: holds for r, holds in RELATIONS.items() if r in arguments.only} or RELATIONS
+    words = [word for word in arguments.only if word not in RELATIONS]
+    parts = runs.parts(*QUARTERS, *map(str, range(TENTHS)))
+    for name, make in scenes().items():
+        if arguments.part and not of_part(name, parts[0]) or words and not any(word in name for word in words):
+            continue
+        keep(name, judge(name, make, chosen))
+    return runs.done()
+
+
+if __name__ == "__main__":
+    main()
