@@ -90,7 +90,8 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
     if (!arrays->real[f]) continue;
     rows.width = Fields[f].width;
     PetscCall(H5FileWrite(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows,
-                          f == FIELD_POSITION ? position : arrays->real[f], Fields[f].unit, Fields[f].meaning));
+                          f == FIELD_POSITION ? position : arrays->real[f], SnapshotUnit(output, f),
+                          Fields[f].meaning));
   }
   PetscCall(PetscFree(position));
   rows.width = 1;

@@ -161,8 +161,10 @@ PetscErrorCode SeriesFinish(Output output);
 PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject);
 PetscErrorCode SnapshotCheck(Output output);
 PetscErrorCode SnapshotView(Output output, PetscViewer viewer);
-/* SnapshotFieldAt - field f of 0 .. SNAPSHOT_FIELDS - 1. Not collective. */
+/* SnapshotFieldAt - field f of 0 .. SNAPSHOT_FIELDS - 1. SnapshotUnit - its unit in the scene's dimensions, "1" for a
+   pure number. Not collective. */
 SnapshotField SnapshotFieldAt(PetscInt f);
+const char   *SnapshotUnit(Output output, PetscInt f);
 
 /* SnapshotName - the name of the file with an index. Not collective. */
 void SnapshotName(PetscInt index, char name[64]);

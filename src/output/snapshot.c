@@ -164,15 +164,13 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
     const SnapshotField field = SnapshotFieldAt(f);
     const hid_t         real  = output->content.precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-    ColumnWords         words;
 
     if (!(output->content.fields & 1U << f)) continue;
     PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "A field of a snapshot has at most three numbers");
     rows->width = field.width;
     Pack(output, arrays, particle, rows->n, f, values);
-    PetscCall(GaugesColumnWords(output->gauges, &field.column, &words));
     PetscCall(H5FileWrite(h5, field.column.name, field.integer < 0 ? real : H5FILE_INT, rows, values,
-                          words.unit[0] ? words.unit : "1", field.meaning));
+                          SnapshotUnit(output, f), field.meaning));
   }
   PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);

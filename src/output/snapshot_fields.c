@@ -22,6 +22,15 @@ SnapshotField SnapshotFieldAt(PetscInt f)
   return field;
 }
 
+const char *SnapshotUnit(Output output, PetscInt f)
+{
+  const SnapshotField field = SnapshotFieldAt(f);
+  ColumnWords         words = {.unit = ""};
+
+  (void)GaugesColumnWords(output->gauges, &field.column, &words);
+  return words.unit[0] ? words.unit : "1";
+}
+
 void SnapshotName(PetscInt index, char name[64])
 {
   (void)snprintf(name, 64, "snapshot_%06d.h5", (int)index);

@@ -251,6 +251,7 @@ static PetscErrorCode Write(const char options[], Liquid liquid, PetscReal copie
   PetscCall(PetscSNPrintf(text, sizeof(text), "%s: number of columns", name));
   CHECK(table->count > 30 && table->count < COLUMNS_MOST, text);
   PetscCall(OutputStep(output, &state, PETSC_TRUE));
+  PetscCall(OutputCheckpoint(output, &state));
   PetscCall(OutputDestroy(&output));
   PetscCall(GaugesDestroy(&gauges));
   PetscCall(SetupClose(&s));
@@ -266,8 +267,8 @@ static PetscErrorCode Write(const char options[], Liquid liquid, PetscReal copie
 
 /* --- rows --- */
 
-/* Each field of a snapshot has a row and its unit. Rank 0. */
-static PetscErrorCode CheckSnapshot(const Table *table, const char name[])
+/* Each field of a snapshot has a row and its unit; each of these fields of a checkpoint, too. Rank 0. */
+static PetscErrorCode CheckFields(const char file_name[], const Table *table, PetscInt others, const char name[])
 {
   hid_t      file;
   PetscBool  good   = PETSC_TRUE;
@@ -276,7 +277,7 @@ static PetscErrorCode CheckSnapshot(const Table *table, const char name[])
   char       text[128];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(text, sizeof(text), "%s/snapshot_000000.h5", folder));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s/%s", folder, file_name));
   file = H5Fopen(text, H5F_ACC_RDONLY, H5P_DEFAULT);
   for (PetscInt c = 0; c < table->count; c++) {
     const Numbers *row       = &table->column[c];
@@ -296,8 +297,8 @@ static PetscErrorCode CheckSnapshot(const Table *table, const char name[])
   }
   (void)H5Gget_info(file, &info);
   (void)H5Fclose(file);
-  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: fields of a snapshot have their rows' units", name));
-  CHECK(good && fields > 5 && (PetscInt)info.nlinks == fields + 1, text); /* and the group VTKHDF */
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%s: fields of %s have their rows' units", name, file_name));
+  CHECK(good && fields > 5 && (PetscInt)info.nlinks == fields + others, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,7 +331,8 @@ static PetscErrorCode CheckRows(const Table *table, PetscInt dim, const char nam
   CHECK(good, text);
   PetscCall(PetscSNPrintf(text, sizeof(text), "%s: names of all columns", name));
   CHECK(alone, text);
-  PetscCall(CheckSnapshot(table, name));
+  PetscCall(CheckFields("snapshot_000000.h5", table, 1, name));   /* and the group VTKHDF */
+  PetscCall(CheckFields("checkpoint_000003.h5", table, 3, name)); /* and layer, parent, counts of ranks */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
