@@ -287,6 +287,7 @@ static void RecordExchange(const PetscReal sum[], PetscReal tension, StepState *
   Exchange(state, sum[SUM_SHAKING_WORK]);
   Exchange(state, state->kinetic_energy - sum[SUM_KINETIC]);
   state->kinetic_energy = sum[SUM_KINETIC];
+  state->kinetic_most   = PetscMax(state->kinetic_most, state->kinetic_energy);
 }
 
 /* The state after an accepted step of size dt. */

@@ -27,8 +27,10 @@ typedef struct {
   PetscReal tension_swing;      /* sum over the steps of |work of surface tension|, J */
   PetscReal friction_work;      /* the part of viscous_work done by walls and solids that move, J */
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
+  PetscReal kinetic_most;       /* the largest of these so far, J */
   PetscReal given, taken;       /* sums over the steps of the energy that the fluid's motion gained and lost, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
+  PetscReal start_surface;      /* surface_energy at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
   PetscInt  rejected;           /* steps rolled back so far */
   PetscInt  lost;               /* particles that left through open faces so far */

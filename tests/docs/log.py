@@ -89,4 +89,20 @@ if runs.check(all(found), "budget_of_a_cavity", text[-800:]):
     dissipated, driven, share = (float(m[1]) for m in found)
     runs.check_within(-dissipated / driven, 0.85, 1, "a_cavity_dissipates_what_its_lid_puts_in")
     runs.check_within(share, -4, 1, "the_residual_is_a_share_of_that_in_per_cent")
+# Two drops collide without gravity: the loss is a share of the energy at impact, not of what was exchanged.
+text = log(runs.run("-options_file cases/drop_collision/case.opts -spacing 0.1e-3 -left_tension 0 -right_tension 0 "
+                    "-time_end 3e-3", "collision"))
+kinetic = runs.series(runs.scratch("collision"))["kinetic_energy"]
+found = re.search(r"residual -(\S+) J/m, -(\S+) % of the largest kinetic energy: no more than one impact", text)
+if runs.check(found is not None, "loss_of_a_collision", text[-900:]):
+    runs.check_within(float(found[2]) / (100 * float(found[1]) / kinetic.max()), 0.97, 1.03, "share_of_a_loss")
+
+# Syrup: tension gives what viscosity takes, both measured to tens of per cent; no energy has grown, and the line says
+# how far the measurement goes.
+SYRUP = """-dimension 2 -spacing 0.2e-3 -box_lower -4e-3,-3e-3 -box_upper 4e-3,3e-3 -bodies a,b -a_shape sphere
+ -a_radius 1e-3 -a_center -1e-3,0 -a_viscosity 10 -a_tension 0.072 -b_shape sphere -b_radius 1e-3 -b_center 1e-3,0
+ -b_viscosity 10 -b_tension 0.072 -time_end 0.03 """
+text = log(runs.run(SYRUP, "syrup"))
+runs.check("energy has grown" not in text and "-time_cfl" not in text and re.search(
+    r"within the error of its measurement, \S+ J/m", text), "syrup_gains_no_energy", text[-900:])
 runs.done()

@@ -53,7 +53,7 @@ page = report(ball, "--triangles", "2000")
 sphere = 4 / 3 * np.pi
 for name, wanted in (("the scene", "Scene: 1 bod"), ("a liquid", "<td>ball</td><td class=n>sphere</td>"),
                      ("dimensionless numbers", "Weber We"),
-                     ("the energy in the log's words", "of the energy exchanged"),
+                     ("the energy in the log's words", "of the largest kinetic energy"),
                      ("its cost", "4 steps, "), ("the options", "-ball_velocity 0.5,0,0"),
                      ("how to cite", "How to cite"), ("pictures", "data:image/png;base64,")):
     runs.check(wanted in page, f"the page has {name}", wanted)

@@ -72,7 +72,7 @@ def judge(scene, folder):
     """What is wrong with a run: a list of sentences."""
     r, wrong = Result(scene, folder), []
     free = [n for n in scene.names("solids") if scene.number(f"{n}_mass")]
-    faces = {kind for (letter, _), kind in scene.faces().items() if not scene.rings or letter == "y"} - {"open"}
+    faces = {kind for face, kind in scene.faces().items() if not scene.rings or face != ("x", "min")} - {"open"}
     closed = "emitter" not in scene.options.values() and r.s["lost"][-1] == 0
 
     def below(value, limit, what):

@@ -38,8 +38,8 @@ TIGHT_VISCOUS = {"viscous_ksp_rtol": "1e-13"}
 CLOSE = 2e-5                   # spacings, of places and of velocities times the time of the run: the weights of pairs
 #                                have 16 bits, and rounding may turn one by 8e-6; what was wrong was 2e-4 and more
 SAME_PLACE = 1e-6              # spacings: a start that differs by more has another packing
-REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine|too small for the kernel|"
-                     r"covered by a solid).*)", re.S)
+REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine|"
+                     r"too small for the kernel|covered by a solid).*)", re.S)
 NUMBERS = itertools.count()  # of folders
 WRONG = "wrong: "  # before a fate
 # What is wrong and not cured: such a relation must still be wrong in its scene, or its row goes.
